@@ -1,8 +1,12 @@
 #include "map_store/mission/event_book.h"
 
+#include <glog/logging.h>
+
 #include <algorithm>
 #include <cstddef>
 #include <utility>
+
+#include "map_store/mission/event_lines.h"
 
 namespace corbslam::map_store {
 
@@ -19,6 +23,7 @@ void EventBook::GoOnFrom(Past past) {
 }
 
 void EventBook::Note(uint64_t revision, MissionEvent::What what) {
+  std::optional<std::string> line = LineOf(mission_, what);
   MissionEvent event;
   event.time = clock_();
   event.revision = revision;
@@ -28,12 +33,20 @@ void EventBook::Note(uint64_t revision, MissionEvent::What what) {
     event.number = ++last_number_;
     events_.push_back(std::move(event));
     if (events_.size() > kKept) events_.pop_front();
+    if (line.has_value()) unlogged_.push_back(*std::move(line));
   }
   untold_ = true;
 }
 
 void EventBook::Tell() {
-  if (untold_.exchange(false)) listeners_.CallAllBut(0);
+  if (!untold_.exchange(false)) return;
+  std::vector<std::string> lines;
+  {
+    absl::MutexLock lock(&mutex_);
+    lines.swap(unlogged_);
+  }
+  for (const std::string& line : lines) LOG(INFO) << line;
+  listeners_.CallAllBut(0);
 }
 
 std::optional<MissionEvent> EventBook::After(uint64_t number) const {

@@ -1,4 +1,4 @@
-// Remembers what happened in a mission lately.
+// Remembers what happened in a mission lately, and logs what people watch for.
 #ifndef CORBSLAM_MAP_STORE_MISSION_EVENT_BOOK_H_
 #define CORBSLAM_MAP_STORE_MISSION_EVENT_BOOK_H_
 
@@ -8,6 +8,9 @@
 #include <deque>
 #include <functional>
 #include <optional>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "absl/base/thread_annotations.h"
 #include "absl/synchronization/mutex.h"
@@ -24,7 +27,8 @@ class EventBook {
   // How many events are remembered.
   static constexpr size_t kKept = 1000;
 
-  explicit EventBook(std::function<absl::Time()> clock) : clock_(std::move(clock)) {}
+  explicit EventBook(std::function<absl::Time()> clock, std::string mission = "")
+      : clock_(std::move(clock)), mission_(std::move(mission)) {}
 
   // What is kept of a book whose mission is asleep.
   struct Past {
@@ -41,7 +45,8 @@ class EventBook {
   // Notes what has happened; `revision` is the mission's then. It costs next to nothing, and waits
   // for nobody.
   void Note(uint64_t revision, MissionEvent::What what);
-  // Calls the listeners if something was noted since the last call. The caller holds no lock.
+  // Logs what was noted since the last call (event_lines.h), and calls the listeners if that is
+  // anything. The caller holds no lock.
   void Tell();
 
   // Returns the first event after `number` that is remembered, which also says how many before it
@@ -55,11 +60,13 @@ class EventBook {
 
  private:
   const std::function<absl::Time()> clock_;
+  const std::string mission_;
   Listeners listeners_;
   std::atomic<bool> untold_ = false;
   mutable absl::Mutex mutex_;
   uint64_t last_number_ ABSL_GUARDED_BY(mutex_) = 0;
   std::deque<MissionEvent> events_ ABSL_GUARDED_BY(mutex_);
+  std::vector<std::string> unlogged_ ABSL_GUARDED_BY(mutex_);
 };
 
 }  // namespace corbslam::map_store

@@ -34,7 +34,7 @@ MissionLoad MeasureLoad(const MissionState& state) {
 Mission::Mission(std::string name, MissionEnvironment environment)
     : strand_(std::move(name), std::move(environment)),
       profile_(strand_),
-      events_(strand_.environment().clock),
+      events_(strand_.environment().clock, strand_.name()),
       sessions_(strand_, events_),
       batches_(strand_, sessions_.listeners(), events_),
       fusion_(strand_, events_, [this] { sessions_.listeners().CallAllBut(0); }),

@@ -56,7 +56,7 @@ TEST(AdviceTest, WithoutACommandAllAreListed) {
   EXPECT_THAT(tool.Parse({}),
               AllOf(StartsWith("corbslam wants one of its commands"), HasSubstr("run "),
                     HasSubstr("What is there"), Not(HasSubstr("All of them"))));
-  EXPECT_GE(tool.exit_code, 100);
+  EXPECT_EQ(tool.exit_code, kWrongUsage);
 }
 
 TEST(AdviceTest, WithinACommandItsOwnAreListed) {
@@ -70,7 +70,7 @@ TEST(AdviceTest, AMistypedCommandIsNamedWithTheOneThatWasMeant) {
   EXPECT_THAT(tool.Parse({"mision", "list"}),
               AllOf(StartsWith("corbslam has no command \"mision\"; did you mean \"mission\"?"),
                     HasSubstr("Its commands"), HasSubstr("run ")));
-  EXPECT_GE(tool.exit_code, 100);
+  EXPECT_EQ(tool.exit_code, kWrongUsage);
   EXPECT_THAT(Tool().Parse({"mission", "lits"}),
               StartsWith("corbslam mission has no command \"lits\"; did you mean \"list\"?"));
   EXPECT_THAT(Tool().Parse({"launch"}), AllOf(StartsWith("corbslam has no command \"launch\"\n"),

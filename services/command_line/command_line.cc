@@ -2,14 +2,18 @@
 
 #include <cstdio>
 #include <cstdlib>
+#include <map>
+#include <set>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
+#include "absl/strings/str_split.h"
 #include "services/command_line/advice.h"
 #include "services/command_line/completion.h"
 #include "services/command_line/environment.h"
 #include "services/command_line/help_formatter.h"
 #include "services/command_line/man_page.h"
+#include "services/command_line/secrets.h"
 
 namespace corbslam::services {
 namespace {
@@ -109,16 +113,22 @@ void CommandLine::Parse(int argc, const char* const* argv) {
   }
 }
 
-std::optional<int> CommandLine::ParseOrExit(int argc, const char* const* argv) {
+std::optional<int> CommandLine::ParseOrExit(
+    int argc, const char* const* argv, const std::function<void(const std::string&)>& say_wrong) {
   try {
     Parse(argc, argv);
   } catch (const CLI::Success& success) {
     return app_->exit(success);
   } catch (const CLI::ParseError& error) {
     const std::string advice = AdviseOn(error, *app_);
-    if (advice.empty()) return app_->exit(error);
-    std::fputs(advice.c_str(), stderr);
-    return error.get_exit_code();
+    if (say_wrong != nullptr) {
+      say_wrong(advice.empty() ? error.what() : advice);
+    } else if (advice.empty()) {
+      app_->exit(error);
+    } else {
+      std::fputs(advice.c_str(), stderr);
+    }
+    return kWrongUsage;
   }
   return std::nullopt;
 }
@@ -142,13 +152,27 @@ std::string CommandLine::SourcesOf(const std::string& message) {
 }
 
 std::string CommandLine::DescribeConfiguration() {
-  std::vector<std::string> set;
+  std::map<std::string, std::string> sources;
   ForEachOption(*app_, [&](CLI::App&, CLI::Option& option) {
     const std::string source = Source(option);
-    if (!source.empty()) set.push_back(absl::StrCat("--", option.get_lnames()[0], ": ", source));
+    if (!source.empty()) sources[option.get_lnames()[0]] = source;
   });
-  return absl::StrCat(app_->config_to_str(/*default_also=*/true), "set by ",
-                      set.empty() ? "nothing" : absl::StrJoin(set, "; "));
+  std::string text;
+  std::set<std::string> shown;
+  const std::string values = app_->config_to_str(/*default_also=*/true);
+  for (const absl::string_view line : absl::StrSplit(values, '\n', absl::SkipEmpty())) {
+    const std::string name(line.substr(0, line.find('=')));
+    const auto source = sources.find(name);
+    absl::StrAppend(&text, HideSecrets(std::string(line)),
+                    source == sources.end() ? "" : absl::StrCat("  # ", source->second), "\n");
+    shown.insert(name);
+  }
+  for (const CLI::Option* option : app_->get_options()) {
+    const bool is_setting = option->get_configurable() && !option->get_lnames().empty();
+    if (!is_setting || shown.contains(option->get_lnames()[0])) continue;
+    absl::StrAppend(&text, "# ", option->get_lnames()[0], " is not set\n");
+  }
+  return text;
 }
 
 }  // namespace corbslam::services

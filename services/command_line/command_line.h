@@ -5,6 +5,7 @@
 #define CORBSLAM_SERVICES_COMMAND_LINE_COMMAND_LINE_H_
 
 #include <CLI/CLI.hpp>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -12,6 +13,10 @@
 #include "services/command_line/config_file.h"
 
 namespace corbslam::services {
+
+// What programs end with after a wrong flag, command or value: nothing was started
+// (docs/exit_codes.md).
+inline constexpr int kWrongUsage = 2;
 
 // Returns the version of all programs, such as "0.1.0".
 std::string ProgramVersion();
@@ -27,12 +32,17 @@ class CommandLine {
   // Sets what the options are bound to, or throws CLI::ParseError (or its success, after --help),
   // which says where a wrong value stands.
   void Parse(int argc, const char* const* argv);
-  // Does the same and prints what was thrown. Returns the program's exit code; nullopt if the
-  // program goes on.
-  std::optional<int> ParseOrExit(int argc, const char* const* argv);
+  // Does the same and prints what was thrown. Returns the program's exit code, 0 or kWrongUsage;
+  // nullopt if the program goes on.
+  // What is wrong goes to standard error, or to `say_wrong`.
+  std::optional<int> ParseOrExit(
+      int argc, const char* const* argv,
+      const std::function<void(const std::string&)>& say_wrong = nullptr);
 
-  // Returns every flag's value, in the file's form; then which flags were set, and where. Values
-  // are names of files at most: nothing secret is in a flag.
+  // Returns every flag's value in the file's form, a line each, behind it where it was set (as a
+  // comment) unless it is a default; then those that have no value, as comments. Secrets are in
+  // files, whose names are shown; of a value that has one in itself, as a camera's URL, it is left
+  // out (secrets.h).
   std::string DescribeConfiguration();
 
  private:

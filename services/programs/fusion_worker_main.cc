@@ -1,4 +1,6 @@
 // fusion_worker computes for map stores.
+#include <glog/logging.h>
+
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -12,6 +14,7 @@
 #include "services/programs/checks.h"
 #include "services/programs/observe_flags.h"
 #include "services/programs/program.h"
+#include "services/programs/start_lines.h"
 #include "services/programs/worker_observers.h"
 #include "services/security/flags.h"
 #include "services/server/server.h"
@@ -79,6 +82,10 @@ absl::Status Run(const Flags& flags) {
   security.server.rpc_observer = observers.OfCalls();
   ASSIGN_OR_RETURN(const std::unique_ptr<Server> server,
                    Server::Start(flags.listen, {&service}, security.server));
+  LOG(INFO) << "serves " << server->address() << " " << DescribeServing(flags.security)
+            << "; works on " << flags.service.threads << " requests at once, holds "
+            << flags.service.max_requests;
+  const auto minutes = observers.LogEachMinute(service);
   AnnounceAddress(server->address());
   WaitForStopSignal();
   server->Shutdown(absl::Seconds(flags.drain_s));

@@ -73,7 +73,12 @@ int main(int argc, char** argv) {
   corbslam::services::Flags flags;
   CLI::App app("Ends with 0 if the server says SERVING, else with 1 and why", "health");
   corbslam::services::AddFlags(app, flags);
-  CLI11_PARSE(app, argc, argv);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    // docs/exit_codes.md
+    return app.exit(error) == 0 ? 0 : 2;
+  }
   if (flags.address.empty()) return 0;
   const absl::Status status = corbslam::services::Ask(flags);
   if (status.ok()) return 0;

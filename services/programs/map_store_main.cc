@@ -9,17 +9,21 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
 #include "fusion_worker/local_fusion_worker.h"
 #include "map_store/map_store.h"
+#include "map_store/mission/mission_load.h"
 #include "map_store/rocks/rocks_journal.h"
 #include "services/convert/resource_names.h"
 #include "services/map_store_service/map_store_service.h"
+#include "services/observe/event_log/server_minutes.h"
 #include "services/programs/backup_flags.h"
 #include "services/programs/checks.h"
 #include "services/programs/default_vocabulary.h"
 #include "services/programs/limit_flags.h"
 #include "services/programs/observe_flags.h"
 #include "services/programs/program.h"
+#include "services/programs/start_lines.h"
 #include "services/programs/store_backups.h"
 #include "services/programs/store_observers.h"
 #include "services/programs/store_workers.h"
@@ -136,10 +140,21 @@ std::vector<absl::Status> Check(const Flags& flags) {
   return found;
 }
 
+std::string DescribeStart(const Flags& flags, const std::string& address, size_t missions) {
+  return absl::StrCat(
+      "serves ", address, " ", DescribeServing(flags.security), "; ", missions,
+      missions == 1 ? " mission in " : " missions in ",
+      flags.data_dir.empty() ? "memory alone" : flags.data_dir, "; fusion by ",
+      flags.in_process_worker
+          ? "itself"
+          : (flags.workers.empty() ? "nobody" : absl::StrJoin(flags.workers, ", ")),
+      "; memory budget ",
+      flags.store.memory_budget_bytes == 0 ? "none" : FormatBytes(flags.store.memory_budget_bytes));
+}
+
 absl::Status Run(Flags flags) {
   RETURN_IF_ERROR(CheckMemoryBudget(flags.memory_budget_bytes.value_or(0)));
   flags.store.memory_budget_bytes = flags.memory_budget_bytes.value_or(DefaultMemoryBudget());
-  LOG(INFO) << "memory budget: " << (flags.store.memory_budget_bytes >> 20) << " MiB";
   flags.store.retire = !flags.keep_everything;
   flags.store.fusion_threads = std::max(1, static_cast<int>(flags.workers.size()));
   RETURN_IF_ERROR(flags.store.Validate());
@@ -174,6 +189,8 @@ absl::Status Run(Flags flags) {
   security.server.rpc_observer = observers->OfCalls();
   ASSIGN_OR_RETURN(const std::unique_ptr<Server> server,
                    Server::Start(flags.listen, {&guarded}, security.server));
+  LOG(INFO) << DescribeStart(flags, server->address(), store.ListLoads().size());
+  const auto minutes = observers->LogEachMinute(store, flags.data_dir);
   AnnounceAddress(server->address());
   ReadinessWatch readiness(server.get(), [&store] { return store.CheckWritable(); });
   backups->Start();

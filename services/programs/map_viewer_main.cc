@@ -16,6 +16,7 @@
 #include "services/programs/checks.h"
 #include "services/programs/observe_flags.h"
 #include "services/programs/program.h"
+#include "services/programs/start_lines.h"
 #include "services/programs/viewer_observers.h"
 #include "services/security/flags.h"
 #include "services/security/pem_files.h"
@@ -155,11 +156,16 @@ absl::Status Run(Flags flags) {
   absl::StatusOr<PageFiles> page = PageFiles::Load(flags.page);
   if (!page.ok()) LOG(ERROR) << page.status().message();
   WarnOfOpenDoors(flags, access == nullptr, flags.web.tls.has_value());
-  Viewer viewer(MakeChannel(flags.store, credentials), std::move(robots), access, std::move(page),
-                flags.viewer);
+  const auto channel = MakeChannel(flags.store, credentials);
+  Viewer viewer(channel, std::move(robots), access, std::move(page), flags.viewer);
   ASSIGN_OR_RETURN(const std::unique_ptr<WebServer> server,
                    WebServer::Start(flags.listen, &viewer, flags.web));
   ASSIGN_OR_RETURN(const auto metrics, ServeViewerMetrics(flags.observe, viewer, *server));
+  LOG(INFO) << "shows browsers at " << (flags.web.tls.has_value() ? "https://" : "http://")
+            << server->address() << " the maps of " << flags.store << " ("
+            << DescribeCalling(flags.security) << "), "
+            << (access == nullptr ? "to everybody" : "to who has a token");
+  const auto minutes = LogViewerEachMinute(channel, viewer, *server);
   AnnounceAddress(server->address());
   WaitForStopSignal();
   return absl::OkStatus();

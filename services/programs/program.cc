@@ -5,7 +5,6 @@
 #include <signal.h>
 #include <sysexits.h>
 
-#include <algorithm>
 #include <cstdlib>
 #include <exception>
 #include <iostream>
@@ -28,13 +27,6 @@ void AddLogFlag(CLI::App& app, LogFormat& format) {
       ->default_str("text");
 }
 
-constexpr int kInvalid = 2;
-
-// Returns true if --validate-config is given, even where the other arguments can't be parsed.
-bool AsksForValidation(int argc, char** argv) {
-  return std::find(argv, argv + argc, std::string("--validate-config")) != argv + argc;
-}
-
 // Prints a line for each thing that is wrong.
 int Validate(const Program& program, const std::string& name) {
   bool valid = true;
@@ -43,7 +35,7 @@ int Validate(const Program& program, const std::string& name) {
     valid = valid && status.ok();
   }
   if (valid) std::cout << name << ": the configuration is valid\n";
-  return valid ? 0 : kInvalid;
+  return valid ? 0 : kWrongUsage;
 }
 
 int ExitCode(const absl::Status& status) {
@@ -68,14 +60,20 @@ int RunProgram(CLI::App& app, int argc, char** argv, const Program& program) {
   app.add_flag("--validate-config", validate_only,
                "Check all this and the files it names, and exit")
       ->configurable(false);
+  bool print_only = false;
+  app.add_flag("--print-config", print_only, "Print all settings, and where each was set, and exit")
+      ->configurable(false);
   CommandLine command_line(&app, app.get_name());
   if (const auto exit_code = command_line.ParseOrExit(argc, argv); exit_code.has_value()) {
-    return *exit_code != 0 && AsksForValidation(argc, argv) ? kInvalid : *exit_code;
+    return *exit_code;
   }
   StartLogging(argv[0], format);
   if (validate_only) return Validate(program, app.get_name());
-  LOG(INFO) << app.get_name() << " " << ProgramVersion() << " with\n"
-            << command_line.DescribeConfiguration();
+  if (print_only) {
+    std::cout << command_line.DescribeConfiguration();
+    return 0;
+  }
+  LOG(INFO) << app.get_name() << " " << ProgramVersion();
   // Threads of ours share the work. A pool of OpenCV's beside them waits for a processor that they
   // are on, and they for it: milliseconds in every frame with two of them.
   cv::setNumThreads(1);

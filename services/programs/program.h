@@ -20,10 +20,11 @@ struct Program {
   std::function<std::vector<absl::Status>()> check;
 };
 
-// Parses flags into what `app` is bound to (services/command_line), logs the effective
-// configuration, and runs. The exit code is 0, 1 (logged to standard error), 75 (EX_TEMPFAIL) where
-// `run` was not done in time (DEADLINE_EXCEEDED), or CLI11's for bad flags. With --validate-config
-// it only checks: 0, or 2 with a line for each thing that is wrong.
+// Parses flags into what `app` is bound to (services/command_line), logs which program this is, and
+// runs. The exit code (docs/exit_codes.md) is 0, 1 (logged to standard error), kWrongUsage for bad
+// flags, or 75 (EX_TEMPFAIL) where `run` was not done in time (DEADLINE_EXCEEDED). With
+// --print-config it prints the effective configuration and ends. With --validate-config it only
+// checks: 0, or kWrongUsage with a line for each thing that is wrong.
 int RunProgram(CLI::App& app, int argc, char** argv, const Program& program);
 
 // Hears SIGTERM and SIGINT, which must be blocked (BlockStopSignals), as long as it lives.

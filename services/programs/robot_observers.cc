@@ -64,6 +64,11 @@ std::unique_ptr<RobotMinutes> RobotObservers::LogEachMinute(const Agent* agent) 
   return std::make_unique<RobotMinutes>(agent, &tally_, options);
 }
 
+void RobotObservers::LogEvents(std::shared_ptr<client_agent::AgentEvents> events) {
+  events_ = std::make_unique<RobotEventLog>(std::move(events),
+                                            LogFields{.mission = mission_, .agent = name_});
+}
+
 void RobotObservers::SetDropped(uint64_t frames) {
   tally_.SetDropped(frames);
   if (metrics_ != nullptr) metrics_->robot.SetDropped(frames);

@@ -12,6 +12,7 @@
 #include "absl/status/statusor.h"
 #include "client_agent/agent/agent.h"
 #include "services/client/reachability/cause.h"
+#include "services/observe/event_log/robot_events.h"
 #include "services/observe/event_log/robot_minutes.h"
 #include "services/observe/event_log/uplink_log.h"
 #include "services/observe/metrics/metrics_endpoint.h"
@@ -45,6 +46,8 @@ class RobotObservers {
   // Begins the log's line a minute. The result must be destroyed before `agent`, which the
   // observers watch.
   std::unique_ptr<RobotMinutes> LogEachMinute(const client_agent::Agent* agent);
+  // Logs what fusion does to the robot, which its link notes here.
+  void LogEvents(std::shared_ptr<client_agent::AgentEvents> events);
   void SetDropped(uint64_t frames);
   // Serves the metrics, and announces the address; null if none are wanted. The result must be
   // destroyed before `agent` and `uplink` (which may be null).
@@ -69,6 +72,7 @@ class RobotObservers {
   std::unique_ptr<TraceFile> trace_file_;
   std::unique_ptr<RobotTrace> trace_;
   std::unique_ptr<UplinkLog> sessions_;
+  std::unique_ptr<RobotEventLog> events_;
   std::unique_ptr<Uplink> uplink_;
   std::unique_ptr<client_agent::Agent> agent_;
 };

@@ -20,6 +20,7 @@
 #include "services/client/remote/place_asker.h"
 #include "services/client/remote/remote_uplink.h"
 #include "services/command_line/help_formatter.h"
+#include "services/command_line/secrets.h"
 #include "services/convert/errors.h"
 #include "services/convert/resource_names.h"
 #include "services/observe/logging/log_fields.h"
@@ -39,6 +40,7 @@
 #include "services/programs/robot_observers.h"
 #include "services/programs/share_flags.h"
 #include "services/programs/spool_flags.h"
+#include "services/programs/start_lines.h"
 #include "services/security/flags.h"
 #include "services/server/server.h"
 #include "slam/util/status_macros.h"
@@ -180,8 +182,8 @@ AgentOptions MakeAgentOptions(const Flags& flags, const FeatureSelection& upload
   options.keep_trajectory = !flags.trajectory.empty() || !flags.listen.empty();
   if (!flags.listen.empty()) {
     options.orders = std::make_shared<AgentOrders>();
-    options.events = std::make_shared<client_agent::AgentEvents>();
   }
+  options.events = std::make_shared<client_agent::AgentEvents>();
   const bool stereo = std::holds_alternative<StereoCalibration>(calibration);
   options.sensor.orb.features = flags.features != 0 ? flags.features : stereo ? 2000 : 1000;
   return options;
@@ -210,15 +212,30 @@ RobotReport MakeReport(const Flags& flags, const Agent& agent, const RobotSource
   return report;
 }
 
+LogFields WhoOf(const Flags& flags) {
+  return {.mission = flags.server.empty() ? "" : flags.mission, .agent = flags.agent};
+}
+
+std::string DescribeStart(const Flags& flags) {
+  std::string line = absl::StrCat("plays ", HideSecrets(flags.source), "; ");
+  if (flags.server.empty()) {
+    absl::StrAppend(&line, "alone, without a map store");
+  } else {
+    absl::StrAppend(&line, "map store ", flags.server, " ", DescribeCalling(flags.security));
+  }
+  if (!flags.spool.folder.empty()) absl::StrAppend(&line, "; spool in ", flags.spool.folder);
+  return line;
+}
+
 absl::Status WriteResults(const Flags& flags, const Agent& agent,
                           const SensorCalibration& calibration, const RobotReport& report) {
   if (!flags.trajectory.empty()) {
     RETURN_IF_ERROR(WriteAgentTrajectories(agent, calibration, flags.poses_of, flags.trajectory));
   }
   if (!flags.held_map.empty()) RETURN_IF_ERROR(WriteHeldMap(GetHeldMap(agent), flags.held_map));
-  const std::string statistics = ToJson(report).dump(2) + "\n";
-  LOG(INFO) << LogFields{.mission = flags.mission, .agent = flags.agent} << "done\n" << statistics;
-  return flags.stats.empty() ? absl::OkStatus() : WriteText(flags.stats, statistics);
+  LOG(INFO) << WhoOf(flags) << DescribeEnd(report);
+  if (flags.stats.empty()) return absl::OkStatus();
+  return WriteText(flags.stats, ToJson(report).dump(2) + "\n");
 }
 
 // Returns null without --server.
@@ -321,6 +338,7 @@ absl::Status Run(const Flags& flags) {
     observers->LogSessions({flags.server, kMapStoreService, flags.security});
   }
   ASSIGN_OR_RETURN(ServerSecurity security, MakeListenSecurity(flags));
+  LOG(INFO) << WhoOf(flags) << DescribeStart(flags);
   const StopWatcher stop;
   ASSIGN_OR_RETURN(const auto vocabulary, Vocabulary::Load(flags.vocabulary));
   const absl::StatusOr<RobotSource> opened = OpenFlaggedSource(flags, stop.stopped());
@@ -333,6 +351,7 @@ absl::Status Run(const Flags& flags) {
   RETURN_IF_ERROR(CheckPosesOf(calibration, flags.poses_of));
   ASSIGN_OR_RETURN(const RecordedCamera recorded, RecordedCameraOf(calibration));
   AgentOptions options = MakeAgentOptions(flags, upload, calibration);
+  if (uplink != nullptr) observers->LogEvents(options.events);
   if (channel != nullptr) options.ask_place = MakePlaceAsker(channel, flags.mission);
   if (options.max_map_bytes > 0) {
     LOG(INFO) << "memory budget: " << (flags.memory.budget_bytes >> 20) << " MiB, of which "
@@ -350,7 +369,8 @@ absl::Status Run(const Flags& flags) {
                    Agent::Create(options, calibration, vocabulary, observers->Watch(uplink.get()),
                                  std::move(spool)));
   Agent* const watched = observers->Watch(agent.get());
-  const auto recording = recorder != nullptr ? recorder->Watch(watched, options.orders.get()) : nullptr;
+  const auto recording =
+      recorder != nullptr ? recorder->Watch(watched, options.orders.get()) : nullptr;
   const auto minutes = observers->LogEachMinute(agent.get());
   AgentService service(agent.get(), uplink.get(),
                        {.mission = uplink != nullptr ? flags.mission : "",
@@ -364,6 +384,8 @@ absl::Status Run(const Flags& flags) {
   std::unique_ptr<Server> server;
   if (!flags.listen.empty()) {
     ASSIGN_OR_RETURN(server, Server::Start(flags.listen, {&service}, security.server));
+    LOG(INFO) << WhoOf(flags) << "serves " << server->address() << " "
+              << DescribeServing(ListenSecurityOf(flags));
     AnnounceAddress(server->address());
   }
   PlayedFrames frames;

@@ -20,9 +20,9 @@ class StoreBackups {
  public:
   // Neither is owned, and both must outlive it; `journal` is null where missions are in memory
   // only, and without --backup-dir there are no backups either. Errors name the flag.
-  static absl::StatusOr<std::unique_ptr<StoreBackups>> Make(
-      const BackupFlags& flags, map_store::MapStore* store,
-      const map_store::RocksJournal* journal);
+  static absl::StatusOr<std::unique_ptr<StoreBackups>> Make(const BackupFlags& flags,
+                                                            map_store::MapStore* store,
+                                                            const map_store::RocksJournal* journal);
 
   // Null: there are none.
   map_store::StoredBackups* backups() { return backups_.get(); }

@@ -5,11 +5,13 @@
 #include <prometheus/registry.h>
 
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "absl/status/statusor.h"
 #include "map_store/map_store.h"
 #include "services/map_store_service/map_store_service.h"
+#include "services/observe/event_log/minute_log.h"
 #include "services/observe/event_log/sync_log.h"
 #include "services/observe/metrics/ingest_metrics.h"
 #include "services/observe/metrics/journal_metrics.h"
@@ -32,6 +34,9 @@ class StoreObservers {
   // Return the observers for MapStoreServiceOptions and ServerOptions.
   std::vector<SyncObserver*> OfStreams();
   RpcObserver* OfCalls();
+  // Begins the log's line a minute. `data_dir` is empty where missions are in memory alone. The
+  // result must be destroyed before the store.
+  std::unique_ptr<MinuteLog> LogEachMinute(map_store::MapStore& store, const std::string& data_dir);
   // Serves the metrics, those of `more` among them, and announces the address; null if none are
   // wanted. The result must be destroyed before the store and its service.
   absl::StatusOr<std::unique_ptr<MetricsEndpoint>> Serve(

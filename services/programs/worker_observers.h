@@ -1,4 +1,4 @@
-// Makes what watches a fusion worker at work: metrics, if the flags say so.
+// Makes what watches a fusion worker at work: its log and, if the flags say so, metrics.
 #ifndef CORBSLAM_SERVICES_PROGRAMS_WORKER_OBSERVERS_H_
 #define CORBSLAM_SERVICES_PROGRAMS_WORKER_OBSERVERS_H_
 
@@ -8,6 +8,8 @@
 
 #include "absl/status/statusor.h"
 #include "services/fusion_worker_service/fusion_worker_service.h"
+#include "services/observe/event_log/call_tally.h"
+#include "services/observe/event_log/minute_log.h"
 #include "services/observe/metrics/metrics_endpoint.h"
 #include "services/observe/metrics/rpc_metrics.h"
 #include "services/programs/observe_flags.h"
@@ -24,7 +26,9 @@ class WorkerObservers {
   // Returns what it is given, or a watched form of it.
   FusionWorker* Watch(FusionWorker* worker);
   // Returns the observer for ServerOptions.
-  RpcObserver* OfCalls();
+  RpcObserver* OfCalls() { return tally_.get(); }
+  // Begins the log's line a minute. The result must be destroyed before the service.
+  std::unique_ptr<MinuteLog> LogEachMinute(const FusionWorkerService& service);
   // Serves the metrics, and announces the address; null if none are wanted. The result must be
   // destroyed before the service.
   absl::StatusOr<std::unique_ptr<MetricsEndpoint>> Serve(const FusionWorkerService& service);
@@ -38,6 +42,7 @@ class WorkerObservers {
 
   const ObserveFlags flags_;
   std::unique_ptr<Metrics> metrics_;
+  std::unique_ptr<CallTally> tally_;
 };
 
 }  // namespace corbslam::services

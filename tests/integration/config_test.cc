@@ -21,6 +21,7 @@ using services::ChildProcess;
 namespace {
 
 using ::testing::AllOf;
+using ::testing::ContainsRegex;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
@@ -147,28 +148,52 @@ std::string LogOfWorker(std::vector<std::string> arguments) {
   return ReadText(log);
 }
 
-TEST(ConfigTest, TheEffectiveConfigurationIsLoggedWithItsSources) {
+TEST(ConfigTest, SettingsArePrintedWithTheirSourcesAndNothingIsStarted) {
   const std::string path = WriteConfig("threads = 3\nrequests = 7\n");
   setenv("CORBSLAM_FUSION_WORKER_REQUESTS", "5", 1);
-  const std::string log = LogOfWorker({"--config", path, "--insecure", "--listen", "127.0.0.1:0"});
+  const Ended printed = RunToEnd("fusion_worker", {"--print-config", "--config", path, "--insecure",
+                                                   "--listen", "127.0.0.1:0"});
   unsetenv("CORBSLAM_FUSION_WORKER_REQUESTS");
-  EXPECT_THAT(
-      log, AllOf(HasSubstr("fusion_worker "), HasSubstr("threads=3\n"), HasSubstr("requests=5\n"),
-                 HasSubstr("drain=2\n"), HasSubstr("--requests: CORBSLAM_FUSION_WORKER_REQUESTS"),
-                 HasSubstr("--threads: " + path + ":1"), HasSubstr("--listen: command line")));
+  EXPECT_EQ(printed.exit_code, 0);
+  EXPECT_THAT(printed.text,
+              AllOf(HasSubstr("threads=3  # " + path + ":1\n"),
+                    HasSubstr("requests=5  # CORBSLAM_FUSION_WORKER_REQUESTS\n"),
+                    HasSubstr("listen=\"127.0.0.1:0\"  # command line\n"), HasSubstr("\ndrain=2\n"),
+                    HasSubstr("# tls-key is not set\n"), Not(HasSubstr("listening on"))));
 }
 
-TEST(ConfigTest, SecretsAreNotLogged) {
+TEST(ConfigTest, TheLogBeginsWithWhatItIsAndHasNoSettings) {
+  const std::string log = LogOfWorker({"--insecure", "--listen", "127.0.0.1:0"});
+  EXPECT_THAT(log, ContainsRegex("\\] fusion_worker [0-9.]+\n"));
+  EXPECT_THAT(log,
+              ContainsRegex("\\] serves 127.0.0.1:[0-9]+ without TLS, to everybody; works on 2 "
+                            "requests at once, holds 16\n"));
+  EXPECT_THAT(log, Not(HasSubstr("drain")));
+  EXPECT_LE(std::count(log.begin(), log.end(), '\n'), 6) << log;
+}
+
+TEST(ConfigTest, SecretsAreNeitherLoggedNorPrinted) {
   const test_data::TestCertificates certificates("lab");
   std::vector<std::string> flags = certificates.Flags("worker");
   flags.insert(flags.end(), {"--listen", "127.0.0.1:0"});
-  const std::string log = LogOfWorker(flags);
-  EXPECT_THAT(log, HasSubstr(certificates.Path("worker.key")));
+  std::string text = LogOfWorker(flags);
+  flags.push_back("--print-config");
+  text += RunToEnd("fusion_worker", flags).text;
+  EXPECT_THAT(text, HasSubstr(certificates.Path("worker.key")));
   const std::string key = ReadText(certificates.Path("worker.key"));
   for (size_t begin = 0; begin + 64 < key.size(); begin = key.find('\n', begin) + 1) {
     const std::string line = key.substr(begin, key.find('\n', begin) - begin);
-    EXPECT_THAT(log, Not(HasSubstr(line)));
+    EXPECT_THAT(text, Not(HasSubstr(line)));
   }
+}
+
+TEST(ConfigTest, WrongFlagsEndWithTwo) {
+  for (const char* program : {"map_store", "fusion_worker", "map_viewer", "client_agent"}) {
+    EXPECT_EQ(RunToEnd(program, {"--no-such-flag"}).exit_code, 2) << program;
+  }
+  EXPECT_EQ(RunToEnd("corbslam", {"misson"}).exit_code, 2);
+  EXPECT_EQ(RunToEnd("corbslam", {"mission", "list"}).exit_code, 2) << "--server is missing";
+  EXPECT_EQ(RunToEnd("corbslam", {}).exit_code, 2);
 }
 
 }  // namespace

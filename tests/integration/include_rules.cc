@@ -123,6 +123,7 @@ const std::map<absl::string_view, Heights>& Ladders() {
            {"programs/recording", 7},
            {"viewer/web", 6},
            {"tool/export", 8},
+           {"tool/output", 8},
            {"viewer", 8},
            {"programs", 9},
            {"simulated_source", 10},

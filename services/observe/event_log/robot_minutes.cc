@@ -1,13 +1,10 @@
 #include "services/observe/event_log/robot_minutes.h"
 
-#include <glog/logging.h>
-
 #include <algorithm>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
-#include "absl/time/clock.h"
 #include "services/server/process_usage.h"
 
 namespace corbslam::services {
@@ -42,11 +39,15 @@ std::string DescribeOutbox(const UploadStatus& upload) {
                       upload.room.ok() ? "" : absl::StrCat(", ", upload.room.message()));
 }
 
+// Returns what is wrong with the link, to be said before all else; empty if nothing is.
+std::string DescribeTrouble(const RobotMinute& minute) {
+  if (!minute.link.has_value() || minute.link->ok()) return "";
+  return absl::StrCat("not connected: ", minute.link->message(), "; ");
+}
+
 std::string DescribeLink(const RobotMinute& minute) {
   if (!minute.link.has_value()) return "no map store";
-  return absl::StrCat(
-      minute.link->ok() ? "connected" : absl::StrCat("not connected: ", minute.link->message()),
-      ", ", DescribeOutbox(minute.status.upload));
+  return absl::StrCat(minute.link->ok() ? "connected, " : "", DescribeOutbox(minute.status.upload));
 }
 
 }  // namespace
@@ -81,10 +82,10 @@ std::string FormatMinute(const RobotMinute& minute) {
   const FrameCounts& frames = minute.frames;
   const AgentStatus& status = minute.status;
   const double seconds = absl::ToDoubleSeconds(minute.took);
-  std::string line =
-      absl::StrFormat("%.1f frames/s: %d of %d tracked, %d dropped; %s",
-                      seconds > 0 ? static_cast<double>(frames.frames) / seconds : 0.0,
-                      frames.tracked, frames.frames, frames.dropped, DescribeState(status.state));
+  std::string line = absl::StrFormat(
+      "%s; %s%.1f frames/s: %d of %d tracked, %d dropped", DescribeState(status.state),
+      DescribeTrouble(minute), seconds > 0 ? static_cast<double>(frames.frames) / seconds : 0.0,
+      frames.tracked, frames.frames, frames.dropped);
   if (frames.median_points.has_value()) {
     absl::StrAppend(&line, ", ", *frames.median_points, " points in the median frame");
   }
@@ -95,22 +96,16 @@ std::string FormatMinute(const RobotMinute& minute) {
 }
 
 RobotMinutes::RobotMinutes(const Agent* agent, FrameTally* tally, RobotMinutesOptions options)
-    : agent_(*agent), tally_(*tally), options_(std::move(options)), thread_([this] { Run(); }) {}
+    : agent_(*agent),
+      tally_(*tally),
+      session_(std::move(options.session)),
+      log_([this](absl::Duration took) { return MakeLine(took); }, std::move(options.who),
+           options.every) {}
 
-RobotMinutes::~RobotMinutes() {
-  stop_.Notify();
-  thread_.join();
-}
-
-void RobotMinutes::Run() {
-  absl::Time begin = absl::Now();
-  while (!stop_.WaitForNotificationWithTimeout(options_.every)) {
-    const absl::Time end = absl::Now();
-    RobotMinute minute{end - begin, tally_.Take(), agent_.GetStatus(), std::nullopt, GetRssBytes()};
-    if (options_.session != nullptr) minute.link = options_.session();
-    LOG(INFO) << options_.who << FormatMinute(minute);
-    begin = end;
-  }
+std::string RobotMinutes::MakeLine(absl::Duration took) {
+  RobotMinute minute{took, tally_.Take(), agent_.GetStatus(), std::nullopt, GetRssBytes()};
+  if (session_ != nullptr) minute.link = session_();
+  return FormatMinute(minute);
 }
 
 }  // namespace corbslam::services

@@ -6,15 +6,14 @@
 #include <functional>
 #include <optional>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "absl/base/thread_annotations.h"
 #include "absl/status/status.h"
 #include "absl/synchronization/mutex.h"
-#include "absl/synchronization/notification.h"
 #include "absl/time/time.h"
 #include "client_agent/agent/agent.h"
+#include "services/observe/event_log/minute_log.h"
 #include "services/observe/logging/log_fields.h"
 #include "services/observe/observed_agent.h"
 
@@ -55,7 +54,7 @@ struct RobotMinute {
   std::optional<absl::Status> link;
   uint64_t rss_bytes = 0;
 };
-// Returns the line.
+// Returns the line: what the robot is at and what is wrong with its link first, then counts.
 std::string FormatMinute(const RobotMinute& minute);
 
 struct RobotMinutesOptions {
@@ -70,18 +69,15 @@ class RobotMinutes {
  public:
   // `agent` and `tally` are not owned and outlive it.
   RobotMinutes(const client_agent::Agent* agent, FrameTally* tally, RobotMinutesOptions options);
-  ~RobotMinutes();
-  RobotMinutes(const RobotMinutes&) = delete;
-  RobotMinutes& operator=(const RobotMinutes&) = delete;
 
  private:
-  void Run();
+  std::string MakeLine(absl::Duration took);
 
   const client_agent::Agent& agent_;
   FrameTally& tally_;
-  const RobotMinutesOptions options_;
-  absl::Notification stop_;
-  std::thread thread_;
+  const std::function<absl::Status()> session_;
+  // The last member: it uses the others.
+  MinuteLog log_;
 };
 
 }  // namespace corbslam::services

@@ -21,6 +21,7 @@ namespace {
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
+using ::testing::StartsWith;
 
 TrackingResult Result(TrackingState state, int points) {
   TrackingResult result;
@@ -60,8 +61,8 @@ TEST(RobotMinutesTest, TheLineSaysHowTheRobotFares) {
   minute.link = absl::UnavailableError("store.lan: no such name");
   minute.rss_bytes = 200 << 20;
   EXPECT_EQ(FormatMinute(minute),
-            "30.0 frames/s: 1790 of 1800 tracked, 3 dropped; tracking, 312 points in the median "
-            "frame; 145 keyframes in 2 local maps; not connected: store.lan: no such name, 4 "
+            "tracking; not connected: store.lan: no such name; 30.0 frames/s: 1790 of 1800 "
+            "tracked, 3 dropped, 312 points in the median frame; 145 keyframes in 2 local maps; 4 "
             "batches wait (1.5 MiB in memory, 0.0 MiB on disk); memory 200.0 MiB");
   minute.link = absl::OkStatus();
   EXPECT_THAT(FormatMinute(minute), AllOf(HasSubstr("; connected, 4"), Not(HasSubstr("not con"))));
@@ -73,8 +74,7 @@ TEST(RobotMinutesTest, AMinuteWithoutFramesIsSaidToo) {
   RobotMinute minute;
   minute.took = absl::Seconds(60);
   minute.status.state = TrackingState::kLost;
-  EXPECT_THAT(FormatMinute(minute),
-              AllOf(HasSubstr("0.0 frames/s: 0 of 0 tracked"), HasSubstr("; lost;")));
+  EXPECT_THAT(FormatMinute(minute), StartsWith("lost; 0.0 frames/s: 0 of 0 tracked"));
 }
 
 class IdleAgent : public Agent {
@@ -118,7 +118,8 @@ TEST(RobotMinutesTest, LinesComeWhileNoFrameComes) {
   absl::MutexLock lock(&line.mutex);
   const auto come = [&]() ABSL_SHARED_LOCKS_REQUIRED(line.mutex) { return !line.text.empty(); };
   ASSERT_TRUE(line.mutex.AwaitWithTimeout(absl::Condition(&come), absl::Seconds(20)));
-  EXPECT_THAT(line.text, HasSubstr("mission=lab agent=alpha 0.0 frames/s"));
+  EXPECT_THAT(line.text,
+              StartsWith("mission=lab agent=alpha waiting for a first frame with depth; 0.0"));
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include <glog/logging.h>
 
+#include "services/observe/logging/grpc_log.h"
 #include "services/observe/logging/json_log_sink.h"
 
 namespace corbslam::services {
@@ -28,6 +29,7 @@ void StartLogging(const char* program, LogFormat format) {
     FLAGS_logtostderr = true;
   }
   google::InitGoogleLogging(program);
+  SendGrpcLinesToLog();
 }
 
 void EndLogging() { google::ShutdownGoogleLogging(); }

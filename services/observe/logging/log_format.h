@@ -9,7 +9,8 @@ enum class LogFormat {
   kJson,  // An object a line (json_log_sink.h).
 };
 
-// Begins logging to standard error. A process calls it once.
+// Begins logging to standard error, gRPC's own lines included (grpc_log.h). A process calls it
+// once.
 void StartLogging(const char* program, LogFormat format);
 // Ends logging: nothing may be logged afterwards.
 void EndLogging();

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "absl/strings/str_cat.h"
+
 namespace corbslam::services {
 
 using client_agent::Agent;
@@ -65,6 +67,21 @@ std::vector<ReportWarning> ToReportWarnings(const SourceFindings& findings) {
     warnings.push_back({"", finding.code, finding.text});
   }
   return warnings;
+}
+
+std::string DescribeEnd(const RobotReport& report) {
+  std::string line = absl::StrCat(
+      "done: ", report.tracked, " of ", report.frames, " frames tracked, ", report.dropped,
+      " dropped; ", report.keyframes, " keyframes, ", report.map_points, " points in ",
+      report.local_maps, report.local_maps == 1 ? " local map" : " local maps");
+  if (report.outbox.batches > 0) {
+    absl::StrAppend(&line, "; ", report.outbox.batches,
+                    report.outbox.batches == 1 ? " batch" : " batches", " did not reach the store");
+  }
+  for (const ReportWarning& warning : report.warnings) {
+    absl::StrAppend(&line, "; ", warning.code);
+  }
+  return line;
 }
 
 }  // namespace corbslam::services

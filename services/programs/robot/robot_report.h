@@ -111,6 +111,10 @@ RobotReport MakeRobotReport(const client_agent::Agent& agent);
 // Returns the findings in the form that reports have.
 std::vector<ReportWarning> ToReportWarnings(const client_agent::SourceFindings& findings);
 
+// Returns the line with which a robot ends: what it tracked and mapped, and what did not get to the
+// store.
+std::string DescribeEnd(const RobotReport& report);
+
 // Writes the report. The names of the fields are a stable interface.
 nlohmann::ordered_json ToJson(const RobotReport& report);
 // Reads a report. DATA_LOSS names the field that is missing, of another kind or out of range.

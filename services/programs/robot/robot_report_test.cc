@@ -151,6 +151,25 @@ TEST(RobotReportTest, CountsAreNeitherCutNorWrapped) {
   }
 }
 
+TEST(RobotReportTest, TheLastLineSaysWhatCameOfIt) {
+  RobotReport report;
+  report.frames = 1800;
+  report.tracked = 1790;
+  report.dropped = 3;
+  report.keyframes = 145;
+  report.map_points = 9000;
+  report.local_maps = 1;
+  EXPECT_EQ(DescribeEnd(report),
+            "done: 1790 of 1800 frames tracked, 3 dropped; 145 keyframes, 9000 points in 1 local "
+            "map");
+  report.local_maps = 2;
+  report.outbox.batches = 4;
+  report.warnings = {{"", "source-too-slow", "the source is too slow"}};
+  EXPECT_EQ(DescribeEnd(report),
+            "done: 1790 of 1800 frames tracked, 3 dropped; 145 keyframes, 9000 points in 2 local "
+            "maps; 4 batches did not reach the store; source-too-slow");
+}
+
 TEST(ComputeSpreadTest, HasKnownValues) {
   const Spread even = ComputeSpread({4, 1, 3, 2});
   EXPECT_DOUBLE_EQ(even.median, 2.5);

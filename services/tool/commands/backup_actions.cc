@@ -173,10 +173,11 @@ void AddBackupActions(CLI::App& mission, const std::shared_ptr<MissionArguments>
   AddStoredFlag(*verify, *arguments);
   verify->get_option("--stored")->required();
   AddJsonFlag(*verify, *arguments);
-  CLI::App* archive = AddMissionAction(
-      mission, "archive", "Store a backup, verify it, and delete the mission; `restore` brings it "
-                          "back",
-      &Archive, arguments, chosen);
+  CLI::App* archive =
+      AddMissionAction(mission, "archive",
+                       "Store a backup, verify it, and delete the mission; `restore` brings it "
+                       "back",
+                       &Archive, arguments, chosen);
   AddMissionFlag(*archive, *arguments);
   AddJsonFlag(*archive, *arguments);
 }

@@ -11,6 +11,7 @@
 #include "absl/strings/str_format.h"
 #include "services/tool/commands/commands.h"
 #include "services/tool/evaluation/evaluation_input.h"
+#include "services/tool/output/result.h"
 #include "slam/evaluation/trajectory_error.h"
 #include "slam/util/status_macros.h"
 #include "slam/util/text_file.h"
@@ -98,6 +99,10 @@ absl::Status Eval(const EvalArguments& arguments) {
     const auto merged = AssociateByTime(MergeByTime(input.estimates), input.truth, max_gap_ns);
     ASSIGN_OR_RETURN(rows.emplace_back(), Measure("fused", all, merged, input.truth, alignment));
   }
+  if (WantsJson()) {
+    PrintResult("", rows);
+    return absl::OkStatus();
+  }
   std::printf("%-32s %6s %9s %9s %9s %9s %9s %9s\n", "trajectory", "poses", "ATE, m", "median",
               "max", "scale", "t_rel, %", "deg/100m");
   for (const auto& row : rows) PrintRow(row);
@@ -132,7 +137,8 @@ void AddEvalCommand(CLI::App& app, Command& chosen) {
   eval->add_option("--max-gap", arguments->max_gap_s,
                    "Seconds between estimate and truth, at most; up to 1")
       ->capture_default_str();
-  eval->add_option("--json", arguments->json, "Write the table as JSON, too");
+  eval->add_option("--json", arguments->json,
+                   "File to write the table to as JSON, too; - prints JSON instead");
   eval->callback([arguments, &chosen] { chosen = [arguments] { return Eval(*arguments); }; });
 }
 

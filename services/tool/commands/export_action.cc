@@ -1,4 +1,4 @@
-#include <cstdio>
+#include <functional>
 #include <limits>
 #include <map>
 #include <optional>
@@ -16,6 +16,8 @@
 #include "services/tool/export/ply_file.h"
 #include "services/tool/mission/mission_admin.h"
 #include "services/tool/mission/mission_summary.h"
+#include "services/tool/output/progress.h"
+#include "services/tool/output/result.h"
 #include "slam/camera/recorded_camera.h"
 #include "slam/evaluation/pose_header.h"
 #include "slam/util/status_macros.h"
@@ -53,7 +55,7 @@ absl::Status ExportPoints(const MissionArguments& arguments,
   for (const auto& [agent, colour] : colours) {
     if (!arguments.agent.empty() && agent != arguments.agent) continue;
     comments.push_back(absl::StrCat("robot ", agent, " ", ToString(colour)));
-    std::printf("%s\n", comments.back().c_str());
+    Say(comments.back() + "\n");
   }
   RETURN_IF_ERROR(WritePly(points, comments, arguments.file));
   RETURN_IF_ERROR(WriteLines(
@@ -61,7 +63,8 @@ absl::Status ExportPoints(const MissionArguments& arguments,
                     ", coloured by the robot that made them (the PLY's comments say which),"),
        "in the mission's global frame, that of its first local map; metres."},
       arguments.file + ".README.md"));
-  std::printf("%s: %zu points\n", arguments.file.c_str(), points.size());
+  PrintResult(absl::StrCat(arguments.file, ": ", points.size(), " points\n"),
+              {{"file", arguments.file}, {"points", points.size()}});
   return absl::OkStatus();
 }
 
@@ -70,11 +73,11 @@ absl::StatusOr<map_store::MissionState> ReadState(const MissionArguments& argume
                                                   const std::shared_ptr<grpc::Channel>& channel) {
   MissionAdmin admin(channel);
   MissionRestorer restorer(std::numeric_limits<uint64_t>::max());
-  const auto show = ShowBytes("read");
+  const std::function<void(uint64_t)> show = ShowBytes("read");
   uint64_t bytes = 0;
   RETURN_IF_ERROR(admin.ReadBackup(arguments.mission, [&](const std::string& piece) {
     bytes += piece.size();
-    if (show != nullptr) show(bytes);
+    show(bytes);
     return restorer.Add(piece);
   }));
   return restorer.Finish();
@@ -124,8 +127,14 @@ absl::Status ExportColmap(const MissionArguments& arguments,
   const ColmapSource source = MakeColmapSource(state, poses_of);
   ASSIGN_OR_RETURN(const ColmapCounts counts, WriteColmapModel(map, source, arguments.file));
   RETURN_IF_ERROR(WriteColmapReadme(arguments.mission, source, arguments.file));
-  std::printf("%s: %zu cameras, %zu images, %zu points, %zu observations\n", arguments.file.c_str(),
-              counts.cameras, counts.images, counts.points, counts.observations);
+  PrintResult(
+      absl::StrCat(arguments.file, ": ", counts.cameras, " cameras, ", counts.images, " images, ",
+                   counts.points, " points, ", counts.observations, " observations\n"),
+      {{"file", arguments.file},
+       {"cameras", counts.cameras},
+       {"images", counts.images},
+       {"points", counts.points},
+       {"observations", counts.observations}});
   return absl::OkStatus();
 }
 
@@ -143,6 +152,7 @@ absl::Status Export(const MissionArguments& arguments) {
     return absl::NotFoundError("mission " + arguments.mission + " has no keyframes yet");
   }
   if (arguments.format == "colmap") return ExportColmap(arguments, channel);
+  const ProgressTicker ticker(absl::StrCat("exports ", arguments.format));
   if (arguments.format == "mcap") return ExportMcap(arguments, channel);
   if (arguments.format == "ply") return ExportPoints(arguments, channel);
   return ExportTrajectories(arguments, channel);

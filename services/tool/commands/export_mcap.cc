@@ -1,6 +1,5 @@
 #include "services/tool/commands/export_mcap.h"
 
-#include <cstdio>
 #include <map>
 #include <set>
 #include <string>
@@ -15,6 +14,7 @@
 #include "services/tool/export/mcap/mission_recording.h"
 #include "services/tool/export/robot_colours.h"
 #include "services/tool/mission/mission_summary.h"
+#include "services/tool/output/result.h"
 #include "slam/evaluation/pose_header.h"
 #include "slam/util/status_macros.h"
 #include "slam/util/text_file.h"
@@ -32,7 +32,7 @@ absl::StatusOr<std::vector<RecordedNote>> CollectNotes(StoreReader& store,
   std::vector<RecordedNote> notes = NotesOfOverlaps(summary);
   const absl::StatusOr<std::vector<v1::MissionEvent>> events = store.ReadEvents();
   if (IsUnknownCall(events.status())) {
-    std::printf("the map store is older than this program and tells no events\n");
+    Say("the map store is older than this program and tells no events\n");
     return notes;
   }
   RETURN_IF_ERROR(events.status());
@@ -64,8 +64,7 @@ absl::StatusOr<ToldMap> RecordPast(const MissionArguments& arguments, StoreReade
         return recording.AddMoment(map);
       });
   if (IsUnknownCall(status)) {
-    std::printf(
-        "the map store is older than this program and tells no past: the map is as it is\n");
+    Say("the map store is older than this program and tells no past: the map is as it is\n");
   } else if (status.code() == absl::StatusCode::kResourceExhausted) {
     return absl::ResourceExhaustedError(
         absl::StrCat(status.message(), "; --moments says how many"));
@@ -161,8 +160,11 @@ absl::Status ExportMcap(const MissionArguments& arguments,
   RETURN_IF_ERROR(recording.End(map, trajectories));
   RETURN_IF_ERROR(recording.Finish());
   RETURN_IF_ERROR(WriteReadme(arguments, poses_of, recording));
-  std::printf("%s: %zu moments, %zu keyframes\n", arguments.file.c_str(), recording.moments(),
-              map.CountKeyframes());
+  PrintResult(absl::StrCat(arguments.file, ": ", recording.moments(), " moments, ",
+                           map.CountKeyframes(), " keyframes\n"),
+              {{"file", arguments.file},
+               {"moments", recording.moments()},
+               {"keyframes", map.CountKeyframes()}});
   return absl::OkStatus();
 }
 

@@ -1,7 +1,7 @@
 #include "services/tool/commands/export_trajectories.h"
 
-#include <cstdio>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <utility>
 #include <vector>
@@ -12,6 +12,7 @@
 #include "services/tool/evaluation/trajectory_files.h"
 #include "services/tool/export/euroc_file.h"
 #include "services/tool/mission/mission_summary.h"
+#include "services/tool/output/result.h"
 #include "slam/evaluation/pose_header.h"
 #include "slam/evaluation/trajectory_io.h"
 #include "slam/util/folders.h"
@@ -65,20 +66,28 @@ class TrajectoryExport {
           absl::StrCat("robot ", agent, ": nothing of it is connected to the global frame"));
     }
     if (served.empty()) {
-      std::printf("%s: nothing of it is connected to the global frame\n", agent.c_str());
+      Say(absl::StrCat(agent, ": nothing of it is connected to the global frame\n"));
+      rows_.push_back({{"agent", agent}, {"file", nullptr}, {"poses", 0}});
       return absl::OkStatus();
     }
     const std::vector<TrajectoryFile> files = ShareFiles(PartsOf(served));
     RETURN_IF_ERROR(WriteFiles(files, arguments_.format, poses_of_, path));
-    for (size_t i = 0; i < files.size(); ++i) Say(agent, files[i], NumberedPath(path, i + 1));
+    for (size_t i = 0; i < files.size(); ++i) Note(agent, files[i], NumberedPath(path, i + 1));
     return absl::OkStatus();
   }
 
-  absl::Status WriteReadme(const std::string& path) const { return WriteLines(readme_, path); }
+  // Writes the README, and prints which files there are.
+  absl::Status Finish(const std::string& readme) const {
+    RETURN_IF_ERROR(WriteLines(readme_, readme));
+    PrintResult("", rows_);
+    return absl::OkStatus();
+  }
 
  private:
-  void Say(const std::string& agent, const TrajectoryFile& file, const std::string& path) {
-    std::printf("%s: %zu poses of %s\n", path.c_str(), Join(file).size(), agent.c_str());
+  void Note(const std::string& agent, const TrajectoryFile& file, const std::string& path) {
+    const size_t poses = Join(file).size();
+    Say(absl::StrCat(path, ": ", poses, " poses of ", agent, "\n"));
+    rows_.push_back({{"agent", agent}, {"file", path}, {"poses", poses}});
     const std::string name = std::filesystem::path(path).filename().string();
     for (const std::string& part : DescribeParts(file)) {
       readme_.push_back(absl::StrCat(name, ": robot ", agent, ", ", part));
@@ -89,6 +98,7 @@ class TrajectoryExport {
   const PosesOf poses_of_;
   StoreReader& store_;
   std::vector<std::string> readme_;
+  nlohmann::ordered_json rows_ = nlohmann::ordered_json::array();
 };
 
 }  // namespace
@@ -102,7 +112,7 @@ absl::Status ExportTrajectories(const MissionArguments& arguments,
   if (!arguments.agent.empty()) {
     RETURN_IF_ERROR(CheckNameSegment("--agent", arguments.agent));
     RETURN_IF_ERROR(exporting.Add(arguments.agent, arguments.file));
-    return exporting.WriteReadme(arguments.file + ".README.md");
+    return exporting.Finish(arguments.file + ".README.md");
   }
   ASSIGN_OR_RETURN(const auto agents, ReadAgents(channel, arguments.mission));
   RETURN_IF_ERROR(MakeFolder(arguments.file));
@@ -111,7 +121,7 @@ absl::Status ExportTrajectories(const MissionArguments& arguments,
     const std::string name = LastSegment(agent.name());
     RETURN_IF_ERROR(exporting.Add(name, absl::StrCat(arguments.file, "/", name, ending)));
   }
-  return exporting.WriteReadme(arguments.file + "/README.md");
+  return exporting.Finish(arguments.file + "/README.md");
 }
 
 }  // namespace corbslam::services

@@ -1,11 +1,14 @@
-#include <cstdio>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <string>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
 #include "map_store/journal_check.h"
 #include "services/tool/commands/commands.h"
 #include "services/tool/commands/journal_actions.h"
+#include "services/tool/output/progress.h"
+#include "services/tool/output/result.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::services {
@@ -14,25 +17,43 @@ using map_store::CheckedMission;
 
 namespace {
 
-void PrintMission(const CheckedMission& mission) {
+std::string Format(const CheckedMission& mission) {
   if (!mission.status.ok()) {
-    std::printf("%s: DAMAGED: %s\n", mission.name.c_str(),
-                std::string(mission.status.message()).c_str());
-    return;
+    return absl::StrCat(mission.name, ": DAMAGED: ", mission.status.message(), "\n");
   }
-  std::printf("%s: fine: %zu agents, %zu local maps, %zu keyframes; %.1f MiB\n",
-              mission.name.c_str(), mission.agents, mission.local_maps, mission.keyframes,
-              static_cast<double>(mission.disk_bytes) / (1 << 20));
+  return absl::StrFormat("%s: fine: %d agents, %d local maps, %d keyframes; %.1f MiB\n",
+                         mission.name, mission.agents, mission.local_maps, mission.keyframes,
+                         static_cast<double>(mission.disk_bytes) / (1 << 20));
+}
+
+nlohmann::ordered_json ToJson(const CheckedMission& mission) {
+  nlohmann::ordered_json json = {
+      {"mission", mission.name}, {"damage", nullptr}, {"disk_bytes", mission.disk_bytes}};
+  if (!mission.status.ok()) {
+    json["damage"] = std::string(mission.status.message());
+    return json;
+  }
+  json["agents"] = mission.agents;
+  json["local_maps"] = mission.local_maps;
+  json["keyframes"] = mission.keyframes;
+  return json;
 }
 
 absl::Status CheckFolder(const std::string& directory) {
   int missions = 0;
   int damaged = 0;
-  RETURN_IF_ERROR(map_store::CheckJournal(directory, [&](const CheckedMission& mission) {
-    PrintMission(mission);
-    ++missions;
-    damaged += mission.status.ok() ? 0 : 1;
-  }));
+  nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+  {
+    ProgressTicker ticker("reads the first mission");
+    RETURN_IF_ERROR(map_store::CheckJournal(directory, [&](const CheckedMission& mission) {
+      Say(Format(mission));
+      rows.push_back(ToJson(mission));
+      ++missions;
+      damaged += mission.status.ok() ? 0 : 1;
+      ticker.Set(absl::StrCat("read ", missions, missions == 1 ? " mission" : " missions"));
+    }));
+  }
+  PrintResult("", rows);
   if (damaged == 0) return absl::OkStatus();
   return absl::DataLossError(absl::StrCat(
       damaged, " of ", missions, " missions in ", directory,
@@ -42,7 +63,8 @@ absl::Status CheckFolder(const std::string& directory) {
 }  // namespace
 
 void AddJournalCommand(CLI::App& app, Command& chosen) {
-  CLI::App* journal = app.add_subcommand("journal", "Look at a stopped store's folder, mend and upgrade it");
+  CLI::App* journal =
+      app.add_subcommand("journal", "Look at a stopped store's folder, mend and upgrade it");
   journal->require_subcommand(1);
   CLI::App* check = journal->add_subcommand(
       "check",

@@ -51,11 +51,10 @@ absl::Status Repair(const JournalArguments& arguments) {
       const RepairReport report,
       map_store::RepairMission(arguments.directory, arguments.mission, arguments.file));
   const SalvageReport& salvage = report.salvage;
-  std::printf("read: %s and %lu records, up to record %lu\n",
-              salvage.snapshot == 0 ? "no snapshot"
-                                    : absl::StrCat("snapshot ", salvage.snapshot).c_str(),
-              static_cast<unsigned long>(salvage.records),
-              static_cast<unsigned long>(salvage.last));
+  std::printf(
+      "read: %s and %lu records, up to record %lu\n",
+      salvage.snapshot == 0 ? "no snapshot" : absl::StrCat("snapshot ", salvage.snapshot).c_str(),
+      static_cast<unsigned long>(salvage.records), static_cast<unsigned long>(salvage.last));
   PrintLost(salvage);
   std::printf(
       "%s: mission %s with %zu agents, %zu local maps, %zu keyframes; %zu keyframes were left out; "

@@ -3,18 +3,18 @@
 #include <glog/logging.h>
 
 #include <CLI/CLI.hpp>
-#include <cstdio>
 #include <string>
 #include <vector>
 
 #include "absl/strings/str_join.h"
 #include "services/command_line/command_line.h"
+#include "services/observe/logging/log_format.h"
 #include "services/simulated_source/simulated_source.h"
 #include "services/tool/commands/commands.h"
+#include "services/tool/output/result.h"
 
 int main(int argc, char** argv) {
-  google::InitGoogleLogging(argv[0]);
-  FLAGS_logtostderr = true;
+  corbslam::services::StartLogging(argv[0], corbslam::services::LogFormat::kText);
   FLAGS_minloglevel = google::GLOG_WARNING;
   const std::string command_line = absl::StrJoin(std::vector<std::string>(argv, argv + argc), " ");
   corbslam::services::RegisterSimulatedSources();
@@ -36,12 +36,18 @@ int main(int argc, char** argv) {
   corbslam::services::AddSplitCommand(app, chosen);
   corbslam::services::AddTokenCommand(app, chosen);
   corbslam::services::AddVocabularyCommand(app, chosen);
+  corbslam::services::AddJsonFlags(app);
   corbslam::services::CommandLine flags(&app, "tool");
-  if (const auto exit_code = flags.ParseOrExit(argc, argv); exit_code.has_value()) {
-    return *exit_code;
-  }
+  const auto say_wrong = [](const std::string& what) {
+    corbslam::services::PrintError(absl::InvalidArgumentError(what), /*json=*/true);
+  };
+  const auto exit_code = corbslam::services::AsksForJson(argc, argv)
+                             ? flags.ParseOrExit(argc, argv, say_wrong)
+                             : flags.ParseOrExit(argc, argv);
+  if (exit_code.has_value()) return *exit_code;
+  corbslam::services::SetWantsJson(corbslam::services::AsksForJson(app));
   const absl::Status status = chosen();
   if (status.ok()) return 0;
-  std::fprintf(stderr, "corbslam: %s\n", status.ToString().c_str());
+  corbslam::services::PrintError(status, corbslam::services::WantsJson());
   return 1;
 }

@@ -1,12 +1,11 @@
 #include "services/tool/commands/mission_arguments.h"
 
-#include <unistd.h>
+#include <utility>
 
-#include <cstdio>
-
-#include "absl/strings/str_format.h"
+#include "absl/strings/str_cat.h"
 #include "services/client/store/store_reader.h"
 #include "services/security/flags.h"
+#include "services/tool/output/progress.h"
 
 namespace corbslam::services {
 
@@ -15,15 +14,8 @@ absl::StatusOr<std::shared_ptr<grpc::Channel>> Connect(const MissionArguments& a
 }
 
 std::function<void(uint64_t bytes)> ShowBytes(const char* what, uint64_t total) {
-  if (isatty(STDERR_FILENO) == 0) return nullptr;
-  return [what, total](uint64_t bytes) {
-    const double share = total == 0 ? 0 : static_cast<double>(bytes) / static_cast<double>(total);
-    const std::string of = total == 0
-                               ? ""
-                               : absl::StrFormat(" of %.1f MB, %.0f %%",
-                                                 1e-6 * static_cast<double>(total), 100 * share);
-    std::fprintf(stderr, "\r%s: %.1f MB%s   %s", what, 1e-6 * static_cast<double>(bytes),
-                 of.c_str(), bytes == total ? "\n" : "");
+  return [line = std::make_shared<ProgressLine>(), what, total](uint64_t bytes) {
+    line->Tell(absl::StrCat(what, ": ", DescribeBytes(bytes, total)));
   };
 }
 

@@ -39,8 +39,8 @@ struct MissionArguments {
 // Opens a channel to the store that the flags name.
 absl::StatusOr<std::shared_ptr<grpc::Channel>> Connect(const MissionArguments& arguments);
 
-// Returns a function that shows the bytes so far on the terminal, of a `total` that may be unknown
-// (0), in a line that is written over. Returns null if standard error is no terminal.
+// Returns a function that shows the bytes so far (progress.h), of a `total` that may be unknown
+// (0).
 std::function<void(uint64_t bytes)> ShowBytes(const char* what, uint64_t total = 0);
 
 // Adds a command below `mission`, with the flags that say which store.

@@ -1,13 +1,14 @@
-#include <cstdio>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <vector>
 
+#include "absl/strings/str_cat.h"
 #include "services/tool/commands/commands.h"
 #include "services/tool/commands/mission_arguments.h"
 #include "services/tool/mission/mission_admin.h"
 #include "services/tool/mission/mission_json.h"
 #include "services/tool/mission/mission_summary.h"
+#include "services/tool/output/result.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::services {
@@ -17,13 +18,9 @@ absl::Status ListMissions(const MissionArguments& arguments) {
   ASSIGN_OR_RETURN(const auto channel, Connect(arguments));
   MissionAdmin admin(channel);
   ASSIGN_OR_RETURN(const std::vector<v1::Mission> missions, admin.List());
-  if (arguments.json) {
-    nlohmann::ordered_json json = nlohmann::ordered_json::array();
-    for (const v1::Mission& mission : missions) json.push_back(ToJson(mission));
-    std::printf("%s\n", json.dump(2).c_str());
-    return absl::OkStatus();
-  }
-  std::printf("%s", FormatMissions(missions).c_str());
+  nlohmann::ordered_json json = nlohmann::ordered_json::array();
+  for (const v1::Mission& mission : missions) json.push_back(ToJson(mission));
+  PrintResult(FormatMissions(missions), json);
   return absl::OkStatus();
 }
 
@@ -32,8 +29,9 @@ absl::Status BackUp(const MissionArguments& arguments) {
   MissionAdmin admin(channel);
   ASSIGN_OR_RETURN(const uint64_t bytes,
                    admin.BackUp(arguments.mission, arguments.file, ShowBytes("written")));
-  std::printf("%s: %lu bytes of mission %s\n", arguments.file.c_str(),
-              static_cast<unsigned long>(bytes), arguments.mission.c_str());
+  PrintResult(
+      absl::StrCat(arguments.file, ": ", bytes, " bytes of mission ", arguments.mission, "\n"),
+      {{"file", arguments.file}, {"bytes", bytes}, {"mission", arguments.mission}});
   return absl::OkStatus();
 }
 
@@ -41,8 +39,9 @@ absl::Status Sleep(const MissionArguments& arguments) {
   ASSIGN_OR_RETURN(const auto channel, Connect(arguments));
   MissionAdmin admin(channel);
   ASSIGN_OR_RETURN(const v1::Mission mission, admin.Sleep(arguments.mission));
-  std::printf("mission %s is asleep, with %lu keyframes\n", arguments.mission.c_str(),
-              static_cast<unsigned long>(mission.keyframes()));
+  PrintResult(absl::StrCat("mission ", arguments.mission, " is asleep, with ", mission.keyframes(),
+                           " keyframes\n"),
+              ToJson(mission));
   return absl::OkStatus();
 }
 
@@ -50,7 +49,9 @@ absl::Status Delete(const MissionArguments& arguments) {
   ASSIGN_OR_RETURN(const auto channel, Connect(arguments));
   MissionAdmin admin(channel);
   ASSIGN_OR_RETURN(const uint32_t local_maps, admin.Delete(arguments.mission));
-  std::printf("deleted mission %s with %u local maps\n", arguments.mission.c_str(), local_maps);
+  PrintResult(
+      absl::StrCat("deleted mission ", arguments.mission, " with ", local_maps, " local maps\n"),
+      {{"mission", arguments.mission}, {"local_maps", local_maps}});
   return absl::OkStatus();
 }
 

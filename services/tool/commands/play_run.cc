@@ -1,7 +1,5 @@
 #include "services/tool/commands/play_run.h"
 
-#include <unistd.h>
-
 #include <cstdio>
 #include <map>
 #include <memory>
@@ -11,6 +9,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
 #include "absl/time/clock.h"
 #include "client_agent/source/frame_reader.h"
@@ -22,6 +21,8 @@
 #include "services/tool/evaluation/accuracy.h"
 #include "services/tool/evaluation/ground_truth.h"
 #include "services/tool/evaluation/picture.h"
+#include "services/tool/output/progress.h"
+#include "services/tool/output/result.h"
 #include "slam/evaluation/trajectory_io.h"
 #include "slam/util/folders.h"
 #include "slam/util/status_macros.h"
@@ -49,21 +50,18 @@ std::vector<std::string> NamesOf(const std::vector<RobotPlan>& robots) {
 
 // Prints one line that a log without a terminal gets, too.
 void SayStart(const RunPlan& plan) {
-  std::printf("%s\n",
-              absl::StrCat("Mission ", plan.mission.mission, " ", DescribeStore(plan.mission), ": ",
-                           absl::StrJoin(NamesOf(plan.mission.robots), ", "), " map ",
-                           absl::StrJoin(plan.sources, ", "),
-                           plan.mission.alone ? ", each alone" : "", "; results go to ", plan.out)
-                  .c_str());
-  std::fflush(stdout);
+  Say(absl::StrCat("Mission ", plan.mission.mission, " ", DescribeStore(plan.mission), ": ",
+                   absl::StrJoin(NamesOf(plan.mission.robots), ", "), " map ",
+                   absl::StrJoin(plan.sources, ", "), plan.mission.alone ? ", each alone" : "",
+                   "; results go to ", plan.out, "\n"));
 }
 
-// Prints one line that is written over, which is for a terminal only.
-void ShowOnTerminal(const Progress& progress) {
+std::string Describe(const Progress& progress) {
   std::string line = progress.stage;
-  for (const auto& [name, frames] : progress.robots)
+  for (const auto& [name, frames] : progress.robots) {
     absl::StrAppend(&line, "  ", name, " ", frames);
-  std::fprintf(stderr, "\r%-78s", line.substr(0, 78).c_str());
+  }
+  return line;
 }
 
 // Checks what flags say together before anything starts.
@@ -98,8 +96,8 @@ absl::StatusOr<std::vector<ReportWarning>> CheckSources(const std::vector<RobotP
     if (truth.has_value()) {
       for (const std::string& note : truth->notes) warnings.push_back({"", "ground-truth", note});
     }
-    std::printf("%s\n%s\n", FormatSourceSpec(whole).c_str(),
-                FormatDescription(reader->description()).c_str());
+    Say(absl::StrCat(FormatSourceSpec(whole), "\n", FormatDescription(reader->description()),
+                     "\n"));
   }
   if (!strict || warnings.empty()) return warnings;
   return absl::InvalidArgumentError(warnings.front().text);
@@ -137,15 +135,17 @@ absl::Status JudgeOutcome(const MissionOutcome& outcome, const std::string& out)
                                                     ".\n", absl::StrJoin(outcome.failures, "\n")));
 }
 
+absl::StatusOr<MissionOutcome> PlayRobots(const MissionRunOptions& mission) {
+  ProgressLine line;
+  const auto on_progress = [&line](const Progress& progress) { line.Tell(Describe(progress)); };
+  return mission.pace == "step" ? RunLockstep(mission, on_progress)
+                                : RunProcesses(mission, on_progress);
+}
+
 // Plays the robots, and fills in what the plan knows of the report. `start` is when the run began.
 absl::StatusOr<MissionOutcome> Play(const RunPlan& plan, absl::Time start) {
   SayStart(plan);
-  const bool is_terminal = isatty(STDERR_FILENO) != 0;
-  const ProgressListener on_progress = is_terminal ? ShowOnTerminal : ProgressListener();
-  absl::StatusOr<MissionOutcome> outcome = plan.mission.pace == "step"
-                                               ? RunLockstep(plan.mission, on_progress)
-                                               : RunProcesses(plan.mission, on_progress);
-  if (is_terminal) std::fprintf(stderr, "\r%-78s\r", "");
+  absl::StatusOr<MissionOutcome> outcome = PlayRobots(plan.mission);
   RETURN_IF_ERROR(outcome.status());
   RunReport& report = outcome->report;
   report.mission = plan.mission.mission;
@@ -226,9 +226,10 @@ absl::Status PlayRun(RunPlan plan) {
     RETURN_IF_ERROR(AddCompany(plan, outcome));
     RETURN_IF_ERROR(WriteResults(plan.out, plan.own, outcome));
   }
-  std::printf("Done in %.0f s: %s/report.md, report.html, report.json, map.png\n",
-              absl::ToDoubleSeconds(absl::Now() - start), plan.out.c_str());
-  PrintWarnings(outcome.report);
+  PrintResult(absl::StrFormat("Done in %.0f s: %s/report.md, report.html, report.json, map.png\n",
+                              absl::ToDoubleSeconds(absl::Now() - start), plan.out),
+              ToJson(outcome.report));
+  if (!WantsJson()) PrintWarnings(outcome.report);
   return JudgeOutcome(outcome, plan.out);
 }
 

@@ -1,4 +1,5 @@
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <set>
 #include <utility>
 
@@ -9,6 +10,8 @@
 #include "services/tool/commands/render_past.h"
 #include "services/tool/evaluation/accuracy.h"
 #include "services/tool/evaluation/picture.h"
+#include "services/tool/output/progress.h"
+#include "services/tool/output/result.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::services {
@@ -72,6 +75,7 @@ absl::Status Render(RenderArguments arguments) {
   ASSIGN_OR_RETURN(const std::shared_ptr<grpc::Channel> channel,
                    ConnectToStore(arguments.server, arguments.security));
   StoreReader store(channel, arguments.mission);
+  const ProgressTicker ticker("reads and draws mission " + arguments.mission);
   // Without keyframes a mission has no map to wait for.
   ASSIGN_OR_RETURN(const v1::GetStatisticsResponse statistics, store.Statistics());
   ServedMap map;
@@ -85,8 +89,13 @@ absl::Status Render(RenderArguments arguments) {
   ASSIGN_OR_RETURN(const std::string own, ChooseOwn(arguments.own, agents));
   ASSIGN_OR_RETURN(const FusedAccuracy accuracy, AlignTruth(store, agents, arguments.truth));
   if (arguments.past.at.empty()) RETURN_IF_ERROR(DrawNow(map, own, accuracy, arguments));
-  if (!looks_back) return absl::OkStatus();
-  return RenderPast(store, own, accuracy, arguments.past, arguments.out);
+  if (looks_back) {
+    RETURN_IF_ERROR(RenderPast(store, own, accuracy, arguments.past, arguments.out));
+  }
+  nlohmann::ordered_json files = nlohmann::ordered_json::array({arguments.out});
+  if (!arguments.past.animate.empty()) files.push_back(arguments.past.animate);
+  PrintResult("", {{"mission", arguments.mission}, {"own", own}, {"files", files}});
+  return absl::OkStatus();
 }
 
 void AddPastOptions(CLI::App& render, PastOptions& past) {

@@ -1,7 +1,6 @@
 #include "services/tool/commands/render_past.h"
 
 #include <algorithm>
-#include <cstdio>
 #include <fstream>
 #include <map>
 #include <set>
@@ -12,6 +11,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "services/tool/evaluation/past_picture.h"
+#include "services/tool/output/result.h"
 #include "slam/rendering/map_snapshots.h"
 #include "slam/rendering/webp_animation.h"
 #include "slam/util/status_macros.h"
@@ -36,9 +36,8 @@ void SayMoments(const std::string& at, const std::vector<size_t>& moments,
   const std::string drawn = absl::StrJoin(moments, ", ", [&](std::string* text, size_t moment) {
     absl::StrAppend(text, told[moment]);
   });
-  std::printf("--at %s: revisions %s of %llu to %llu\n", at.c_str(), drawn.c_str(),
-              static_cast<unsigned long long>(told.front()),
-              static_cast<unsigned long long>(told.back()));
+  Say(absl::StrCat("--at ", at, ": revisions ", drawn, " of ", told.front(), " to ", told.back(),
+                   "\n"));
 }
 
 absl::Status DrawMoments(const Messages& past, const std::string& own,

@@ -1,18 +1,20 @@
-#include <unistd.h>
-
 #include <CLI/CLI.hpp>
-#include <cstdio>
 #include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "absl/time/clock.h"
 #include "services/command_line/command_line.h"
 #include "services/programs/recording/recording.h"
 #include "services/programs/recording/recording_files.h"
 #include "services/programs/robot/agent_trajectories.h"
 #include "services/tool/commands/commands.h"
+#include "services/tool/output/progress.h"
+#include "services/tool/output/result.h"
 #include "services/tool/replay/comparison.h"
 #include "services/tool/replay/replay.h"
 #include "slam/util/status_macros.h"
@@ -30,37 +32,57 @@ constexpr size_t kNotesShown = 10;
 
 void SayNotes(const std::vector<std::string>& notes) {
   for (size_t i = 0; i < notes.size() && i < kNotesShown; ++i) {
-    std::printf("note: %s\n", notes[i].c_str());
+    Say(absl::StrCat("note: ", notes[i], "\n"));
   }
   if (notes.size() > kNotesShown) {
-    std::printf("note: and %zu more\n", notes.size() - kNotesShown);
+    Say(absl::StrCat("note: and ", notes.size() - kNotesShown, " more\n"));
   }
 }
 
 void SayStart(const Recording& recording) {
   const RecordingHead& head = recording.head;
-  std::printf("%s: %zu frames of %s, recorded %s by %s at --pace %s; %s\n",
-              recording.folder.c_str(), recording.frames.size(), head.source.c_str(),
-              head.started.c_str(), head.version.c_str(), head.flags.pace.c_str(),
-              absl::StrCat(head.counts.dropped, " more were dropped, ", head.counts.left_out,
-                           " tracked and left out of the recording")
-                  .c_str());
+  Say(absl::StrCat(recording.folder, ": ", recording.frames.size(), " frames of ", head.source,
+                   ", recorded ", head.started, " by ", head.version, " at --pace ",
+                   head.flags.pace, "; ", head.counts.dropped, " more were dropped, ",
+                   head.counts.left_out, " tracked and left out of the recording\n"));
   SayNotes(recording.notes);
   if (!recording.frames.empty() && !recording.frames.back().result.has_value()) {
-    std::printf("note: the robot ended in frame %llu, which is played too\n",
-                static_cast<unsigned long long>(recording.frames.back().line.frame));
+    Say(absl::StrCat("note: the robot ended in frame ", recording.frames.back().line.frame,
+                     ", which is played too\n"));
   }
-  std::fflush(stdout);
 }
 
-void ShowOnTerminal(size_t done, size_t all) { std::fprintf(stderr, "\r%zu/%zu ", done, all); }
+nlohmann::ordered_json ToJson(const Recording& recording, const Replayed& replayed,
+                              const ReplayComparison& comparison) {
+  const auto number = [](const std::optional<size_t>& value) {
+    return value.has_value() ? nlohmann::ordered_json(*value) : nlohmann::ordered_json();
+  };
+  const auto difference = [](const std::optional<PoseDifference>& pose) {
+    if (!pose.has_value()) return nlohmann::ordered_json();
+    return nlohmann::ordered_json{
+        {"frame", pose->frame}, {"position_m", pose->position_m}, {"angle_deg", pose->angle_deg}};
+  };
+  return {{"recording", recording.folder},
+          {"source", recording.head.source},
+          {"frames", recording.frames.size()},
+          {"compared", comparison.compared},
+          {"equal", comparison.equal},
+          {"first_different", number(comparison.first_different)},
+          {"first_pose", difference(comparison.first_pose)},
+          {"largest_pose", difference(comparison.largest_pose)},
+          {"digest", absl::StrFormat("%016x", DigestOf(replayed.results))},
+          {"reasons_to_differ", comparison.AllEqual()
+                                    ? std::vector<std::string>()
+                                    : ReasonsToDiffer(recording, replayed, ProgramVersion())},
+          {"notes", recording.notes}};
+}
 
 // Says how the two runs compare. An error: they differ, and nothing explains that.
 absl::Status Judge(const Recording& recording, const Replayed& replayed) {
   const ReplayComparison comparison = CompareResults(ResultsOf(recording), replayed.results);
-  std::printf("%s", FormatComparison(comparison).c_str());
-  std::printf("digest of the replayed poses: %016llx, the same each time\n",
-              static_cast<unsigned long long>(DigestOf(replayed.results)));
+  PrintResult(absl::StrFormat("%sdigest of the replayed poses: %016x, the same each time\n",
+                              FormatComparison(comparison), DigestOf(replayed.results)),
+              ToJson(recording, replayed, comparison));
   if (comparison.AllEqual()) return absl::OkStatus();
   const std::vector<std::string> reasons = ReasonsToDiffer(recording, replayed, ProgramVersion());
   if (reasons.empty()) {
@@ -69,7 +91,7 @@ absl::Status Judge(const Recording& recording, const Replayed& replayed) {
         " differs from what was recorded in lockstep by the same program: another kind of "
         "processor computes other last digits; on the same one this is a fault of the program"));
   }
-  std::printf("they may differ:\n");
+  Say("they may differ:\n");
   SayNotes(reasons);
   return absl::OkStatus();
 }
@@ -79,7 +101,11 @@ absl::Status Run(const ReplayArguments& arguments) {
   SayStart(recording);
   ReplayOptions options;
   options.vocabulary_path = arguments.vocabulary;
-  if (isatty(STDERR_FILENO) != 0) options.on_progress = ShowOnTerminal;
+  ProgressLine progress;
+  const absl::Time start = absl::Now();
+  options.on_progress = [&progress, start](size_t done, size_t all) {
+    progress.Tell(DescribeCount(done, all, "frames", absl::Now() - start));
+  };
   ASSIGN_OR_RETURN(const Replayed replayed, Replay(recording, options));
   if (!arguments.trajectory.empty()) {
     RETURN_IF_ERROR(WriteAgentTrajectories(*replayed.agent, recording.head.calibration,

@@ -1,6 +1,7 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <optional>
 #include <string>
@@ -17,6 +18,7 @@
 #include "client_agent/source/rig/convert/rig_convert.h"
 #include "client_agent/source/rig/rig_file.h"
 #include "services/tool/commands/commands.h"
+#include "services/tool/output/result.h"
 #include "services/tool/rig/retake.h"
 #include "services/tool/rig/rig_check.h"
 #include "slam/util/status_macros.h"
@@ -80,17 +82,22 @@ absl::Status Convert(const ConvertArguments& arguments) {
   if (!arguments.mask.empty()) converted.rig.mask_file = arguments.mask;
   RETURN_IF_ERROR(Validate(converted.rig));
   for (const std::string& note : converted.notes) {
-    std::fprintf(stderr, "corbslam: note: %s\n", note.c_str());
+    if (!WantsJson()) std::fprintf(stderr, "corbslam: note: %s\n", note.c_str());
   }
   const std::string text = FormatRig(
       converted.rig, absl::StrCat(absl::StrJoin(files.paths, ", "), " (", converted.format, ")"));
+  nlohmann::ordered_json json = {{"format", converted.format}, {"notes", converted.notes}};
   if (arguments.out.empty()) {
-    std::printf("%s", text.c_str());
+    json["rig"] = text;
+    PrintResult(text, json);
     return absl::OkStatus();
   }
   std::vector<std::string> lines = absl::StrSplit(text, '\n');
   lines.pop_back();  // What follows the last line's end.
-  return WriteLines(lines, arguments.out);
+  RETURN_IF_ERROR(WriteLines(lines, arguments.out));
+  json["file"] = arguments.out;
+  PrintResult("", json);
+  return absl::OkStatus();
 }
 
 absl::StatusOr<RigCheck> CheckSource(const SourceSpec& spec, double seconds) {
@@ -101,8 +108,22 @@ absl::StatusOr<RigCheck> CheckSource(const SourceSpec& spec, double seconds) {
   const absl::Notification never;  // Ctrl-C ends the program.
   ASSIGN_OR_RETURN(const client_agent::LiveSource camera,
                    client_agent::OpenLiveSource(spec, never));
-  std::fprintf(stderr, "corbslam: looking at the camera for %g s; move it\n", seconds);
+  if (!WantsJson())
+    std::fprintf(stderr, "corbslam: looking at the camera for %g s; move it\n", seconds);
   return CheckLiveRig(*camera.stream, camera.description, absl::Seconds(seconds));
+}
+
+nlohmann::ordered_json ToJson(const RigCheck& check) {
+  nlohmann::ordered_json description = nlohmann::ordered_json::object();
+  for (const auto& [name, value] : check.description) description[name] = value;
+  nlohmann::ordered_json findings = nlohmann::ordered_json::array();
+  for (const client_agent::SourceFinding& finding : check.findings) {
+    const bool is_error = finding.level == client_agent::FindingLevel::kError;
+    findings.push_back({{"level", is_error ? "error" : "warning"},
+                        {"code", finding.code},
+                        {"text", finding.text}});
+  }
+  return {{"usable", check.IsUsable()}, {"description", description}, {"findings", findings}};
 }
 
 absl::Status Check(const CheckArguments& arguments) {
@@ -110,13 +131,16 @@ absl::Status Check(const CheckArguments& arguments) {
   ASSIGN_OR_RETURN(SourceSpec spec, ParseSourceSpec(arguments.source));
   if (!arguments.rig.empty()) RETURN_IF_ERROR(UseRig(arguments.rig, spec));
   ASSIGN_OR_RETURN(const RigCheck check, CheckSource(spec, arguments.seconds));
-  std::printf("%s", FormatRigCheck(check).c_str());
+  std::string text = FormatRigCheck(check);
+  nlohmann::ordered_json json = ToJson(check);
   if (!arguments.out.empty() && !check.picture.empty()) {
     if (!cv::imwrite(arguments.out, check.picture)) {
       return absl::UnavailableError("cannot write " + arguments.out);
     }
-    std::printf("picture: %s\n", arguments.out.c_str());
+    absl::StrAppend(&text, "picture: ", arguments.out, "\n");
+    json["picture"] = arguments.out;
   }
+  PrintResult(text, json);
   if (check.IsUsable()) return absl::OkStatus();
   return absl::FailedPreconditionError("the rig is not that of these pictures; see above");
 }
@@ -126,8 +150,10 @@ absl::Status TakeAgain(const RetakeArguments& arguments) {
   ASSIGN_OR_RETURN(const std::unique_ptr<FrameReader> reader, OpenReader(spec));
   ASSIGN_OR_RETURN(const Rig rig, ReadRigFile(arguments.rig));
   ASSIGN_OR_RETURN(const size_t frames, Retake(*reader, spec, rig, arguments.out));
-  std::printf("%zu frames; play them as kitti:%s?rig=%s/rig.yaml\n", frames, arguments.out.c_str(),
-              arguments.out.c_str());
+  const std::string source =
+      absl::StrCat("kitti:", arguments.out, "?rig=", arguments.out, "/rig.yaml");
+  PrintResult(absl::StrCat(frames, " frames; play them as ", source, "\n"),
+              {{"frames", frames}, {"source", source}});
   return absl::OkStatus();
 }
 

@@ -8,6 +8,7 @@
 #include "services/security/flags.h"
 #include "services/tool/commands/commands.h"
 #include "services/tool/commands/play_run.h"
+#include "services/tool/output/result.h"
 #include "services/tool/run/mission_run.h"
 #include "slam/util/status_macros.h"
 
@@ -133,6 +134,7 @@ void AddDemoCommand(CLI::App& app, const std::string& command_line, Command& cho
     }
     chosen = [arguments]() -> absl::Status {
       RETURN_IF_ERROR(Run(*arguments));
+      if (WantsJson()) return absl::OkStatus();
       std::ifstream report(arguments->plan.out + "/report.md");
       std::cout << "\n"
                 << report.rdbuf() << "\nthe map: " << arguments->plan.out

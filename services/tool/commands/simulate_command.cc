@@ -1,14 +1,15 @@
-#include <unistd.h>
-
 #include <algorithm>
-#include <cstdio>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <thread>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
 #include "absl/time/clock.h"
 #include "client_agent/source/frame_reader.h"
 #include "services/tool/commands/commands.h"
+#include "services/tool/output/progress.h"
+#include "services/tool/output/result.h"
 #include "services/tool/run/plan.h"
 #include "services/tool/sequence/sequence_writer.h"
 #include "slam/util/status_macros.h"
@@ -40,56 +41,49 @@ struct SplitArguments {
   size_t overlap = 20;
 };
 
-// Prints a progress bar in one line that is written over.
-void ShowBar(absl::Time start, size_t done, size_t total) {
-  constexpr size_t kWidth = 40;
-  const double elapsed_s = absl::ToDoubleSeconds(absl::Now() - start);
-  const double rate = elapsed_s > 0 ? static_cast<double>(done) / elapsed_s : 0;
-  const double left_s = rate > 0 ? static_cast<double>(total - done) / rate : 0;
-  std::string bar(kWidth * done / total, '#');
-  bar.resize(kWidth, '.');
-  std::fprintf(stderr, "\r[%s] %zu/%zu  %.1f frames/s  %.0f s left   ", bar.c_str(), done, total,
-               rate, left_s);
-}
-
 SourceLayout LayoutOf(const std::string& name) {
   if (name == "euroc") return SourceLayout::kEuroc;
   return name == "tum" ? SourceLayout::kTum : SourceLayout::kKitti;
 }
 
-absl::Status Write(const SourceSpec& source, const SimulateArguments& arguments,
-                   const std::string& folder) {
+// Returns what was written, as JSON.
+absl::StatusOr<nlohmann::ordered_json> Write(const SourceSpec& source,
+                                             const SimulateArguments& arguments,
+                                             const std::string& folder) {
   WriteSequenceOptions options;
   options.layout = LayoutOf(arguments.layout);
   options.folder = folder;
   options.threads = arguments.threads;
-  const bool is_terminal = isatty(STDERR_FILENO) != 0;
   const absl::Time start = absl::Now();
-  if (is_terminal) {
-    options.on_progress = [start](size_t done, size_t total) { ShowBar(start, done, total); };
-  }
-  const absl::StatusOr<size_t> frames = WriteSequence(source, options);
-  if (is_terminal) std::fprintf(stderr, "\r%-100s\r", "");
-  RETURN_IF_ERROR(frames.status());
+  ProgressLine progress;
+  options.on_progress = [&progress, start](size_t done, size_t total) {
+    progress.Tell(DescribeCount(done, total, "frames", absl::Now() - start));
+  };
+  ASSIGN_OR_RETURN(const size_t frames, WriteSequence(source, options));
   const double elapsed_s = absl::ToDoubleSeconds(absl::Now() - start);
-  std::printf("%s: %zu frames in %.1f s, %.1f frames/s\n", folder.c_str(), *frames, elapsed_s,
-              static_cast<double>(*frames) / elapsed_s);
-  return absl::OkStatus();
+  Say(absl::StrFormat("%s: %d frames in %.1f s, %.1f frames/s\n", folder, frames, elapsed_s,
+                      static_cast<double>(frames) / elapsed_s));
+  return nlohmann::ordered_json{{"folder", folder}, {"frames", frames}, {"seconds", elapsed_s}};
 }
 
 absl::Status Simulate(const SimulateArguments& arguments) {
   ASSIGN_OR_RETURN(SourceSpec source, ParseSourceSpec(arguments.source));
   if (!arguments.rig.empty()) RETURN_IF_ERROR(UseRig(arguments.rig, source));
-  return Write(source, arguments, arguments.out);
+  ASSIGN_OR_RETURN(const nlohmann::ordered_json json, Write(source, arguments, arguments.out));
+  PrintResult("", json);
+  return absl::OkStatus();
 }
 
-absl::Status PrintPart(const RobotPlan& robot) {
+absl::StatusOr<nlohmann::ordered_json> DescribePart(const RobotPlan& robot) {
   ASSIGN_OR_RETURN(const std::unique_ptr<FrameReader> reader, OpenReader(robot.source));
   const std::vector<size_t> frames = FramesOf(robot.source, reader->frame_count());
-  std::printf("%-10s %6zu %6zu %6zu %12.3f %s\n", robot.name.c_str(), frames.front(), frames.back(),
-              frames.size(), 1e-9 * static_cast<double>(reader->timestamp_ns(frames.front())),
-              FormatSourceSpec(robot.source).c_str());
-  return absl::OkStatus();
+  const double start_s = 1e-9 * static_cast<double>(reader->timestamp_ns(frames.front()));
+  Say(absl::StrFormat("%-10s %6d %6d %6d %12.3f %s\n", robot.name, frames.front(), frames.back(),
+                      frames.size(), start_s, FormatSourceSpec(robot.source)));
+  return nlohmann::ordered_json{
+      {"robot", robot.name},   {"first", frames.front()},
+      {"last", frames.back()}, {"frames", frames.size()},
+      {"start_s", start_s},    {"source", FormatSourceSpec(robot.source)}};
 }
 
 absl::Status Split(const SplitArguments& arguments) {
@@ -98,14 +92,17 @@ absl::Status Split(const SplitArguments& arguments) {
   options.split.robots = arguments.robots;
   options.split.overlap = arguments.overlap;
   ASSIGN_OR_RETURN(const std::vector<RobotPlan> robots, PlanRobots(options));
-  std::printf("%-10s %6s %6s %6s %12s %s\n", "robot", "first", "last", "frames", "start, s",
-              "source");
-  for (const RobotPlan& robot : robots) RETURN_IF_ERROR(PrintPart(robot));
-  if (arguments.simulate.out.empty()) return absl::OkStatus();
+  Say(absl::StrFormat("%-10s %6s %6s %6s %12s %s\n", "robot", "first", "last", "frames", "start, s",
+                      "source"));
+  nlohmann::ordered_json rows = nlohmann::ordered_json::array();
   for (const RobotPlan& robot : robots) {
-    RETURN_IF_ERROR(Write(robot.source, arguments.simulate,
-                          absl::StrCat(arguments.simulate.out, "/", robot.name)));
+    ASSIGN_OR_RETURN(rows.emplace_back(), DescribePart(robot));
   }
+  for (size_t i = 0; i < robots.size() && !arguments.simulate.out.empty(); ++i) {
+    const std::string folder = absl::StrCat(arguments.simulate.out, "/", robots[i].name);
+    ASSIGN_OR_RETURN(rows[i]["written"], Write(robots[i].source, arguments.simulate, folder));
+  }
+  PrintResult("", rows);
   return absl::OkStatus();
 }
 

@@ -4,12 +4,14 @@
 
 #include <cstdio>
 #include <memory>
+#include <nlohmann/json.hpp>
 
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
 #include "services/security/pem_files.h"
 #include "services/security/token.h"
 #include "services/tool/commands/commands.h"
+#include "services/tool/output/result.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::services {
@@ -53,11 +55,21 @@ absl::Status MakeToken(const TokenArguments& arguments) {
   claims.audience = arguments.audience;
   ASSIGN_OR_RETURN(const std::string token, SignToken(claims, key));
   // Whoever has to revoke it needs the id.
-  std::fprintf(stderr, "token %s of %s, good until %s\n", claims.id.c_str(),
-               FormatGrant(grant).c_str(),
-               absl::FormatTime(claims.expires, absl::UTCTimeZone()).c_str());
-  if (!arguments.out.empty()) return WriteSecret(token + "\n", arguments.out);
-  std::printf("%s\n", token.c_str());
+  const std::string expires = absl::FormatTime(claims.expires, absl::UTCTimeZone());
+  nlohmann::ordered_json json = {
+      {"id", claims.id}, {"grant", FormatGrant(grant)}, {"expires", expires}};
+  if (!WantsJson()) {
+    std::fprintf(stderr, "token %s of %s, good until %s\n", claims.id.c_str(),
+                 FormatGrant(grant).c_str(), expires.c_str());
+  }
+  if (arguments.out.empty()) {
+    json["token"] = token;
+    PrintResult(token + "\n", json);
+    return absl::OkStatus();
+  }
+  RETURN_IF_ERROR(WriteSecret(token + "\n", arguments.out));
+  json["file"] = arguments.out;
+  PrintResult("", json);
   return absl::OkStatus();
 }
 

@@ -1,13 +1,13 @@
-#include <unistd.h>
-
-#include <cstdio>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "absl/strings/match.h"
+#include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "services/tool/commands/commands.h"
+#include "services/tool/output/progress.h"
+#include "services/tool/output/result.h"
 #include "slam/util/status_macros.h"
 #include "slam/vocabulary/trainer.h"
 #include "slam/vocabulary/vocabulary.h"
@@ -23,11 +23,6 @@ struct TrainArguments {
   TrainingOptions training;
 };
 
-void ShowTraining(const std::string& step, size_t done, size_t total) {
-  std::fprintf(stderr, "\r%s %zu of %zu   ", step.c_str(), done, total);
-  if (done == total) std::fprintf(stderr, "\n");
-}
-
 absl::Status Train(const TrainArguments& arguments) {
   std::vector<std::string> paths;
   for (const std::string& folder : arguments.folders) {
@@ -38,23 +33,37 @@ absl::Status Train(const TrainArguments& arguments) {
   orb.features = arguments.features;
   RETURN_IF_ERROR(orb.Validate());
   RETURN_IF_ERROR(arguments.training.Validate());
-  const TrainingProgress progress = isatty(STDERR_FILENO) != 0 ? ShowTraining : TrainingProgress();
+  ProgressLine line;
+  const TrainingProgress progress = [&line](const std::string& step, size_t done, size_t total) {
+    line.Tell(absl::StrCat(step, " ", done, " of ", total));
+  };
   ASSIGN_OR_RETURN(const VocabularyTree tree,
                    TrainFromPictures(paths, orb, arguments.training, progress));
-  return WriteVocabulary(tree, arguments.out);
+  RETURN_IF_ERROR(WriteVocabulary(tree, arguments.out));
+  PrintResult("", {{"file", arguments.out}, {"pictures", paths.size()}});
+  return absl::OkStatus();
 }
 
 absl::Status Inspect(const std::string& path) {
   ASSIGN_OR_RETURN(const VocabularySummary summary, InspectVocabulary(path));
-  std::fputs(
+  PrintResult(
       absl::StrFormat("branching %d, levels %d, direct index at level %d (%d groups)\n"
                       "nodes %d, words %d, weights %.3f to %.3f (mean %.3f)\n"
                       "%d bytes, fingerprint %016x\n",
                       summary.branching, summary.levels, summary.direct_level, summary.direct_nodes,
                       summary.nodes, summary.words, summary.min_weight, summary.max_weight,
-                      summary.mean_weight, summary.bytes, summary.fingerprint)
-          .c_str(),
-      stdout);
+                      summary.mean_weight, summary.bytes, summary.fingerprint),
+      {{"branching", summary.branching},
+       {"levels", summary.levels},
+       {"direct_level", summary.direct_level},
+       {"direct_nodes", summary.direct_nodes},
+       {"nodes", summary.nodes},
+       {"words", summary.words},
+       {"min_weight", summary.min_weight},
+       {"max_weight", summary.max_weight},
+       {"mean_weight", summary.mean_weight},
+       {"bytes", summary.bytes},
+       {"fingerprint", absl::StrFormat("%016x", summary.fingerprint)}});
   return absl::OkStatus();
 }
 
@@ -78,7 +87,10 @@ absl::StatusOr<VocabularyTree> ReadEither(const std::string& path) {
 
 absl::Status Convert(const std::string& from, const std::string& to) {
   ASSIGN_OR_RETURN(const VocabularyTree tree, ReadEither(from));
-  return absl::EndsWith(to, ".txt") ? WriteTextVocabulary(tree, to) : WriteVocabulary(tree, to);
+  RETURN_IF_ERROR(absl::EndsWith(to, ".txt") ? WriteTextVocabulary(tree, to)
+                                             : WriteVocabulary(tree, to));
+  PrintResult("", {{"file", to}});
+  return absl::OkStatus();
 }
 
 void AddTrain(CLI::App& app, Command& chosen) {

@@ -21,6 +21,7 @@
 #include "services/programs/robot/robot_report.h"
 #include "services/runtime/child_process.h"
 #include "services/simulated_source/simulated_source.h"
+#include "services/tool/output/result.h"
 #include "services/tool/run/mission_run.h"
 #include "slam/util/status_macros.h"
 
@@ -183,8 +184,10 @@ absl::Status ProcessRun::StartViewer() {
                                        absl::StrCat(options_.log_folder, "/map_viewer.log")));
   servers_.push_back(std::move(viewer));
   ASSIGN_OR_RETURN(const std::string address, servers_.back()->WaitForAddress(kStartTimeout));
-  std::printf("Look: http://%s/#mission=%s\n", address.c_str(), options_.mission.c_str());
-  std::fflush(stdout);
+  // Who wants JSON is told beside it.
+  std::FILE* const out = WantsJson() ? stderr : stdout;
+  std::fprintf(out, "Look: http://%s/#mission=%s\n", address.c_str(), options_.mission.c_str());
+  std::fflush(out);
   return absl::OkStatus();
 }
 
