@@ -46,6 +46,13 @@ std::string AdviseOn(const CLI::ParseError& error, const CLI::App& app) {
   return advice.empty() ? DescribeWrongFlag(app) : advice;
 }
 
+// Returns true if the option has neither a value nor a default: its line would say that it is "".
+bool IsUnset(const CLI::App& app, const std::string& name) {
+  const CLI::Option* option = app.get_option_no_throw("--" + name);
+  return option != nullptr && option->get_expected_min() > 0 && option->count() == 0 &&
+         option->get_default_str().empty();
+}
+
 bool HasRareFlags(const CLI::App& app) {
   for (const std::string& group : app.get_groups()) {
     if (group == kRareGroup) return true;
@@ -162,6 +169,7 @@ std::string CommandLine::DescribeConfiguration() {
   const std::string values = app_->config_to_str(/*default_also=*/true);
   for (const absl::string_view line : absl::StrSplit(values, '\n', absl::SkipEmpty())) {
     const std::string name(line.substr(0, line.find('=')));
+    if (IsUnset(*app_, name)) continue;
     const auto source = sources.find(name);
     absl::StrAppend(&text, HideSecrets(std::string(line)),
                     source == sources.end() ? "" : absl::StrCat("  # ", source->second), "\n");

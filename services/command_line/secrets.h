@@ -7,7 +7,8 @@
 namespace corbslam::services {
 
 // Returns the text with *** for what looks like a password: in rtsp://user:PASSWORD@camera, in
-// user-pw=PASSWORD, as GStreamer's elements take it, and in password=, passphrase= and secret=.
+// user-pw=PASSWORD, as GStreamer's elements take it, and in password=, passphrase= and secret=. Of
+// a text of more than 4,096 characters it returns only how many there are.
 std::string HideSecrets(const std::string& text);
 
 }  // namespace corbslam::services

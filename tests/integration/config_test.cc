@@ -22,8 +22,10 @@ namespace {
 
 using ::testing::AllOf;
 using ::testing::ContainsRegex;
+using ::testing::EndsWith;
 using ::testing::HasSubstr;
 using ::testing::Not;
+using ::testing::StartsWith;
 
 struct Ended {
   int exit_code = -1;
@@ -194,6 +196,18 @@ TEST(ConfigTest, WrongFlagsEndWithTwo) {
   EXPECT_EQ(RunToEnd("corbslam", {"misson"}).exit_code, 2);
   EXPECT_EQ(RunToEnd("corbslam", {"mission", "list"}).exit_code, 2) << "--server is missing";
   EXPECT_EQ(RunToEnd("corbslam", {}).exit_code, 2);
+}
+
+TEST(ConfigTest, ErrorsAreJsonWhereResultsAre) {
+  const Ended failed =
+      RunToEnd("corbslam", {"journal", "check", "--data-dir", "/nowhere/missions", "--json"});
+  EXPECT_EQ(failed.exit_code, 1);
+  EXPECT_THAT(failed.text, AllOf(StartsWith("{\"error\":{\"code\":\""),
+                                 HasSubstr("/nowhere/missions"), EndsWith("}}\n")));
+  const Ended wrong = RunToEnd("corbslam", {"mission", "list", "--json"});
+  EXPECT_EQ(wrong.exit_code, 2);
+  EXPECT_THAT(wrong.text, AllOf(StartsWith("{\"error\":{\"code\":\"INVALID_ARGUMENT\""),
+                                HasSubstr("--server"), EndsWith("}}\n")));
 }
 
 }  // namespace

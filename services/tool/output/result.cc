@@ -30,7 +30,7 @@ void AddJsonFlags(CLI::App& app) {
 bool AsksForJson(const CLI::App& app) {
   const CLI::Option* option = app.get_option_no_throw("--json");
   if (option != nullptr && option->count() > 0) {
-    return option->get_type_size() == 0 ? option->as<bool>() : option->results().back() == "-";
+    return option->get_expected_min() == 0 ? option->as<bool>() : option->results().back() == "-";
   }
   const std::vector<CLI::App*> parsed = app.get_subcommands();
   return std::any_of(parsed.begin(), parsed.end(),
