@@ -37,7 +37,7 @@ constexpr KnownSource kSources[] = {
      "the same, and gstreamer1.0-plugins-good"},
     {"aravis", "aravis:NAME, aravis:NAME,NAME, aravis:any",
      "live: GigE Vision and USB3 Vision cameras, by the names that arv-tool-0.8 lists",
-     "the same, and libaravis-0.8-0"},
+     "libgstreamer-plugins-base1.0-dev when it is built, libaravis-0.8-0 when it runs"},
     {"openni2", "openni2:any, openni2:URI, openni2:FILE.oni",
      "live: RGB-D cameras of OpenNI 2, and their recordings",
      "libopenni2-dev when it is built, libopenni2-0 when it runs"},

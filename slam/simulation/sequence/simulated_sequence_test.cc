@@ -220,8 +220,8 @@ TEST(SimulatedSequenceTest, DepthFromAsideIsRegisteredToThePicture) {
   EXPECT_GT(common, cv::countNonZero(ideal) * 3 / 4);
   cv::Mat apart;
   cv::absdiff(ideal, registered, apart);
-  // Surfaces agree within one percent; edges, where a pixel covers both, need not.
-  const cv::Mat far_off = (apart > ideal * 0.01) & both;
+  // Surfaces agree; edges, where a pixel covers both, and walls seen at a slant need not.
+  const cv::Mat far_off = (apart > ideal * 0.02) & both;
   EXPECT_LT(cv::countNonZero(far_off), common / 10);
   // Some of what the picture sees lies behind an edge for the other camera, or beside its picture.
   EXPECT_GT(cv::countNonZero((ideal > 0) & (registered == 0)), 0);
