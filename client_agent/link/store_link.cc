@@ -272,9 +272,9 @@ void StoreLink::WriteHeldOf(Recording& recording, bool anew) {
     return;
   }
   recording.held = changes;
-  next_held_ = options_.clock() + std::max(options_.spool_within / 4,
-                                           absl::Seconds(static_cast<double>(*bytes) /
-                                                         kHeldBytesPerSecond));
+  next_held_ =
+      options_.clock() + std::max(options_.spool_within / 4,
+                                  absl::Seconds(static_cast<double>(*bytes) / kHeldBytesPerSecond));
 }
 
 bool StoreLink::IsFinishing() const {

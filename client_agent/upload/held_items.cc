@@ -62,8 +62,9 @@ void Deal(const std::vector<Item>& items, size_t most, std::vector<Item> MapUpda
   for (size_t begin = 0; begin < items.size(); begin += most) {
     const size_t end = std::min(items.size(), begin + most);
     MapUpdateBatch& batch = batches.emplace_back();
-    (batch.*field).assign(items.begin() + static_cast<ptrdiff_t>(begin),
-                          items.begin() + static_cast<ptrdiff_t>(end));
+    (batch.*field)
+        .assign(items.begin() + static_cast<ptrdiff_t>(begin),
+                items.begin() + static_cast<ptrdiff_t>(end));
   }
 }
 
