@@ -230,7 +230,8 @@ class StoreLink : private UplinkListener {
   bool stop_ ABSL_GUARDED_BY(mutex_) = false;
   std::optional<absl::Time> first_acknowledged_ ABSL_GUARDED_BY(mutex_);
   std::mt19937_64 random_ ABSL_GUARDED_BY(mutex_);
-  absl::Time next_held_ = absl::InfinitePast();  // Of the thread that makes batches.
+  // Of the thread that makes batches.
+  absl::Time next_held_ = absl::InfinitePast();
   std::thread thread_;
 };
 
