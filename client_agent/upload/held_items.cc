@@ -76,6 +76,7 @@ struct ToldLater {
   std::set<KeyframeId> keyframes;
   std::map<KeyframeId, KeyframeId> parents_of_removed;
   std::set<MapPointId> points;
+  std::set<MapPointId> gone_points;
   std::set<int64_t> frames_ns;
 };
 
@@ -86,9 +87,9 @@ void NoteTold(const MapUpdateBatch& batch, ToldLater& told) {
   }
   for (const FullMapPoint& full : batch.full_points) told.points.insert(full.id);
   for (const PointReplacement& replacement : batch.replacements) {
-    told.points.insert(replacement.replaced);
+    told.gone_points.insert(replacement.replaced);
   }
-  told.points.insert(batch.removed_points.begin(), batch.removed_points.end());
+  told.gone_points.insert(batch.removed_points.begin(), batch.removed_points.end());
   for (const TrackedFrame& frame : batch.tracked_frames) told.frames_ns.insert(frame.timestamp_ns);
   told.frames_ns.insert(batch.lost_frames_ns.begin(), batch.lost_frames_ns.end());
 }
@@ -104,15 +105,26 @@ void LeaveOutTold(const ToldLater& told, MapUpdateBatch& rest) {
     left.insert(light.id);
     while (is_gone(light.parent)) light.parent = told.parents_of_removed.at(light.parent);
   }
+  std::map<MapPointId, KeyframeId> seen_by;
+  std::erase_if(rest.observations,
+                [&](const ObservationChange& change) { return is_gone(change.keyframe); });
+  for (const ObservationChange& change : rest.observations) {
+    seen_by.emplace(change.point, change.keyframe);
+  }
+  std::set<MapPointId> gone = told.gone_points;
+  for (FullMapPoint& full : rest.full_points) {
+    const auto seen = seen_by.find(full.id);
+    if (is_gone(full.reference) && seen != seen_by.end()) full.reference = seen->second;
+    if (is_gone(full.reference)) gone.insert(full.id);
+  }
   std::erase_if(rest.full_points, [&](const FullMapPoint& full) {
-    return told.points.contains(full.id) || is_gone(full.reference);
+    return told.points.contains(full.id) || gone.contains(full.id);
   });
   std::set<MapPointId> new_points;
   for (const FullMapPoint& full : rest.full_points) new_points.insert(full.id);
   std::erase_if(rest.observations, [&](const ObservationChange& change) {
-    if (is_gone(change.keyframe)) return true;
     return !new_points.contains(change.point) &&
-           (!left.contains(change.keyframe) || told.points.contains(change.point));
+           (!left.contains(change.keyframe) || gone.contains(change.point));
   });
   std::erase_if(rest.tracked_frames, [&](const TrackedFrame& frame) {
     return told.frames_ns.contains(frame.timestamp_ns) || is_gone(frame.reference);
