@@ -103,7 +103,10 @@ void LeaveOutTold(const ToldLater& told, MapUpdateBatch& rest) {
   std::set<KeyframeId> left;
   for (LightKeyframe& light : rest.light_keyframes) {
     left.insert(light.id);
-    while (is_gone(light.parent)) light.parent = told.parents_of_removed.at(light.parent);
+    // Each that is gone is stepped over once.
+    for (size_t step = 0; step <= told.parents_of_removed.size() && is_gone(light.parent); ++step) {
+      light.parent = told.parents_of_removed.at(light.parent);
+    }
   }
   std::map<MapPointId, KeyframeId> seen_by;
   std::erase_if(rest.observations,
