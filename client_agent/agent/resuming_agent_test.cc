@@ -1,5 +1,5 @@
-// Tests a robot that is killed and goes on with its local map: it drives along a wall, alone or with
-// a simulated map store.
+// Tests a robot that is killed and goes on with its local map: it drives along a wall, alone or
+// with a simulated map store.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

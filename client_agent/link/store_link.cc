@@ -272,9 +272,9 @@ void StoreLink::WriteHeldOf(Recording& recording, bool anew) {
     return;
   }
   recording.held = changes;
-  next_held_ = options_.clock() + std::max(options_.spool_within / 4,
-                                           absl::Seconds(static_cast<double>(*bytes) /
-                                                         kHeldBytesPerSecond));
+  next_held_ =
+      options_.clock() + std::max(options_.spool_within / 4,
+                                  absl::Seconds(static_cast<double>(*bytes) / kHeldBytesPerSecond));
 }
 
 bool StoreLink::IsFinishing() const {
@@ -420,6 +420,8 @@ bool StoreLink::TakeBatchOf(Recording& recording) {
   }
   const bool last = IsEmpty(batch);
   if (last && !closing) return false;
+  // What is held back is to be written for what was told now.
+  next_held_ = absl::InfinitePast();
   absl::MutexLock lock(&mutex_);
   if (recording.closed) return false;
   batch.local_map = recording.map->local_map();

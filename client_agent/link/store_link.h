@@ -84,9 +84,10 @@ using ComputeWords =
 // runs).
 class StoreLink : private UplinkListener {
  public:
-  // `uplink` is not owned. Where it is null, nothing is sent, and changes are recorded for the spool
-  // alone. `spool` may be null; what it found goes up first, and what could not be sent is in it at
-  // the end. `goes_on` is a local map that it found and that is begun again; invalid: none is.
+  // `uplink` is not owned. Where it is null, nothing is sent, and changes are recorded for the
+  // spool alone. `spool` may be null; what it found goes up first, and what could not be sent is in
+  // it at the end. `goes_on` is a local map that it found and that is begun again; invalid: none
+  // is.
   StoreLink(const StoreLinkOptions& options, Uplink* uplink, ComputeWords compute_words,
             std::unique_ptr<Spool> spool = nullptr, LocalMapId goes_on = {});
   ~StoreLink() override;
@@ -138,7 +139,7 @@ class StoreLink : private UplinkListener {
     std::unique_ptr<UpdateRecorder> recorder;
     bool closing = false;
     bool asked_for_exact_places = false;
-    bool closed = false;  // True: its last batch is in the outbox.
+    bool closed = false;      // True: its last batch is in the outbox.
     bool stays_open = false;  // True: its last batch does not close it.
     // UpdateRecorder::held_changes of what the spool has; nullopt: of nothing.
     std::optional<uint64_t> held;
@@ -164,7 +165,9 @@ class StoreLink : private UplinkListener {
   // it is due.
   void WriteHeld(bool now);
   void WriteHeldOf(Recording& recording, bool anew);
-  bool WritesAll() const { return queue_.has_spool() && options_.spool_within > absl::ZeroDuration(); }
+  bool WritesAll() const {
+    return queue_.has_spool() && options_.spool_within > absl::ZeroDuration();
+  }
   // Moves to the disk what is to be there.
   void SpillDue(bool now);
   bool IsToldWithoutLink() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
@@ -227,7 +230,8 @@ class StoreLink : private UplinkListener {
   bool stop_ ABSL_GUARDED_BY(mutex_) = false;
   std::optional<absl::Time> first_acknowledged_ ABSL_GUARDED_BY(mutex_);
   std::mt19937_64 random_ ABSL_GUARDED_BY(mutex_);
-  absl::Time next_held_ = absl::InfinitePast();  // Of the thread that makes batches.
+  // Of the thread that makes batches.
+  absl::Time next_held_ = absl::InfinitePast();
   std::thread thread_;
 };
 

@@ -117,7 +117,7 @@ class Spool {
   std::map<uint64_t, Segment> segments_;
   uint64_t next_segment_ = 1;
   uint64_t open_segment_ = 0;  // 0: no segment is open.
-  uint64_t appended_ = 0;  // SpooledBatch::order of the last one.
+  uint64_t appended_ = 0;      // SpooledBatch::order of the last one.
   uint64_t appended_bytes_ = 0;
   uint64_t synced_ = 0;  // Without a syncer.
   uint64_t syncs_ = 0;

@@ -4,8 +4,8 @@
 //   header: "CORBSPL" and the version '3', u32 bytes of the owner, u32 CRC-32C of the owner, owner
 //   record: u32 CRC-32C of all that follows in the record, u32 bytes of the payload, u32 flags
 //           (1: closes its local map; 2: a part of what its local map is after batch `number`;
-//           4: the last part of it; 8: a keyframe that is in no batch yet; 16: what else is in none),
-//           u64 local map, u64 number, payload
+//           4: the last part of it; 8: a keyframe that is in no batch yet; 16: what else is in
+//           none), u64 local map, u64 number, payload
 //
 // All numbers are little-endian. Versions '1', in which no features are coded, and '2', in which
 // all records are batches, are read, too.

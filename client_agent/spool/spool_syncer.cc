@@ -37,9 +37,7 @@ void SpoolSyncer::Hurry() {
   hurried_ = !unsynced_.empty();
 }
 
-bool SpoolSyncer::IsSettled() const {
-  return !error_.ok() || (unsynced_.empty() && !is_syncing_);
-}
+bool SpoolSyncer::IsSettled() const { return !error_.ok() || (unsynced_.empty() && !is_syncing_); }
 
 absl::Status SpoolSyncer::SyncNow() {
   absl::MutexLock lock(&mutex_);

@@ -1,6 +1,7 @@
 #include "client_agent/upload/held_items.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <optional>
 #include <set>
 #include <utility>
@@ -26,6 +27,7 @@ bool IsHeld(const SpooledBatch& spooled) {
 // What was found of one local map.
 struct FoundOfMap {
   uint64_t last_batch = 0;
+  std::map<uint64_t, SpooledBatch> batches;
   bool is_closed = false;
   std::map<uint64_t, SpooledBatch> keyframes;
   std::optional<SpooledBatch> rest;
@@ -38,6 +40,7 @@ std::map<LocalMapId, FoundOfMap> SortFound(const std::vector<SpooledBatch>& foun
     switch (spooled.record.kind) {
       case Kind::kBatch:
         of_map.last_batch = std::max(of_map.last_batch, spooled.record.number);
+        of_map.batches[spooled.record.number] = spooled;
         of_map.is_closed = of_map.is_closed || spooled.record.closes_local_map;
         break;
       case Kind::kHeldKeyframe:
@@ -62,9 +65,75 @@ void Deal(const std::vector<Item>& items, size_t most, std::vector<Item> MapUpda
   for (size_t begin = 0; begin < items.size(); begin += most) {
     const size_t end = std::min(items.size(), begin + most);
     MapUpdateBatch& batch = batches.emplace_back();
-    (batch.*field).assign(items.begin() + static_cast<ptrdiff_t>(begin),
-                          items.begin() + static_cast<ptrdiff_t>(end));
+    (batch.*field)
+        .assign(items.begin() + static_cast<ptrdiff_t>(begin),
+                items.begin() + static_cast<ptrdiff_t>(end));
   }
+}
+
+// What batches said that came after the record of what was held back.
+struct ToldLater {
+  std::set<KeyframeId> keyframes;
+  std::map<KeyframeId, KeyframeId> parents_of_removed;
+  std::set<MapPointId> points;
+  std::set<MapPointId> gone_points;
+  std::set<int64_t> frames_ns;
+};
+
+void NoteTold(const MapUpdateBatch& batch, ToldLater& told) {
+  for (const FullKeyframe& full : batch.full_keyframes) told.keyframes.insert(full.payload->id);
+  for (const KeyframeRemoval& removal : batch.removed_keyframes) {
+    told.parents_of_removed[removal.id] = removal.parent;
+  }
+  for (const FullMapPoint& full : batch.full_points) told.points.insert(full.id);
+  for (const PointReplacement& replacement : batch.replacements) {
+    told.gone_points.insert(replacement.replaced);
+  }
+  told.gone_points.insert(batch.removed_points.begin(), batch.removed_points.end());
+  for (const TrackedFrame& frame : batch.tracked_frames) told.frames_ns.insert(frame.timestamp_ns);
+  told.frames_ns.insert(batch.lost_frames_ns.begin(), batch.lost_frames_ns.end());
+}
+
+// Takes out what was told or taken out meanwhile, and what hangs on it.
+void LeaveOutTold(const ToldLater& told, MapUpdateBatch& rest) {
+  const auto is_gone = [&](KeyframeId id) { return told.parents_of_removed.contains(id); };
+  std::erase_if(rest.light_keyframes, [&](const LightKeyframe& light) {
+    return told.keyframes.contains(light.id) || is_gone(light.id);
+  });
+  std::set<KeyframeId> left;
+  for (LightKeyframe& light : rest.light_keyframes) {
+    left.insert(light.id);
+    // Each that is gone is stepped over once.
+    for (size_t step = 0; step <= told.parents_of_removed.size() && is_gone(light.parent); ++step) {
+      light.parent = told.parents_of_removed.at(light.parent);
+    }
+  }
+  std::map<MapPointId, KeyframeId> seen_by;
+  std::erase_if(rest.observations,
+                [&](const ObservationChange& change) { return is_gone(change.keyframe); });
+  for (const ObservationChange& change : rest.observations) {
+    seen_by.emplace(change.point, change.keyframe);
+  }
+  std::set<MapPointId> gone = told.gone_points;
+  for (FullMapPoint& full : rest.full_points) {
+    const auto seen = seen_by.find(full.id);
+    if (is_gone(full.reference) && seen != seen_by.end()) full.reference = seen->second;
+    if (is_gone(full.reference)) gone.insert(full.id);
+  }
+  std::erase_if(rest.full_points, [&](const FullMapPoint& full) {
+    return told.points.contains(full.id) || gone.contains(full.id);
+  });
+  std::set<MapPointId> new_points;
+  for (const FullMapPoint& full : rest.full_points) new_points.insert(full.id);
+  std::erase_if(rest.observations, [&](const ObservationChange& change) {
+    return !new_points.contains(change.point) &&
+           (!left.contains(change.keyframe) || gone.contains(change.point));
+  });
+  std::erase_if(rest.tracked_frames, [&](const TrackedFrame& frame) {
+    return told.frames_ns.contains(frame.timestamp_ns) || is_gone(frame.reference);
+  });
+  std::erase_if(rest.lost_frames_ns,
+                [&](int64_t lost_ns) { return told.frames_ns.contains(lost_ns); });
 }
 
 // Keyframes without a payload go with what names them.
@@ -88,8 +157,22 @@ absl::StatusOr<std::vector<FullKeyframe>> ReadHeldKeyframes(const FoundOfMap& fo
   return keyframes;
 }
 
+// Batches that were written after the record, but for which it was not written anew yet.
+bool HasAllLater(const FoundOfMap& found) {
+  for (uint64_t number = found.rest->record.number + 1; number <= found.last_batch; ++number) {
+    if (!found.batches.contains(number)) return false;
+  }
+  return true;
+}
+
 absl::StatusOr<std::vector<MapUpdateBatch>> MakeHeldBatches(const FoundOfMap& found, Spool& spool) {
   ASSIGN_OR_RETURN(MapUpdateBatch rest, spool.Read(*found.rest));
+  ToldLater told;
+  for (auto it = found.batches.upper_bound(rest.number); it != found.batches.end(); ++it) {
+    ASSIGN_OR_RETURN(const MapUpdateBatch batch, spool.Read(it->second));
+    NoteTold(batch, told);
+  }
+  LeaveOutTold(told, rest);
   ASSIGN_OR_RETURN(const std::vector<FullKeyframe> keyframes,
                    ReadHeldKeyframes(found, rest, spool));
   std::vector<MapUpdateBatch> batches;
@@ -156,10 +239,8 @@ absl::Status TellHeld(Spool& spool) {
   std::vector<SpooledBatch> told;
   absl::Status first_error;
   for (const auto& [id, of_map] : SortFound(found)) {
-    // Later batches told it.
-    const bool is_newest = of_map.rest.has_value() && !of_map.is_closed &&
-                           of_map.rest->record.number == of_map.last_batch;
-    if (is_newest) first_error.Update(TellHeldOf(of_map, spool, told));
+    const bool is_of_use = of_map.rest.has_value() && !of_map.is_closed && HasAllLater(of_map);
+    if (is_of_use) first_error.Update(TellHeldOf(of_map, spool, told));
   }
   if (!told.empty()) first_error.Update(spool.Sync());
   for (const SpooledBatch& spooled : found) {

@@ -35,8 +35,8 @@ class HeldWriter {
 };
 
 // Makes batches of what an earlier process held back when it ended, and puts them behind what the
-// spool found, where nothing of it was told afterwards. After an error (the disk has no room, fails,
-// or has not kept it) some of it is lost.
+// spool found, but for what later batches told. After an error (the disk has no room,
+// fails, or has not kept it) some of it is lost.
 absl::Status TellHeld(Spool& spool);
 
 }  // namespace corbslam::client_agent

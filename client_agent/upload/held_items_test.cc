@@ -100,7 +100,23 @@ TEST_F(HeldItemsTest, WhatWasToldMeanwhileIsNotToldAgain) {
   const auto spool = *OpenFakeSpool(&disk_);
   ASSERT_TRUE(TellHeld(*spool).ok());
   EXPECT_EQ(spool->found().size(), 2u) << "the two batches";
+  EXPECT_TRUE(ReadNewestKeptMap(*spool).ok());
   EXPECT_EQ(KeyframesAfter(disk_).size(), 5u);
+}
+
+// The process may end between a batch and the next record of what is held back.
+TEST_F(HeldItemsTest, WhatABatchDidNotTellIsStillThere) {
+  for (uint32_t i = 0; i < 5; ++i) AddKeyframe(i);
+  WriteBatch();
+  WriteHeld();
+  map_.RemoveKeyframe({kHolding, 2});
+  recorder_.StopHoldingBack();
+  MapUpdateBatch batch = recorder_.TakeBatch(map_, 1);
+  ASSERT_EQ(batch.full_keyframes.size(), 1u);
+  ASSERT_EQ(batch.full_keyframes[0].payload->id.index, 1u);
+  batch.number = ++last_;
+  ASSERT_TRUE(spool_->Append(batch).ok());
+  EXPECT_EQ(KeyframesAfter(disk_), (std::set<uint32_t>{0, 1, 3, 4}));
 }
 
 TEST_F(HeldItemsTest, APayloadIsWrittenOnce) {

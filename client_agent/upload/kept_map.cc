@@ -121,10 +121,9 @@ absl::Status KeptMap::Observe(const ObservationChange& change) {
     return Unknown("observed point", change.point);
   }
   if (observations_.Apply(change)) return absl::OkStatus();
-  return absl::InvalidArgumentError(absl::StrCat("observation of ", ToString(change.point),
-                                                 " by keypoint ", change.keypoint, " of keyframe ",
-                                                 ToString(change.keyframe),
-                                                 ", which has no such keypoint"));
+  return absl::InvalidArgumentError(
+      absl::StrCat("observation of ", ToString(change.point), " by keypoint ", change.keypoint,
+                   " of keyframe ", ToString(change.keyframe), ", which has no such keypoint"));
 }
 
 // Keyframes may be told to be gone that were never told.

@@ -49,10 +49,9 @@ absl::StatusOr<KeptMap> ReadKeptMap(LocalMapId local_map, const std::vector<Spoo
   for (const SpooledBatch& spooled : records) {
     if (spooled.record.kind != Kind::kBatch || spooled.record.number <= last) continue;
     if (spooled.record.number != last + 1) {
-      return absl::FailedPreconditionError(
-          absl::StrCat("the spool has no batch ", last + 1, " of it, but batch ",
-                       spooled.record.number,
-                       last == 0 ? ": the robot that made it did not run with --resume" : ""));
+      return absl::FailedPreconditionError(absl::StrCat(
+          "the spool has no batch ", last + 1, " of it, but batch ", spooled.record.number,
+          last == 0 ? ": the robot that made it did not run with --resume" : ""));
     }
     RETURN_IF_ERROR(ApplyRecord(spooled, read, kept));
     last = spooled.record.number;
@@ -80,8 +79,8 @@ absl::StatusOr<KeptMap> ReadNewestKeptMap(Spool& spool) {
   absl::StatusOr<KeptMap> kept = ReadKeptMap(
       *newest, records, [&](const SpooledBatch& spooled) { return spool.Read(spooled); });
   if (kept.ok()) return kept;
-  return absl::Status(kept.status().code(), absl::StrCat("local map ", ToString(*newest), ": ",
-                                                         kept.status().message()));
+  return absl::Status(kept.status().code(),
+                      absl::StrCat("local map ", ToString(*newest), ": ", kept.status().message()));
 }
 
 }  // namespace corbslam::client_agent

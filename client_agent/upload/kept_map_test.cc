@@ -1,5 +1,5 @@
-// What is refused of a local map that was kept. That the rest is as the store has it, the recorder's
-// test says.
+// What is refused of a local map that was kept. That the rest is as the store has it, the
+// recorder's test says.
 #include "client_agent/upload/kept_map.h"
 
 #include <gmock/gmock.h>
@@ -25,8 +25,7 @@ FullKeyframe KeptKeyframe(uint32_t index, KeyframeId parent = {}) {
   Features features;
   features.keypoints.resize(4);
   features.descriptors.resize(4);
-  return {MakeKeyframePayload({kKept, index}, index, 0, testing::TestCamera(),
-                              std::move(features)),
+  return {MakeKeyframePayload({kKept, index}, index, 0, testing::TestCamera(), std::move(features)),
           Rigid3d::Identity(), parent};
 }
 
@@ -157,10 +156,9 @@ TEST_F(KeptReadingTest, AWholeStandsForTheBatchesBefore) {
   for (MapUpdateBatch& part : parts) {
     part.number = 2;
     const bool last = &part == &parts.back();
-    ASSERT_TRUE(spool_
-                    ->Append(part, last ? SpoolRecord::Kind::kWholeEnd
-                                        : SpoolRecord::Kind::kWholePart)
-                    .ok());
+    ASSERT_TRUE(
+        spool_->Append(part, last ? SpoolRecord::Kind::kWholeEnd : SpoolRecord::Kind::kWholePart)
+            .ok());
   }
   const auto read = Read();
   ASSERT_TRUE(read.ok()) << read.status();

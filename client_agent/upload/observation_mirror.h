@@ -20,8 +20,8 @@ class ObservationMirror {
   void RemoveKeyframe(KeyframeId id);
   void RemovePoint(MapPointId id);
   void ReplacePoint(MapPointId replaced, MapPointId survivor);
-  // Takes what was told elsewhere, as the map store takes it: an observation goes where its point or
-  // its keypoint has another one. Returns false, and does nothing, for an unknown keyframe or
+  // Takes what was told elsewhere, as the map store takes it: an observation goes where its point
+  // or its keypoint has another one. Returns false, and does nothing, for an unknown keyframe or
   // keypoint.
   bool Apply(const ObservationChange& change);
 

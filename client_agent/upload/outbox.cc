@@ -156,10 +156,10 @@ absl::Status Outbox::CheckState(LocalMapId id, const LocalMapNumbers& numbers,
                                             numbers.acknowledged, " that it acknowledged before"));
   }
   if (stored > numbers.sent && numbers.goes_on) {
-    return absl::DataLossError(
-        absl::StrCat("the map store has batch ", stored, " of local map ", ToString(id),
-                     ", but the robot's spool had it only up to batch ", numbers.found,
-                     " when the robot went on with it"));
+    return absl::DataLossError(absl::StrCat("the map store has batch ", stored, " of local map ",
+                                            ToString(id),
+                                            ", but the robot's spool had it only up to batch ",
+                                            numbers.found, " when the robot went on with it"));
   }
   if (stored > numbers.sent && !numbers.of_earlier_process) {
     return absl::AlreadyExistsError(
@@ -223,9 +223,9 @@ const Outbox::Entry* Outbox::OldestInMemory() const {
 }
 
 const Outbox::Entry* Outbox::OldestUnwritten() const {
-  const auto it =
-      std::partition_point(entries_.begin(), entries_.end(),
-                           [](const Entry& entry) { return entry.spooled.has_value(); });
+  const auto it = std::partition_point(entries_.begin(), entries_.end(), [](const Entry& entry) {
+    return entry.spooled.has_value();
+  });
   return it == entries_.end() ? nullptr : &*it;
 }
 

@@ -40,10 +40,9 @@ uint32_t UpdateRecorder::NumberOf(KeyframeId id, uint32_t keypoint) const {
 }
 
 void UpdateRecorder::CopyHeldKeyframes(const Map& map, HeldItems& held) {
-  absl::erase_if(held_numbers_,
-                 [this](const auto& entry) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
-                   return !added_keyframes_.contains(entry.first);
-                 });
+  absl::erase_if(held_numbers_, [this](const auto& entry) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
+    return !added_keyframes_.contains(entry.first);
+  });
   for (const KeyframeId id : added_keyframes_) {
     const Keyframe* keyframe = map.FindKeyframe(id);
     if (keyframe == nullptr || held_numbers_.contains(id)) continue;
@@ -88,8 +87,8 @@ void UpdateRecorder::CopyHeldPoints(const Map& map, MapUpdateBatch& rest) const 
 }
 
 void UpdateRecorder::CopyHeldObservations(const Map& map, MapUpdateBatch& rest) const {
-  const auto add = [&](MapPointId point, KeyframeId keyframe, uint32_t keypoint)
-                       ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
+  const auto add = [&](MapPointId point, KeyframeId keyframe,
+                       uint32_t keypoint) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
     const uint32_t number = NumberOf(keyframe, keypoint);
     if (number == kLeftOut) return;
     rest.observations.push_back({ObservationChange::Kind::kAdded, point, keyframe, number});

@@ -177,10 +177,11 @@ void UploadQueue::NoteSpool(const absl::Status& room) {
 void UploadQueue::NoteDurable(const absl::Status& durable) {
   absl::MutexLock lock(&mutex_);
   if (durable.ok() != durable_.ok()) {
-    LOG(WARNING) << (durable.ok() ? "the spool takes what is mapped again"
-                                  : absl::StrCat("what is mapped now would not outlive the process, "
-                                                 "because the spool can't take it: ",
-                                                 durable.ToString()));
+    LOG(WARNING) << (durable.ok()
+                         ? "the spool takes what is mapped again"
+                         : absl::StrCat("what is mapped now would not outlive the process, "
+                                        "because the spool can't take it: ",
+                                        durable.ToString()));
   }
   durable_ = durable;
 }
@@ -283,8 +284,10 @@ absl::Status UploadQueue::KeepOnDisk(const Outbox::Entry& entry) {
   if (entry.spooled.has_value()) {
     if (entry.spooled->order <= spool_->synced()) return absl::OkStatus();
     absl::Status synced = spool_->Sync();
-    if (synced.ok()) return synced;
     const uint64_t kept = spool_->synced();
+    if (synced.ok() && entry.spooled->order <= kept) return synced;
+    // An error that somebody else has taken.
+    if (synced.ok()) synced = absl::UnavailableError("the disk did not keep the spool's file");
     absl::MutexLock lock(&mutex_);
     outbox_.MarkUnwritten(kept);
     return synced;

@@ -281,8 +281,7 @@ class DurableQueueTest : public UploadQueueTest {
     const auto spool = *OpenFakeSpool(&copy);
     for (const SpooledBatch& spooled : spool->found()) {
       if (spooled.record.kind != SpoolRecord::Kind::kBatch) continue;
-      found.push_back(
-          absl::StrCat(spooled.record.local_map.value, "/", spooled.record.number));
+      found.push_back(absl::StrCat(spooled.record.local_map.value, "/", spooled.record.number));
     }
     return found;
   }
@@ -392,7 +391,8 @@ TEST_F(DurableQueueTest, WhatIsKeptIsWrittenAsAWhole) {
   features.descriptors.resize(1);
   first.full_keyframes.push_back(
       {MakeKeyframePayload({kMap, 0}, 1, 0, testing::TestCamera(), std::move(features)),
-       Rigid3d::Identity(), {}});
+       Rigid3d::Identity(),
+       {}});
   queue_->Push(first);
   for (uint64_t number = 2; number <= 400; ++number) {
     MapUpdateBatch next = BatchOf(kMap);

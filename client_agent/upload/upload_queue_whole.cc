@@ -75,8 +75,9 @@ void UploadQueue::KeepWhole() {
   if (!whole_.has_value()) BeginWhole();
   if (!whole_.has_value()) return;
   if (whole_->future.valid()) {
-    const bool is_ready = options_.whole_at_once || whole_->future.wait_for(std::chrono::seconds(
-                                                        0)) == std::future_status::ready;
+    const bool is_ready =
+        options_.whole_at_once ||
+        whole_->future.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
     if (!is_ready) return;
     WriteWhole(whole_->future.get());
     if (!whole_.has_value()) return;

@@ -1,6 +1,6 @@
-// A robot without a map store is killed (SIGKILL) while it maps: what its spool then has against the
-// keyframes that it had made. A keyframe that is in the spool is there for good; one that is newer
-// than all of them is lost, and may be a second old at most.
+// A robot without a map store is killed (SIGKILL) while it maps: what its spool then has against
+// the keyframes that it had made. A keyframe that is in the spool is there for good; one that is
+// newer than all of them is lost, and may be a second old at most.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -74,11 +74,11 @@ class KilledRobotTest : public FaultTest {
     return kept.ok() ? kept->next_keyframe() : 0;
   }
   RobotKill Kill(int kill, absl::Duration after) {
-    auto robot = Start(absl::StrCat("robot", kill), "mortal_robot",
-                       {"--source", DemoSource(), "--keyframes",
-                        FileOf(absl::StrCat("keyframes", kill)), "--spool", Spool(kill).folder,
-                        "--resume"},
-                       /*security=*/{});
+    auto robot =
+        Start(absl::StrCat("robot", kill), "mortal_robot",
+              {"--source", DemoSource(), "--keyframes", FileOf(absl::StrCat("keyframes", kill)),
+               "--spool", Spool(kill).folder, "--resume"},
+              /*security=*/{});
     EXPECT_NE(robot, nullptr);
     if (robot == nullptr) return {};
     // It loads its vocabulary first.
@@ -114,14 +114,16 @@ void WriteFigures(const RobotKill& sum, int kills) {
   std::ofstream(path) << figures.dump(2) << "\n";
 }
 
-// CORBSLAM_ROBOT_KILLS: how many, on a machine that does nothing else; CORBSLAM_ROBOT_KILLS_JSON: a file for the figures.
+// CORBSLAM_ROBOT_KILLS: how many, on a machine that does nothing else; CORBSLAM_ROBOT_KILLS_JSON: a
+// file for the figures.
 TEST_F(KilledRobotTest, LosesNoKeyframeThatIsASecondOld) {
   const int kills = CountFromEnvironment("CORBSLAM_ROBOT_KILLS", 2);
   std::mt19937 random(11);
   std::uniform_real_distribution<double> share(0, 1);
   RobotKill sum;
-  std::printf("| kill | keyframes made | lost | lost, older than 1 s | oldest lost, ms |\n"
-              "| --- | --- | --- | --- | --- |\n");
+  std::printf(
+      "| kill | keyframes made | lost | lost, older than 1 s | oldest lost, ms |\n"
+      "| --- | --- | --- | --- | --- |\n");
   for (int kill = 0; kill < kills; ++kill) {
     const RobotKill one = Kill(kill, share(random) * kLongestDrive);
     std::printf("| %d | %zu | %zu | %zu | %.0f |\n", kill, one.made, one.lost, one.lost_too_old,

@@ -1,5 +1,5 @@
-// mortal_robot: a robot without a map store that plays a recording in its own time and keeps what it
-// maps in a spool. It writes when which keyframe was made, for whoever kills it.
+// mortal_robot: a robot without a map store that plays a recording in its own time and keeps what
+// it maps in a spool. It writes when which keyframe was made, for whoever kills it.
 #include <glog/logging.h>
 
 #include <CLI/CLI.hpp>

@@ -98,10 +98,9 @@ TEST(ConfigTest, InvalidConfigurationsEndWithTwoAndSayAllThatIsWrong) {
                                 HasSubstr("/none.voc"), HasSubstr("/dev/null is no folder"),
                                 HasSubstr("max_missions"), HasSubstr("--tls-cert")));
   const Ended agent =
-      RunToEnd("client_agent",
-               {"--validate-config", "--source", "tum:/nowhere", "--agent", "a b", "--spool-dir",
-                TempFile("spool"), "--spool-sync-s", "0", "--stats", "/nowhere/stats.json",
-                "--memory-budget", "200MB"});
+      RunToEnd("client_agent", {"--validate-config", "--source", "tum:/nowhere", "--agent", "a b",
+                                "--spool-dir", TempFile("spool"), "--spool-sync-s", "0", "--stats",
+                                "/nowhere/stats.json", "--memory-budget", "200MB"});
   EXPECT_EQ(agent.exit_code, 2);
   EXPECT_THAT(agent.text,
               AllOf(HasSubstr("/nowhere: there is no such folder"), HasSubstr("--agent is \"a b\""),

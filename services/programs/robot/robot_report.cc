@@ -55,8 +55,9 @@ RobotReport MakeRobotReport(const Agent& agent) {
   report.tracking_ms = SpreadOf(timings.tracking_ms);
   report.local_ba_ms = SpreadOf(timings.local_ba_ms);
   report.local_ba_count = static_cast<int>(timings.local_ba_ms.count());
-  report.outbox = {status.upload.batches, status.upload.memory_bytes, status.upload.spool_bytes,
-                   status.upload.spool_syncs, status.upload.lost_local_maps, status.upload.refused_items};
+  report.outbox = {status.upload.batches,         status.upload.memory_bytes,
+                   status.upload.spool_bytes,     status.upload.spool_syncs,
+                   status.upload.lost_local_maps, status.upload.refused_items};
   report.held_back = status.upload.held_back.items;
   return report;
 }

@@ -115,8 +115,8 @@ TEST(RobotReportTest, NamesOfFieldsStay) {
 TEST(RobotReportTest, WhatIsNotKnownIsNullAndStaysSo) {
   const Json json = ToJson(RobotReport());
   for (const char* field :
-       {"first_upload_s", "resumed_after_s", "ate_m", "ate_from_frame_m", "ate_global_m", "t_rel_percent",
-        "r_rel_deg_per_100m", "peak_rss_mb", "cpu_s", "source_description"}) {
+       {"first_upload_s", "resumed_after_s", "ate_m", "ate_from_frame_m", "ate_global_m",
+        "t_rel_percent", "r_rel_deg_per_100m", "peak_rss_mb", "cpu_s", "source_description"}) {
     EXPECT_TRUE(json.contains(field) && json[field].is_null()) << field;
   }
   const absl::StatusOr<RobotReport> read = RobotReportFromJson(json);
