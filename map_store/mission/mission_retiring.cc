@@ -20,17 +20,18 @@ bool MissionRetiring::IsDue() const {
 bool MissionRetiring::RunOne() {
   if (!IsDue() || !fusion_.IsIdle() || !turn_.TryLock()) return false;
   bool done = false;
+  Retirement retirement;
   const absl::StatusOr<Look> look = TakeNext();
   if (look.ok()) {
-    const Retirement retirement = PlanRetirement(look->view, strand_.options());
+    retirement = PlanRetirement(look->view, strand_.options());
     done = Commit(*look, retirement);
-    if (done && !retirement.empty()) {
-      LOG(INFO) << "mission " << strand_.name() << ": " << retirement.keyframes.size()
-                << " keyframes retire, " << retirement.faded.size() << " points fade";
-    }
   }
   turn_.Unlock();
-  if (done) notify_();
+  if (!retirement.empty()) {
+    LOG(INFO) << "mission " << strand_.name() << ": " << retirement.keyframes.size()
+              << " keyframes retire, " << retirement.faded.size() << " points fade";
+    notify_();
+  }
   return done;
 }
 

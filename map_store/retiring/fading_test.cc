@@ -4,14 +4,14 @@
 
 #include <set>
 
-#include "map_store/testing/session_views.h"
+#include "map_store/testing/drive_views.h"
 #include "map_store/testing/shared_world.h"
 
 namespace corbslam::map_store {
 namespace {
 
 using testing::Joined;
-using testing::MakeSessionView;
+using testing::MakeDriveView;
 using testing::MakeSyntheticMap;
 using testing::PosesOnRing;
 using testing::SyntheticMap;
@@ -42,7 +42,7 @@ class FadingTest : public ::testing::Test {
   RetiringView View(const SyntheticWorld& second, const SyntheticWorld& third, Joined joined) {
     second_ = Drive(2, second);
     third_ = Drive(3, third);
-    return MakeSessionView({&first_, &second_, &third_}, TheWorld().world, joined);
+    return MakeDriveView({&first_, &second_, &third_}, TheWorld().world, joined);
   }
 
   const SyntheticWorld& world_ = TheWorld().world;
@@ -78,8 +78,7 @@ TEST_F(FadingTest, OneSessionIsNoEvidence) {
   EXPECT_EQ(Fade(View(world_, changed_, Joined::kMerged)).size(), 0u)
       << "the second session still saw it";
   second_ = Drive(2, changed_);
-  EXPECT_EQ(Fade(MakeSessionView({&first_, &second_}, TheWorld().world, Joined::kMerged)).size(),
-            0u);
+  EXPECT_EQ(Fade(MakeDriveView({&first_, &second_}, TheWorld().world, Joined::kMerged)).size(), 0u);
 }
 
 // At night nothing looks as it did.

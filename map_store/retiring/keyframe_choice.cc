@@ -7,7 +7,7 @@
 #include <set>
 #include <tuple>
 
-#include "map_store/retiring/session_links.h"
+#include "map_store/retiring/local_map_links.h"
 
 namespace corbslam::map_store {
 namespace {
@@ -60,9 +60,12 @@ class Choice {
 
   bool MayGo(KeyframeId id) const {
     const Worth worth = WorthOf(*view_.map.FindKeyframe(id));
-    return worth.landmarks > 0 && worth.seen >= options_.seen_share * worth.landmarks &&
-           worth.homeless <= options_.max_homeless_share * worth.landmarks &&
-           !links_.IsNeeded(id) && FindStandIn(id).IsValid();
+    const bool is_redundant = worth.landmarks > 0 &&
+                              worth.seen >= options_.seen_share * worth.landmarks &&
+                              worth.homeless <= options_.max_homeless_share * worth.landmarks;
+    if (!is_redundant || links_.IsNeeded(id)) return false;
+    const std::map<KeyframeId, int> shared = CountShared(id);
+    return IsSeenLater(id, shared) && FindStandIn(id, shared).IsValid();
   }
 
   // Returns the share of the landmarks that it observes of which enough others see.
@@ -114,20 +117,36 @@ class Choice {
     });
   }
 
-  // Returns the keyframe that stays and sees most of what this one observes; of those that see as
-  // much, one of its own local map, then the least. Invalid: none sees enough.
-  KeyframeId FindStandIn(KeyframeId id) const {
+  // Returns how many of the landmarks that it observes each keyframe sees that stays.
+  std::map<KeyframeId, int> CountShared(KeyframeId id) const {
     std::map<KeyframeId, int> shared;
     for (const MapPointId& landmark : view_.map.FindKeyframe(id)->points) {
       const LandmarkSights* sights = Find(landmark);
       if (sights == nullptr) continue;
-      for (const LandmarkSights::Seen& seen : sights->seen) ++shared[seen.keyframe];
+      for (const LandmarkSights::Seen& seen : sights->seen) {
+        if (seen.keyframe != id && !gone_.contains(seen.keyframe)) ++shared[seen.keyframe];
+      }
     }
+    return shared;
+  }
+
+  // Returns whether a later local map sees the place.
+  bool IsSeenLater(KeyframeId id, const std::map<KeyframeId, int>& shared) const {
+    const size_t session = view_.closed.at(id.local_map).order;
+    return std::ranges::any_of(shared, [&](const auto& other) {
+      return other.second >= options_.min_shared &&
+             view_.closed.at(other.first.local_map).order > session;
+    });
+  }
+
+  // Returns the keyframe that stays and sees most of what this one observes; of those that see as
+  // much, one of its own local map, then the least. Invalid: none sees enough.
+  KeyframeId FindStandIn(KeyframeId id, const std::map<KeyframeId, int>& shared) const {
     std::tuple<int, bool> best = {options_.min_shared, false};
     KeyframeId stand_in;
     for (const auto& [other, count] : shared) {
       const std::tuple<int, bool> rank = {count, other.local_map == id.local_map};
-      if (other == id || gone_.contains(other) || rank < best || !HasSameUnits(id, other)) continue;
+      if (rank < best || !HasSameUnits(id, other)) continue;
       if (stand_in.IsValid() && rank == best) continue;
       best = rank;
       stand_in = other;
@@ -142,7 +161,7 @@ class Choice {
 
   std::optional<RetiredKeyframe> Describe(KeyframeId id) const {
     const auto parent = ParentOf(id);
-    const KeyframeId stand_in = FindStandIn(id);
+    const KeyframeId stand_in = FindStandIn(id, CountShared(id));
     if (!parent.has_value() || !stand_in.IsValid()) return std::nullopt;
     const Similarity3d relative = view_.poses.at(stand_in) * view_.poses.at(id).Inverse();
     return RetiredKeyframe{id,
@@ -165,7 +184,7 @@ class Choice {
   const SightsOfLandmarks& sights_;
   const absl::flat_hash_set<MapPointId>& faded_;
   const ChoiceOptions& options_;
-  SessionLinks links_;
+  LocalMapLinks links_;
   std::vector<KeyframeId> going_;
   absl::flat_hash_set<KeyframeId> gone_;
 };

@@ -27,9 +27,9 @@ struct ChoiceOptions {
 
 // Returns the keyframes in the order in which they go, each judged by those that are left at its
 // turn: those that hold no overlap before those that do, those of earlier local maps before later
-// ones, those of which most is seen first. A local map's root stays, and so do keyframes whose
-// overlap alone joins local maps, and those that nothing stands in for. `faded` landmarks don't
-// count. Pure.
+// ones, those of which most is seen first. What the last local map that sees a place has of it
+// stays, and so do a local map's root, keyframes whose overlap alone joins local maps, and those
+// that nothing stands in for. `faded` landmarks don't count. Pure.
 std::vector<RetiredKeyframe> ChooseKeyframes(const RetiringView& view,
                                              const SightsOfLandmarks& sights,
                                              const absl::flat_hash_set<MapPointId>& faded,

@@ -9,7 +9,7 @@
 namespace corbslam::map_store {
 namespace {
 
-constexpr int kOctaveSlack = 2;
+constexpr int kMatchOctaves = 2;
 
 enum class Look { kSees, kMisses, kCantTell };
 
@@ -42,7 +42,7 @@ class KeyframeJudge {
   // Returns nullopt if no keypoint where the point should be looks at all like it.
   std::optional<Judgement> Match(const MapPoint& point, const PredictedView& view) {
     FindNear(view.pixel, options_.radius_px * ScalePyramid::Scale(view.octave),
-             view.octave - kOctaveSlack, view.octave + kOctaveSlack);
+             view.octave - kMatchOctaves, view.octave + kMatchOctaves);
     int best = options_.min_other_distance;
     Judgement judgement;
     for (const uint32_t i : near_) {
@@ -103,10 +103,10 @@ class KeyframeJudge {
 };
 
 bool KnowsDepth(const RetiringView& view, const Keyframe& keyframe) {
-  constexpr double kSameUnits = 0.01;
+  constexpr double kSameScale = 0.01;
   const auto pose = view.poses.find(keyframe.id());
   return keyframe.camera().IsMetric() && pose != view.poses.end() &&
-         std::abs(pose->second.scale - 1) < kSameUnits;
+         std::abs(pose->second.scale - 1) < kSameScale;
 }
 
 std::vector<const MapPoint*> ListPoints(const RetiringView& view) {

@@ -82,10 +82,9 @@ void ForgetBytes(uint64_t bytes, LocalMapState& local_map) {
   local_map.stored_bytes -= std::min(local_map.stored_bytes, bytes);
 }
 
-// Removes the keyframe and returns points that it saw or that followed it.
-std::vector<MapPointId> Remove(const RetiredKeyframe& retired, MissionState& state) {
+void Remove(const RetiredKeyframe& retired, MissionState& state) {
   LocalMapState& local_map = *state.FindLocalMap(retired.id.local_map);
-  std::vector<MapPointId> points = OwnPointsOf(retired.id, local_map);
+  const std::vector<MapPointId> points = OwnPointsOf(retired.id, local_map);
   ForgetBytes(BytesOf(*local_map.map.FindKeyframe(retired.id)), local_map);
   ApplyKeyframeRemoval({retired.id, retired.parent, retired.parent_from_removed}, state, local_map);
   FollowAnother(retired.id, points, state.global, local_map);
@@ -94,12 +93,23 @@ std::vector<MapPointId> Remove(const RetiredKeyframe& retired, MissionState& sta
   Island& island = *state.FindIslandOf(local_map.id);
   island.adjusted -= std::min<size_t>(island.adjusted, 1);
   island.moved.erase(retired.id);
-  return points;
 }
 
-bool IsUnseen(MapPointId id, const MissionState& state) {
-  const MapPoint* point = state.FindPoint(id);
-  return point != nullptr && point->observations.empty();
+// Returns the points that no keyframe of their own local map sees without those that go.
+std::set<MapPointId> FindUnseen(const Retirement& retirement, MissionState& state) {
+  absl::flat_hash_set<KeyframeId> going;
+  for (const RetiredKeyframe& retired : retirement.keyframes) going.insert(retired.id);
+  std::set<MapPointId> unseen;
+  for (const RetiredKeyframe& retired : retirement.keyframes) {
+    LocalMapState& local_map = *state.FindLocalMap(retired.id.local_map);
+    for (const MapPointId& id : OwnPointsOf(retired.id, local_map)) {
+      const bool is_seen =
+          std::ranges::any_of(local_map.map.FindPoint(id)->observations,
+                              [&going](const auto& seen) { return !going.contains(seen.first); });
+      if (!is_seen) unseen.insert(id);
+    }
+  }
+  return unseen;
 }
 
 void RemovePoint(MapPointId id, MissionState& state) {
@@ -157,17 +167,14 @@ void ApplyRetirement(const Retirement& retirement, MissionState& state) {
   NoteLandmarkChanges(MapPointIds(retirement.faded.begin(), retirement.faded.end()), state);
   for (const MapPointId& point : retirement.faded) {
     LocalMapState& owner = *state.FindLocalMap(point.local_map);
-    if (owner.map.FindPoint(point) != nullptr) ++owner.faded_points;
+    owner.faded_points += owner.map.FindPoint(point) != nullptr;
     RemovePoint(point, state);
   }
-  std::set<MapPointId> left;
-  for (const RetiredKeyframe& retired : retirement.keyframes) {
-    const std::vector<MapPointId> points = Remove(retired, state);
-    left.insert(points.begin(), points.end());
-  }
-  std::erase_if(left, [&state](MapPointId id) { return !IsUnseen(id, state); });
-  NoteLandmarkChanges(MapPointIds(left.begin(), left.end()), state);
-  for (const MapPointId& point : left) RemovePoint(point, state);
+  // They go before their keyframes do, so that their heirs take over their places.
+  const std::set<MapPointId> unseen = FindUnseen(retirement, state);
+  NoteLandmarkChanges(MapPointIds(unseen.begin(), unseen.end()), state);
+  for (const MapPointId& point : unseen) RemovePoint(point, state);
+  for (const RetiredKeyframe& retired : retirement.keyframes) Remove(retired, state);
   recorders.clear();
   TouchByRetirement(local_maps, state);
 }

@@ -90,8 +90,12 @@ TEST_F(RetirementTest, PointsThatNobodyOfTheirOwnSeesGoToTheirHeirs) {
   // The other keyframe of the local map sees nothing any more.
   LocalMapState& local_map = *state_.FindLocalMap(kSmallMapA);
   for (uint32_t p = 0; p < 6; ++p) local_map.map.RemoveObservation({kSmallMapA, p}, kFirst);
+  const Eigen::Vector3d place = FindPlaced({kSmallMapA, 1}, state_.global)->PositionInIsland();
   ApplyRetirement(retirement, state_);
   EXPECT_TRUE(local_map.map.points().empty());
+  const auto heirs = FindPlaced({kSmallMapB, 1}, state_.global);
+  ASSERT_TRUE(heirs.has_value());
+  EXPECT_LT((heirs->PositionInIsland() - place).norm(), 1e-12);
   EXPECT_EQ(ResolvePoint(state_, {kSmallMapA, 1}), (MapPointId{kSmallMapB, 1}));
   EXPECT_FALSE(ResolvePoint(state_, {kSmallMapA, 2}).IsValid());
   EXPECT_EQ(local_map.faded_points, 0u);

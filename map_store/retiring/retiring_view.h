@@ -34,12 +34,12 @@ struct RetiringView {
   // The points that are one landmark, by its survivor, of all that candidates see.
   absl::flat_hash_map<MapPointId, std::vector<MapPointId>> landmarks;
   // The closed local maps of the island: their place in the order of arrival, and their last batch.
-  struct Session {
+  struct Closed {
     size_t order = 0;
     uint64_t last_batch = 0;
     size_t keyframes = 0;
   };
-  std::map<LocalMapId, Session> closed;
+  std::map<LocalMapId, Closed> closed;
   // Overlaps in the graph whose keyframes live, in two local maps of the island.
   std::vector<std::pair<KeyframeId, KeyframeId>> overlaps;
 };

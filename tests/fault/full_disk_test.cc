@@ -49,7 +49,7 @@ class FullDiskTest : public FaultTest {
     store_ = Start(name, "map_store",
                    {"--listen", address_.empty() ? "127.0.0.1:0" : address_, "--data-dir",
                     disk_->folder() + "/data", "--min-free-mb", absl::StrCat(min_free_mb),
-                    "--in-process-worker"});
+                    "--in-process-worker", "--keep-everything"});
     StartWith({});
     address_ = AddressOf(store_.get());
     ASSERT_FALSE(address_.empty());

@@ -47,7 +47,8 @@ class KilledLedgerTest : public ReplayFaultTest {
   void StartStore(const std::string& data_dir) {
     const std::string listen = address_.empty() ? "127.0.0.1:0" : address_;
     store_ = Start("store", "map_store",
-                   {"--listen", listen, "--worker", worker_address_, "--data-dir", data_dir});
+                   {"--listen", listen, "--worker", worker_address_, "--data-dir", data_dir,
+                    "--keep-everything"});
     address_ = AddressOf(store_.get());
     ASSERT_NE(address_, "");
   }

@@ -41,7 +41,8 @@ class KilledStoreTest : public FaultTest {
     const std::string listen = address_.empty() ? "127.0.0.1:0" : address_;
     const std::string name = absl::StrCat("store", starts_++);
     store_ = Start(name, "map_store",
-                   {"--listen", listen, "--worker", worker_address_, "--data-dir", FileOf("data")});
+                   {"--listen", listen, "--worker", worker_address_, "--data-dir", FileOf("data"),
+                    "--keep-everything"});
     address_ = AddressOf(store_.get());
     ASSERT_NE(address_, "");
   }

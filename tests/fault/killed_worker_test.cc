@@ -166,7 +166,8 @@ TEST_F(KilledWorkerTest, RealRobotsAreFusedAllTheSame) {
   auto worker = StartWorker();
   const std::string worker_address = AddressOf(worker.get());
   const auto store =
-      Start("store", "map_store", {"--listen", "127.0.0.1:0", "--worker", worker_address});
+      Start("store", "map_store",
+            {"--listen", "127.0.0.1:0", "--worker", worker_address, "--keep-everything"});
   const std::string address = AddressOf(store.get());
   ASSERT_FALSE(address.empty());
   std::vector<std::unique_ptr<ChildProcess>> robots;

@@ -254,10 +254,11 @@ Outcome LinksTest::RunCase(const LinkCase& link_case, int number) {
   outcome.link = link_case.name;
   const auto worker = Start(absl::StrCat("worker", number), "fusion_worker",
                             {"--listen", "127.0.0.1:0"}, SecurityOf(link_case, "worker"));
-  const auto store = Start(absl::StrCat("store", number), "map_store",
-                           {"--listen", "0.0.0.0:0", "--worker", AddressOf(worker.get()),
-                            "--data-dir", FileOf(absl::StrCat("data", number))},
-                           SecurityOf(link_case, "store"));
+  const auto store =
+      Start(absl::StrCat("store", number), "map_store",
+            {"--listen", "0.0.0.0:0", "--worker", AddressOf(worker.get()), "--data-dir",
+             FileOf(absl::StrCat("data", number)), "--keep-everything"},
+            SecurityOf(link_case, "store"));
   const std::string address = AddressOf(store.get());
   int port = 0;
   EXPECT_TRUE(absl::SimpleAtoi(address.substr(address.rfind(':') + 1), &port)) << address;

@@ -1,6 +1,6 @@
 // Knows which overlaps join the local maps of an island, as keyframes that hold them go.
-#ifndef CORBSLAM_MAP_STORE_RETIRING_SESSION_LINKS_H_
-#define CORBSLAM_MAP_STORE_RETIRING_SESSION_LINKS_H_
+#ifndef CORBSLAM_MAP_STORE_RETIRING_LOCAL_MAP_LINKS_H_
+#define CORBSLAM_MAP_STORE_RETIRING_LOCAL_MAP_LINKS_H_
 
 #include <cstddef>
 #include <utility>
@@ -12,11 +12,11 @@
 namespace corbslam::map_store {
 
 // A value; not thread-safe.
-class SessionLinks {
+class LocalMapLinks {
  public:
   using Overlaps = std::vector<std::pair<KeyframeId, KeyframeId>>;
 
-  explicit SessionLinks(Overlaps overlaps);
+  explicit LocalMapLinks(Overlaps overlaps);
 
   // Returns whether an overlap that is left is the keyframe's.
   bool Holds(KeyframeId id) const { return count_.contains(id); }
@@ -37,4 +37,4 @@ class SessionLinks {
 
 }  // namespace corbslam::map_store
 
-#endif  // CORBSLAM_MAP_STORE_RETIRING_SESSION_LINKS_H_
+#endif  // CORBSLAM_MAP_STORE_RETIRING_LOCAL_MAP_LINKS_H_

@@ -1,6 +1,6 @@
 // Views of several sessions over one place, in which everything stands where it truly is.
-#ifndef CORBSLAM_MAP_STORE_TESTING_SESSION_VIEWS_H_
-#define CORBSLAM_MAP_STORE_TESTING_SESSION_VIEWS_H_
+#ifndef CORBSLAM_MAP_STORE_TESTING_DRIVE_VIEWS_H_
+#define CORBSLAM_MAP_STORE_TESTING_DRIVE_VIEWS_H_
 
 #include <map>
 #include <utility>
@@ -26,8 +26,8 @@ inline SyntheticWorld Without(SyntheticWorld world, const std::vector<size_t>& t
 
 // Returns a view of whole local maps, which are closed and came in this order. All keyframes are
 // candidates, and the poses are the true ones.
-inline map_store::RetiringView MakeSessionView(const std::vector<const SyntheticMap*>& sessions,
-                                               const SyntheticWorld& world, Joined joined) {
+inline map_store::RetiringView MakeDriveView(const std::vector<const SyntheticMap*>& sessions,
+                                             const SyntheticWorld& world, Joined joined) {
   map_store::RetiringView view;
   view.island = sessions.front()->map.keyframes().begin()->first.local_map;
   std::map<size_t, MapPointId> landmark_of;
@@ -69,4 +69,4 @@ inline map_store::RetiringView MakeSessionView(const std::vector<const Synthetic
 
 }  // namespace corbslam::testing
 
-#endif  // CORBSLAM_MAP_STORE_TESTING_SESSION_VIEWS_H_
+#endif  // CORBSLAM_MAP_STORE_TESTING_DRIVE_VIEWS_H_

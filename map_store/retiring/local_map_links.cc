@@ -1,4 +1,4 @@
-#include "map_store/retiring/session_links.h"
+#include "map_store/retiring/local_map_links.h"
 
 #include <map>
 
@@ -31,18 +31,18 @@ class Groups {
 
 }  // namespace
 
-SessionLinks::SessionLinks(Overlaps overlaps) : overlaps_(std::move(overlaps)) {
+LocalMapLinks::LocalMapLinks(Overlaps overlaps) : overlaps_(std::move(overlaps)) {
   for (const auto& [a, b] : overlaps_) {
     ++count_[a];
     ++count_[b];
   }
 }
 
-bool SessionLinks::IsNeeded(KeyframeId id) const {
+bool LocalMapLinks::IsNeeded(KeyframeId id) const {
   return Holds(id) && CountGroups(id) > CountGroups(KeyframeId());
 }
 
-void SessionLinks::Cut(KeyframeId id) {
+void LocalMapLinks::Cut(KeyframeId id) {
   if (!Holds(id)) return;
   std::erase_if(overlaps_, [this, id](const auto& overlap) {
     if (overlap.first != id && overlap.second != id) return false;
@@ -53,7 +53,7 @@ void SessionLinks::Cut(KeyframeId id) {
   });
 }
 
-size_t SessionLinks::CountGroups(KeyframeId without) const {
+size_t LocalMapLinks::CountGroups(KeyframeId without) const {
   Groups groups;
   for (const auto& [a, b] : overlaps_) {
     groups.Add(a.local_map);
