@@ -77,7 +77,8 @@ absl::StatusOr<MissionState> ReadState(SalvagedJournal& journal, const std::stri
   return std::move(strand.mutable_state());
 }
 
-// Reads what there is; where nothing can be read, what files hold that are older than the lost ones.
+// Reads what there is; where nothing can be read, what files hold that are older than the lost
+// ones.
 absl::StatusOr<MissionState> Salvage(const std::string& path, const std::string& mission,
                                      const std::string& scratch, SalvageReport& report) {
   using Way = SalvagedJournal::Way;
@@ -139,9 +140,8 @@ absl::StatusOr<RepairReport> RepairMission(const std::string& directory, const s
   ASSIGN_OR_RETURN(const std::unique_ptr<FolderLock> lock, FolderLock::Take(directory));
   RETURN_IF_ERROR(CheckPaths(directory, mission, file));
   RepairReport report;
-  ASSIGN_OR_RETURN(MissionState state,
-                   Salvage(JournalFolder(directory).PathOf(mission), mission, file + ".scratch",
-                           report.salvage));
+  ASSIGN_OR_RETURN(MissionState state, Salvage(JournalFolder(directory).PathOf(mission), mission,
+                                               file + ".scratch", report.salvage));
   if (state.local_maps.empty()) {
     return absl::DataLossError(absl::StrCat(
         "nothing of mission ", mission, " can be had: ",

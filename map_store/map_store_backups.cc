@@ -15,8 +15,8 @@ namespace corbslam::map_store {
 absl::Status MapStore::CheckRoomToRestore(const std::string& name, uint64_t bytes) const {
   RETURN_IF_ERROR(map_store::ValidateName("mission", name));
   if (bytes > options_.max_backup_bytes) {
-    return absl::ResourceExhaustedError(absl::StrCat("the backup has ", bytes, " bytes; the limit is ",
-                                                     options_.max_backup_bytes));
+    return absl::ResourceExhaustedError(
+        absl::StrCat("the backup has ", bytes, " bytes; the limit is ", options_.max_backup_bytes));
   }
   {
     absl::MutexLock lock(&mutex_);
@@ -35,9 +35,9 @@ absl::Status MapStore::CheckNobodyConnected(absl::string_view name) const {
   absl::MutexLock lock(&mutex_);
   for (const auto& [id, session] : sessions_) {
     if (session.mission != mission) continue;
-    return absl::FailedPreconditionError(
-        absl::StrCat("agent ", session.agent, " is connected to mission ", name,
-                     ": stop it, and the others, first"));
+    return absl::FailedPreconditionError(absl::StrCat("agent ", session.agent,
+                                                      " is connected to mission ", name,
+                                                      ": stop it, and the others, first"));
   }
   return absl::OkStatus();
 }

@@ -126,11 +126,12 @@ absl::Status StoredBackups::CheckReadsBack(const StoredBackup& backup) const {
                    shelf_->Open(backup.mission, backup.number));
   const MapStoreOptions options;
   const MissionStrand strand(backup.mission, ReadingEnvironment(options, *journal, clock_));
-  ASSIGN_OR_RETURN(const MissionState state,
-                   strand.ReplayUntil(std::numeric_limits<Journal::Position>::max(),
-                                      [] { return true; }));
+  ASSIGN_OR_RETURN(
+      const MissionState state,
+      strand.ReplayUntil(std::numeric_limits<Journal::Position>::max(), [] { return true; }));
   uint64_t keyframes = 0;
-  for (const auto& [id, local_map] : state.local_maps) keyframes += local_map.map.keyframes().size();
+  for (const auto& [id, local_map] : state.local_maps)
+    keyframes += local_map.map.keyframes().size();
   if (keyframes == backup.facts.keyframes) return absl::OkStatus();
   return absl::DataLossError(absl::StrCat("the backup of mission ", backup.mission, " has ",
                                           keyframes, " keyframes, and the mission had ",

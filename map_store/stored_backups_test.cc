@@ -60,7 +60,8 @@ class StoredBackupsTest : public testing::JournalRoom {
   fs::path LargestShared(const std::string& mission) const {
     fs::path largest;
     uint64_t size = 0;
-    for (const auto& entry : fs::directory_iterator(fs::path(Shelf()) / mission / "shared_checksum")) {
+    for (const auto& entry :
+         fs::directory_iterator(fs::path(Shelf()) / mission / "shared_checksum")) {
       if (entry.file_size() <= size) continue;
       size = entry.file_size();
       largest = entry.path();
@@ -250,7 +251,8 @@ TEST_F(StoredBackupsTest, ADamagedMissionIsRestoredAndHasNoNewBackups) {
 
 TEST_F(StoredBackupsTest, TheFolderIsApartFromTheData) {
   BackupOptions options;
-  for (const std::string& directory : {Data() + "/backups", Data(), Data() + "/../data/x", Folder("")}) {
+  for (const std::string& directory :
+       {Data() + "/backups", Data(), Data() + "/../data/x", Folder("")}) {
     options.directory = directory;
     EXPECT_TRUE(absl::IsInvalidArgument(BackupFolder::Open(journal_, options).status()))
         << directory;

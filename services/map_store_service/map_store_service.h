@@ -23,8 +23,8 @@ namespace corbslam::services {
 
 // Has all methods, with Sync's messages as bytes: a message that can't be read would otherwise look
 // like the end of the stream.
-using MapStoreBackupMethods = v1::MapStore::WithCallbackMethod_StoreBackup<
-    v1::MapStore::WithCallbackMethod_ListStoredBackups<
+using MapStoreBackupMethods =
+    v1::MapStore::WithCallbackMethod_StoreBackup<v1::MapStore::WithCallbackMethod_ListStoredBackups<
         v1::MapStore::WithCallbackMethod_RestoreStoredBackup<
             v1::MapStore::WithCallbackMethod_VerifyStoredBackup<
                 v1::MapStore::WithCallbackMethod_ArchiveMission<v1::MapStore::Service>>>>>;
@@ -34,18 +34,16 @@ using MapStoreMethods = v1::MapStore::WithRawCallbackMethod_Sync<v1::MapStore::W
             v1::MapStore::WithCallbackMethod_DeleteMission<v1::MapStore::WithCallbackMethod_BackupMission<
                 v1::MapStore::WithCallbackMethod_RestoreMission<v1::MapStore::WithCallbackMethod_ListAgents<
                     v1::MapStore::WithCallbackMethod_ListLocalMaps<v1::MapStore::WithCallbackMethod_GetLocalMap<
-                        v1::MapStore::WithCallbackMethod_ListKeyframes<
-                            v1::MapStore::WithCallbackMethod_GetKeyframe<
-                                v1::MapStore::WithCallbackMethod_GetStatistics<
-                                    v1::MapStore::WithCallbackMethod_GetTrajectory<
-                                        v1::MapStore::WithCallbackMethod_ListOverlaps<
-                                            v1::MapStore::WithCallbackMethod_RetractOverlap<
-                                                v1::MapStore::WithCallbackMethod_RederiveGlobalLayer<
-                                                    v1::MapStore::WithCallbackMethod_AskForExactPlaces<
-                                                        v1::MapStore::WithCallbackMethod_Localize<
-                                                            v1::MapStore::
-                                                                WithCallbackMethod_LocalizeStream<
-                                                                    MapStoreBackupMethods>>>>>>>>>>>>>>>>>>>>>>;
+                        v1::MapStore::WithCallbackMethod_ListKeyframes<v1::MapStore::WithCallbackMethod_GetKeyframe<
+                            v1::MapStore::WithCallbackMethod_GetStatistics<
+                                v1::MapStore::WithCallbackMethod_GetTrajectory<
+                                    v1::MapStore::WithCallbackMethod_ListOverlaps<
+                                        v1::MapStore::WithCallbackMethod_RetractOverlap<
+                                            v1::MapStore::WithCallbackMethod_RederiveGlobalLayer<
+                                                v1::MapStore::WithCallbackMethod_AskForExactPlaces<
+                                                    v1::MapStore::WithCallbackMethod_Localize<
+                                                        v1::MapStore::WithCallbackMethod_LocalizeStream<
+                                                            MapStoreBackupMethods>>>>>>>>>>>>>>>>>>>>>>;
 
 // Returns OK if the caller may open a session as this agent of this mission.
 using SessionCheck = std::function<absl::Status(

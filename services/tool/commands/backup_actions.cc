@@ -138,9 +138,9 @@ absl::Status BackUpAllMissions(const MissionArguments& arguments) {
   MissionAdmin admin(channel);
   return BackUpAll(admin, {arguments.folder, arguments.keep}, absl::Now(),
                    [](const std::string& mission, const absl::StatusOr<std::string>& file) {
-                     std::printf("%s: %s\n", mission.c_str(),
-                                 file.ok() ? file->c_str()
-                                           : std::string(file.status().message()).c_str());
+                     std::printf(
+                         "%s: %s\n", mission.c_str(),
+                         file.ok() ? file->c_str() : std::string(file.status().message()).c_str());
                    });
 }
 
@@ -193,10 +193,11 @@ void AddBackupActions(CLI::App& mission, const std::shared_ptr<MissionArguments>
   AddStoredFlag(*verify, *arguments);
   verify->get_option("--stored")->required();
   AddJsonFlag(*verify, *arguments);
-  CLI::App* archive = AddMissionAction(
-      mission, "archive", "Store a backup, verify it, and delete the mission; `restore` brings it "
-                          "back",
-      &Archive, arguments, chosen);
+  CLI::App* archive =
+      AddMissionAction(mission, "archive",
+                       "Store a backup, verify it, and delete the mission; `restore` brings it "
+                       "back",
+                       &Archive, arguments, chosen);
   AddMissionFlag(*archive, *arguments);
   AddJsonFlag(*archive, *arguments);
 }

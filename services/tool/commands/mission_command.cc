@@ -49,8 +49,8 @@ absl::Status Delete(const MissionArguments& arguments) {
 
 void AddMissionCommand(CLI::App& app, Command& chosen) {
   auto arguments = std::make_shared<MissionArguments>();
-  CLI::App* mission =
-      app.add_subcommand("mission", "List, show, export, back up, restore, archive and delete missions");
+  CLI::App* mission = app.add_subcommand(
+      "mission", "List, show, export, back up, restore, archive and delete missions");
   mission->require_subcommand(1);
   CLI::App* list = AddMissionAction(*mission, "list", "The missions of a map store", &ListMissions,
                                     arguments, chosen);

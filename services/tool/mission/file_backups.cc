@@ -61,10 +61,9 @@ absl::StatusOr<std::string> BackUpOne(MissionAdmin& admin, const std::string& mi
 
 }  // namespace
 
-absl::Status BackUpAll(
-    MissionAdmin& admin, const FileBackupOptions& options, absl::Time now,
-    const std::function<void(const std::string& mission, const absl::StatusOr<std::string>& file)>&
-        tell) {
+absl::Status BackUpAll(MissionAdmin& admin, const FileBackupOptions& options, absl::Time now,
+                       const std::function<void(const std::string& mission,
+                                                const absl::StatusOr<std::string>& file)>& tell) {
   ASSIGN_OR_RETURN(const std::vector<v1::Mission> missions, admin.List());
   absl::Status first;
   int failed = 0;
@@ -78,9 +77,9 @@ absl::Status BackUpAll(
     ++failed;
   }
   if (failed == 0) return absl::OkStatus();
-  return absl::Status(first.code(), absl::StrCat(failed, " of ", missions.size(),
-                                                 " missions have no new backup; the first: ",
-                                                 first.message()));
+  return absl::Status(first.code(),
+                      absl::StrCat(failed, " of ", missions.size(),
+                                   " missions have no new backup; the first: ", first.message()));
 }
 
 }  // namespace corbslam::services

@@ -23,10 +23,9 @@ struct FileBackupOptions {
 // then removes those of these names beyond the newest `keep`; other files stay. `tell` is called
 // with each mission and what came of it. What is wrong with one mission does not stop the others:
 // the first error is returned at the end, with how many there were.
-absl::Status BackUpAll(
-    MissionAdmin& admin, const FileBackupOptions& options, absl::Time now,
-    const std::function<void(const std::string& mission, const absl::StatusOr<std::string>& file)>&
-        tell);
+absl::Status BackUpAll(MissionAdmin& admin, const FileBackupOptions& options, absl::Time now,
+                       const std::function<void(const std::string& mission,
+                                                const absl::StatusOr<std::string>& file)>& tell);
 
 }  // namespace corbslam::services
 
