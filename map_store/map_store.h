@@ -4,12 +4,12 @@
 #ifndef CORBSLAM_MAP_STORE_MAP_STORE_H_
 #define CORBSLAM_MAP_STORE_MAP_STORE_H_
 
+#include <atomic>
 #include <cstdint>
 #include <functional>
 #include <map>
 #include <memory>
 #include <optional>
-#include <set>
 #include <string>
 #include <vector>
 
@@ -25,6 +25,7 @@
 #include "map_store/records/journal.h"
 #include "map_store/state/lookups.h"
 #include "map_store/state/mission_event.h"
+#include "map_store/state/mission_profile.h"
 #include "map_store/view/map_replay.h"
 #include "map_store/view/map_watcher.h"
 #include "slam/exchange/fusion_worker.h"
@@ -35,12 +36,18 @@
 
 namespace corbslam::map_store {
 
+struct KnownMission;
 struct MissionLoad;
+struct Sleeper;
 
 class FusionExecutor;
 class MemoryBudget;
 class MemoryReturner;
 class Mission;
+class MissionDirectory;
+class MissionTender;
+class MissionWaker;
+class Sleepers;
 class SnapshotKeeper;
 
 // The store of all missions. It is thread-safe. Listeners are called without any lock of the store
@@ -50,6 +57,9 @@ class MapStore {
  public:
   // Says what time it is.
   using Clock = std::function<absl::Time()>;
+
+  // Is told that a mission was deleted because its retention has passed, and why.
+  using ExpiryListener = std::function<void(const std::string& mission, const std::string& why)>;
 
   struct OpenedSession {
     uint64_t session_id = 0;
@@ -99,6 +109,9 @@ class MapStore {
   absl::StatusOr<Acknowledgement> Apply(uint64_t session_id, const MapUpdateBatch& batch,
                                         const BatchTransfer* measured = nullptr);
   void CloseSession(uint64_t session_id);
+  // Counts bytes of batches that came in the session. Returns how long the agent's stream is not to
+  // be read, so that it sends no more a second than its limit (UplinkLimit), but for a burst.
+  absl::Duration PaceUplink(uint64_t session_id, uint64_t bytes);
 
   // Returns the next step of what the agent lacks, or none when it has all; about `byte_budget`
   // bytes at most, but at least one item. Returns ABORTED when the session is fenced.
@@ -154,6 +167,18 @@ class MapStore {
 
   absl::StatusOr<Page<MissionInfo>> ListMissions(const PageRequest& page) const;
   absl::StatusOr<MissionInfo> GetMission(absl::string_view mission) const;
+  // Makes a mission that has no robots yet. It is durable when the function returns OK.
+  // ALREADY_EXISTS; INVALID_ARGUMENT for a name or a profile that is none; RESOURCE_EXHAUSTED.
+  absl::Status CreateMission(const std::string& mission, const MissionProfile& profile);
+  // Changes these fields of the mission's profile to those of `values`. The change is durable when
+  // the function returns, and counts for sessions that are open.
+  absl::Status UpdateMission(absl::string_view mission, const MissionProfile& values,
+                             const std::vector<ProfileField>& fields);
+  // Deletes the missions that nobody has used for as long as their retention, and writes down when
+  // the others were used. The store's own thread does this once a minute, unless
+  // `options.deterministic`.
+  void TendMissions();
+  void SetExpiryListener(ExpiryListener listener);
   // Deletes the mission and fences the sessions in it. What it took of the disk is free when the
   // function returns, what it took of memory a moment later.
   absl::Status DeleteMission(absl::string_view mission);
@@ -162,6 +187,35 @@ class MapStore {
   absl::Status DeleteUnusedMission(absl::string_view mission,
                                    const std::function<absl::Status()>& may);
   absl::Status CheckNobodyConnected(absl::string_view mission) const;
+  // Keeps the mission in memory for as long as the caller holds what this returns, which waits
+  // until it is awake.
+  absl::StatusOr<std::shared_ptr<const void>> HoldAwake(absl::string_view mission) const;
+
+  // Missions that nobody uses leave memory (MapStoreOptions::sleep_after_s): ListMissions,
+  // GetMission and ListLoads answer from what they fell asleep with, and whatever else needs one
+  // reads it first, which takes as long as at the start. It then returns DATA_LOSS for one that
+  // turns out to be damaged, and RESOURCE_EXHAUSTED where memory has no room for it.
+
+  // Puts the mission to sleep now. FAILED_PRECONDITION, with the reason, where it has to stay in
+  // memory: it is used or watched, fusion has work to do, or there is no journal.
+  absl::Status SleepMission(absl::string_view mission);
+  // Puts those to sleep whose time has come, here and now; for deterministic mode. Returns their
+  // number.
+  size_t SleepUnused();
+  // Calls `then` once the mission is awake (MissionWaker::WhenAwake), for a caller that got
+  // AsleepError's (MapStoreOptions::wake_in_background). RESOURCE_EXHAUSTED: too many wait.
+  absl::Status WhenAwake(
+      const std::string& mission,
+      std::function<void(const absl::StatusOr<std::shared_ptr<const void>>& awake)> then);
+  struct Sleep {
+    size_t asleep = 0;  // Missions that sleep now.
+    // How often one fell asleep, and was read again, and seconds that reading took all together.
+    uint64_t fallen_asleep = 0;
+    uint64_t woken = 0;
+    double waking_s = 0;
+  };
+  Sleep sleep() const;
+
   // Returns the mission as it is now, to be written to a file while the mission goes on.
   absl::StatusOr<MissionBackup> BackUpMission(absl::string_view mission) const;
   // Returns where a backup's pieces go; the restorer takes no more than the options' limit.
@@ -236,7 +290,18 @@ class MapStore {
     std::shared_ptr<Mission> mission;
   };
 
+  // Returns the mission, for somebody who uses it: it stays in memory for as long as the caller
+  // holds it.
   absl::StatusOr<std::shared_ptr<Mission>> FindMission(absl::string_view name) const;
+  absl::Status CheckRoomForMission() const;
+  // Keeps a new mission's name free of others until MissionDirectory::EndMaking.
+  absl::Status ReserveName(const std::string& name);
+  // Deletes the mission, if its retention has passed still.
+  void Expire(const std::string& name) ABSL_LOCKS_EXCLUDED(deletion_mutex_, mutex_);
+  // Deletes for good what was told of its end (Mission::Delete), after
+  // MissionDirectory::BeginDeletion; `mission` is null if it is on the disk alone.
+  absl::Status EndLife(absl::string_view name, const std::shared_ptr<Mission>& mission)
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(deletion_mutex_) ABSL_LOCKS_EXCLUDED(mutex_);
   // Registers a session in the mission, which is made if there is none. Returns the session's id.
   absl::StatusOr<uint64_t> EnterMission(const std::string& name, const std::string& agent);
   // Forgets the session, and the mission if nothing was ever written of it and nobody is in it.
@@ -244,17 +309,21 @@ class MapStore {
   // Wakes the fusion threads and the snapshot keeper, which may have work now.
   void Wake();
   std::shared_ptr<Mission> MakeMission(const std::string& name);
-  // Returns DATA_LOSS, with what to do, for a mission that could not be read.
-  absl::Status CheckReadable(absl::string_view name) const ABSL_SHARED_LOCKS_REQUIRED(mutex_);
-  std::optional<MissionInfo> DescribeUnreadable(absl::string_view name) const
-      ABSL_LOCKS_EXCLUDED(mutex_);
+  // Describes a mission that could not be read.
   MissionInfo InfoOfUnreadable(const std::string& name, const absl::Status& damage) const;
-  // Deletes it if it could not be read; returns whether that is so.
-  absl::StatusOr<bool> DeleteUnreadable(absl::string_view name) ABSL_LOCKS_EXCLUDED(mutex_)
-      ABSL_EXCLUSIVE_LOCKS_REQUIRED(deletion_mutex_);
-  absl::Status CheckRoomForMission() const ABSL_SHARED_LOCKS_REQUIRED(mutex_);
   absl::StatusOr<Session> FindSession(uint64_t session_id) const;
-  MissionInfo Describe(const Mission& mission) const;
+  MissionInfo Describe(const KnownMission& known) const;
+  // Reads a mission that was asleep.
+  absl::StatusOr<std::shared_ptr<Mission>> LoadSleeper(const std::string& name,
+                                                       const Sleeper& sleeper);
+  // Has the mission sleep from the start on, if the journal has a summary of it and fusion has
+  // nothing to do; returns whether that is so.
+  bool AddSleeper(const std::string& name);
+  // Makes room in memory for so many more missions, if there is one that may sleep.
+  void MakeRoomForMissions(size_t coming);
+  bool sleeps_by_itself() const { return options_.sleep_after_s > 0; }
+  void StartSleep();
+  void EndSleep();
 
   const MapStoreOptions options_;
   const std::shared_ptr<const Vocabulary> vocabulary_;
@@ -264,15 +333,19 @@ class MapStore {
   const std::unique_ptr<MemoryReturner> memory_returner_;
   std::unique_ptr<FusionExecutor> executor_;
   std::unique_ptr<SnapshotKeeper> snapshots_;
+  const std::unique_ptr<MissionTender> tender_;
+
+  // Holds all missions.
+  std::unique_ptr<MissionDirectory> directory_;
+  std::unique_ptr<Sleepers> sleepers_;
+  std::unique_ptr<MissionWaker> waker_;
+  std::atomic<uint64_t> woken_ = 0;
+  std::atomic<int64_t> waking_ns_ = 0;
 
   // A deletion holds this lock from its beginning to its end.
-  absl::Mutex deletion_mutex_ ABSL_ACQUIRED_BEFORE(mutex_);
+  absl::Mutex deletion_mutex_;
   mutable absl::Mutex mutex_;
-  std::map<std::string, std::shared_ptr<Mission>, std::less<>> missions_ ABSL_GUARDED_BY(mutex_);
-  // Missions that could not be read, and why.
-  std::map<std::string, absl::Status, std::less<>> unreadable_ ABSL_GUARDED_BY(mutex_);
-  // Names of missions that are being restored.
-  std::set<std::string, std::less<>> restoring_ ABSL_GUARDED_BY(mutex_);
+  ExpiryListener expiry_listener_ ABSL_GUARDED_BY(mutex_);
   std::map<uint64_t, Session> sessions_ ABSL_GUARDED_BY(mutex_);
   uint64_t next_session_ ABSL_GUARDED_BY(mutex_) = 1;
 };

@@ -1,5 +1,4 @@
 // Implements the part of MapStore that backups on a shelf need (stored_backups.h).
-#include <algorithm>
 #include <memory>
 #include <utility>
 
@@ -8,6 +7,8 @@
 #include "map_store/map_store.h"
 #include "map_store/mission/memory_budget.h"
 #include "map_store/mission/mission.h"
+#include "map_store/mission/mission_directory.h"
+#include "map_store/view/damage_words.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::map_store {
@@ -18,14 +19,11 @@ absl::Status MapStore::CheckRoomToRestore(const std::string& name, uint64_t byte
     return absl::ResourceExhaustedError(
         absl::StrCat("the backup has ", bytes, " bytes; the limit is ", options_.max_backup_bytes));
   }
-  {
-    absl::MutexLock lock(&mutex_);
-    if (missions_.contains(name) || restoring_.contains(name)) {
-      return absl::AlreadyExistsError(absl::StrCat("there is a mission ", name, " already"));
-    }
-    RETURN_IF_ERROR(CheckReadable(name));
-    RETURN_IF_ERROR(CheckRoomForMission());
+  if (const auto known = directory_->Look(name); known.ok()) {
+    if (!known->damage.ok()) return absl::DataLossError(SayDamage(name, known->damage));
+    return absl::AlreadyExistsError(absl::StrCat("there is a mission ", name, " already"));
   }
+  RETURN_IF_ERROR(CheckRoomForMission());
   // Coded features take about half of what they take in memory.
   return memory_->Check("a stored backup", 3 * bytes);
 }
@@ -45,17 +43,21 @@ absl::Status MapStore::CheckNobodyConnected(absl::string_view name) const {
 absl::Status MapStore::DeleteUnusedMission(absl::string_view name,
                                            const std::function<absl::Status()>& may) {
   absl::MutexLock deleting(&deletion_mutex_);
-  ASSIGN_OR_RETURN(const std::shared_ptr<Mission> mission, FindMission(name));
   RETURN_IF_ERROR(CheckNobodyConnected(name));
+  ASSIGN_OR_RETURN(const MissionDirectory::Life life, directory_->FindLife(name));
+  ASSIGN_OR_RETURN(const std::shared_ptr<Mission> mission, directory_->BeginDeletion(name, life));
   // From here on nothing is appended to the journal, so that what is deleted stays deleted.
-  RETURN_IF_ERROR(mission->DeleteIf(may));
-  RETURN_IF_ERROR(journal_->DeleteMission(name));
-  {
-    absl::MutexLock lock(&mutex_);
-    missions_.erase(std::string(name));
-  }
-  mission->CallListeners();
-  return absl::OkStatus();
+  const absl::Status deleted =
+      mission != nullptr
+          ? mission->DeleteIf(may)
+          : absl::FailedPreconditionError(absl::StrCat("mission ", name, " is asleep"));
+  if (!deleted.ok()) directory_->EndDeletion(name, false);
+  RETURN_IF_ERROR(deleted);
+  return EndLife(name, mission);
+}
+
+absl::StatusOr<std::shared_ptr<const void>> MapStore::HoldAwake(absl::string_view name) const {
+  return directory_->Use(name);
 }
 
 }  // namespace corbslam::map_store

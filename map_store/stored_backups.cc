@@ -53,11 +53,18 @@ absl::StatusOr<BackupFacts> StoredBackups::FactsOf(const std::string& mission) c
 
 absl::StatusOr<StoredBackup> StoredBackups::Store(const std::string& mission) {
   ASSIGN_OR_RETURN(const BackupFacts facts, FactsOf(mission));
+  ASSIGN_OR_RETURN(const std::shared_ptr<const void> awake, store_.HoldAwake(mission));
   ASSIGN_OR_RETURN(StoredBackup made, shelf_->Store(mission, facts));
   // The new one is there, whatever becomes of the old ones.
   const absl::Status purged = shelf_->Purge(mission, keep_);
   LOG_IF(WARNING, !purged.ok()) << "old backups of mission " << mission << " stay: " << purged;
   return made;
+}
+
+bool StoredBackups::IsUnusedSince(const std::string& mission, const StoredBackup& backup) const {
+  const absl::StatusOr<MissionInfo> info = store_.GetMission(mission);
+  return info.ok() && info->asleep &&
+         absl::FromUnixNanos(info->profile.last_used_ns) < backup.facts.created;
 }
 
 absl::StatusOr<bool> StoredBackups::StoreIfChanged(const std::string& mission,
@@ -67,7 +74,7 @@ absl::StatusOr<bool> StoredBackups::StoreIfChanged(const std::string& mission,
     const absl::Duration age = clock_() - backups.back().facts.created;
     // A time to come is one of a clock that was wrong.
     if (age >= absl::ZeroDuration() && age < least_age) return false;
-    if (shelf_->IsCurrent(backups.back())) return false;
+    if (IsUnusedSince(mission, backups.back()) || shelf_->IsCurrent(backups.back())) return false;
   }
   RETURN_IF_ERROR(Store(mission).status());
   return true;
@@ -126,9 +133,8 @@ absl::Status StoredBackups::CheckReadsBack(const StoredBackup& backup) const {
                    shelf_->Open(backup.mission, backup.number));
   const MapStoreOptions options;
   const MissionStrand strand(backup.mission, ReadingEnvironment(options, *journal, clock_));
-  ASSIGN_OR_RETURN(
-      const MissionState state,
-      strand.ReplayUntil(std::numeric_limits<Journal::Position>::max(), [] { return true; }));
+  Journal::Position until = std::numeric_limits<Journal::Position>::max();
+  ASSIGN_OR_RETURN(const MissionState state, strand.ReplayUntil(until, [] { return true; }));
   uint64_t keyframes = 0;
   for (const auto& [id, local_map] : state.local_maps)
     keyframes += local_map.map.keyframes().size();
@@ -152,6 +158,7 @@ absl::Status StoredBackups::DeleteArchived(const StoredBackup& backup) {
 
 absl::StatusOr<StoredBackup> StoredBackups::Archive(const std::string& mission) {
   ASSIGN_OR_RETURN(BackupFacts facts, FactsOf(mission));
+  ASSIGN_OR_RETURN(const std::shared_ptr<const void> awake, store_.HoldAwake(mission));
   RETURN_IF_ERROR(store_.CheckNobodyConnected(mission));
   facts.archived = true;
   ASSIGN_OR_RETURN(StoredBackup made, shelf_->Store(mission, facts));

@@ -45,13 +45,22 @@ struct AgentOptions {
   size_t max_outbox_bytes = 64 << 20;
   // Bytes that the items of the local map in use may take in memory, others' among them, as
   // EstimateBytes has it; 0: no bound. Beyond, the agent goes on in a new local map and lets go of
-  // the old one once the link has told all of it (docs/robot.md): it needs an uplink.
+  // the old one once the link has told all of it (docs/robot.md): it needs an uplink or a spool.
   uint64_t max_map_bytes = 0;
   // Bounds of the link to the map store, each way; 0: no bound (docs/adr/0019-link-budgets.md).
   uint64_t uplink_bytes_per_second = 0;
   uint64_t downlink_bytes_per_second = 0;
   // What the robot wants to be told of what others mapped.
   ShareScope share;
+  // With a spool, what tracking made so long ago outlives the process and a loss of power: half of
+  // it is for writing, the rest for the disk (SpoolOptions::sync says how much). 0: the spool has
+  // what memory has no room for, and what is left at the end.
+  absl::Duration spool_within = absl::ZeroDuration();
+  // With spool_within: the agent goes on with the local map that the spool keeps of an earlier
+  // process, lost in it at first. Where it recognises no place in it within `resume_wait` of the
+  // frames' time, or the spool keeps none, it begins a new one.
+  bool resume = false;
+  absl::Duration resume_wait = absl::Seconds(10);
   // Makes no map: tracks the camera in what others share, in the mission's global frame, and tells
   // the store nothing but where it was. Needs an uplink.
   bool localise_only = false;
@@ -114,6 +123,11 @@ struct AgentStatus {
   int places_told = 0;
   // Seconds between the first frame and the first that knew its pose in the mission's global frame.
   std::optional<double> located_after_s;
+  // With AgentOptions::resume: whether the local map of an earlier process went on, and how many
+  // seconds of frames that took; why not, where it did not. Empty: there was none.
+  bool resumed = false;
+  std::optional<double> resumed_after_s;
+  std::string why_not_resumed;
   // Seconds between Create and the first acknowledged keyframe.
   std::optional<double> first_upload_s;
   UploadStatus upload;
@@ -133,8 +147,9 @@ class Agent {
  public:
   virtual ~Agent() = default;
 
-  // `uplink` is not owned and may be null: then nothing is shared. `spool` may be null: then what
-  // the map store has not acknowledged ends with the process. Returns INVALID_ARGUMENT where
+  // `uplink` is not owned and may be null: then nothing is shared; what is mapped goes to the spool
+  // all the same. `spool` may be null: then what the map store has not acknowledged ends with the
+  // process. Returns INVALID_ARGUMENT where
   // options or calibration are impossible.
   static absl::StatusOr<std::unique_ptr<Agent>> Create(const AgentOptions& options,
                                                        const SensorCalibration& calibration,

@@ -44,6 +44,20 @@ void LocalMapSession::OnMapped(KeyframeId id) {
   loop_closer_.Enqueue(id);
 }
 
+void LocalMapSession::GoOnFrom(const KeptMap& kept) {
+  map_.GoOnFrom(kept.next_keyframe(), kept.next_point());
+  map_.Write([&](Map& map) {
+    kept.Fill(
+        [this](const std::vector<Descriptor>& descriptors) {
+          return std::make_shared<const Words>(vocabulary_->Transform(descriptors));
+        },
+        map);
+    for (const auto& [id, keyframe] : map.keyframes()) places_.Add(id, keyframe.words);
+    map_bytes_ = EstimateBytes(map);
+  });
+  tracker_.BeginLost();
+}
+
 void LocalMapSession::Start() {
   threads_.emplace_back([this] { mapper_.Run(); });
   threads_.emplace_back([this] {

@@ -20,6 +20,7 @@
 #include "client_agent/mapping/point_statistics.h"
 #include "client_agent/shared/shared_map.h"
 #include "client_agent/tracking/tracker.h"
+#include "client_agent/upload/kept_map.h"
 
 namespace corbslam::client_agent {
 
@@ -41,6 +42,10 @@ class LocalMapSession : public MapJobs {
   ~LocalMapSession() override;
   LocalMapSession(const LocalMapSession&) = delete;
   LocalMapSession& operator=(const LocalMapSession&) = delete;
+
+  // Goes on with what an earlier process kept of this local map: the tracker is lost in it until it
+  // recognises a place. To be called before all else.
+  void GoOnFrom(const KeptMap& kept);
 
   void Start();
   // Steps mapping, then loop closing, until both are idle.

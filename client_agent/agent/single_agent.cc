@@ -1,11 +1,15 @@
 #include "client_agent/agent/single_agent.h"
 
+#include <glog/logging.h>
+
 #include <algorithm>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
+#include "client_agent/agent/resuming.h"
 #include "client_agent/agent/trajectory_log.h"
+#include "client_agent/upload/held_items.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::client_agent {
@@ -31,6 +35,8 @@ StoreLinkOptions MakeStoreLinkOptions(const AgentOptions& options,
   link.downlink_bytes_per_second = options.downlink_bytes_per_second;
   link.share = options.share;
   link.localise_only = options.localise_only;
+  link.spool_within = options.spool_within;
+  link.resumable = options.resume;
   if (options.events != nullptr) {
     link.on_event = [events = options.events](LinkEvent event, LocalMapId local_map) {
       events->NoteLink(event, local_map);
@@ -57,32 +63,57 @@ absl::Status AgentOptions::Validate() const {
   return sensor.orb.Validate();
 }
 
-absl::StatusOr<std::unique_ptr<Agent>> Agent::Create(const AgentOptions& options,
-                                                     const SensorCalibration& calibration,
-                                                     std::shared_ptr<const Vocabulary> vocabulary,
-                                                     Uplink* uplink, std::unique_ptr<Spool> spool) {
+absl::Status CheckParts(const AgentOptions& options, const Vocabulary* vocabulary,
+                        const Uplink* uplink, const Spool* spool) {
   RETURN_IF_ERROR(options.Validate());
   if (options.localise_only && uplink == nullptr) {
     return absl::InvalidArgumentError(
         "agent: one that only localises needs a map store, and there is none");
   }
   if (vocabulary == nullptr) return absl::InvalidArgumentError("agent: no vocabulary");
-  if (options.max_map_bytes > 0 && uplink == nullptr) {
+  if (options.resume && (spool == nullptr || options.spool_within <= absl::ZeroDuration())) {
+    return absl::InvalidArgumentError(
+        "agent options: resume needs a spool, and spool_within greater than 0");
+  }
+  if (options.max_map_bytes > 0 && uplink == nullptr && spool == nullptr) {
     return absl::InvalidArgumentError(
         absl::StrCat("agent options: max_map_bytes is ", options.max_map_bytes,
-                     ", but without an uplink there is nowhere for the rest of the map to go"));
+                     ", but without an uplink or a spool there is nowhere for the rest of the map "
+                     "to go"));
   }
+  return absl::OkStatus();
+}
+
+// What an earlier process left: NOT_FOUND if there is nothing, or nothing is wanted of it.
+absl::StatusOr<KeptMap> TakeOverSpool(const AgentOptions& options, Spool* spool,
+                                      const Camera& camera, const RecordedCamera& recorded) {
+  if (spool == nullptr) return absl::NotFoundError("there is no spool");
+  if (const absl::Status told = TellHeld(*spool); !told.ok()) {
+    LOG(ERROR) << "what an earlier process held back when it ended is lost: " << told;
+  }
+  if (!options.resume) return absl::NotFoundError("it is not wanted");
+  return FindMapToResume(*spool, camera, recorded);
+}
+
+absl::StatusOr<std::unique_ptr<Agent>> Agent::Create(const AgentOptions& options,
+                                                     const SensorCalibration& calibration,
+                                                     std::shared_ptr<const Vocabulary> vocabulary,
+                                                     Uplink* uplink, std::unique_ptr<Spool> spool) {
+  RETURN_IF_ERROR(CheckParts(options, vocabulary.get(), uplink, spool.get()));
   ASSIGN_OR_RETURN(std::unique_ptr<Sensor> sensor, MakeSensor(calibration, options.sensor));
   ASSIGN_OR_RETURN(const RecordedCamera recorded_camera, RecordedCameraOf(calibration));
+  absl::StatusOr<KeptMap> kept =
+      TakeOverSpool(options, spool.get(), sensor->camera(), recorded_camera);
   return std::make_unique<SingleAgent>(options, std::move(sensor), calibration, recorded_camera,
-                                       std::move(vocabulary), uplink, std::move(spool));
+                                       std::move(vocabulary), uplink, std::move(spool),
+                                       std::move(kept));
 }
 
 SingleAgent::SingleAgent(const AgentOptions& options, std::unique_ptr<Sensor> sensor,
                          const SensorCalibration& calibration,
                          const RecordedCamera& recorded_camera,
                          std::shared_ptr<const Vocabulary> vocabulary, Uplink* uplink,
-                         std::unique_ptr<Spool> spool)
+                         std::unique_ptr<Spool> spool, absl::StatusOr<KeptMap> kept)
     : options_(options),
       is_stereo_(std::holds_alternative<StereoCalibration>(calibration)),
       created_(absl::Now()),
@@ -97,21 +128,28 @@ SingleAgent::SingleAgent(const AgentOptions& options, std::unique_ptr<Sensor> se
           [vocabulary = vocabulary_](const std::vector<Descriptor>& descriptors) {
             return std::make_shared<const Words>(vocabulary->Transform(descriptors));
           },
-          std::move(spool))) {
+          std::move(spool), kept.ok() ? kept->local_map() : LocalMapId())) {
   if (options_.orders != nullptr) options_.orders->SetCamera(*camera_);
-  OpenLocalMap();
+  if (kept.ok()) resuming_ = Resuming{kept->newest_ns(), std::nullopt};
+  OpenLocalMap(std::nullopt, kept.ok() ? &*kept : nullptr);
+  if (!kept.ok() && options_.resume && !absl::IsNotFound(kept.status())) {
+    NoteNotResumed(std::string(kept.status().message()));
+  }
   if (!options_.deterministic) link_->Start();
 }
 
 SingleAgent::~SingleAgent() { current().Stop(); }
 
-void SingleAgent::OpenLocalMap(const std::optional<Similarity3d>& global_from_local) {
+void SingleAgent::OpenLocalMap(const std::optional<Similarity3d>& global_from_local,
+                               const KeptMap* kept) {
   LocalMapSessionOptions options;
+  if (kept != nullptr) options.local_map = kept->local_map();
   while (!options.local_map.IsValid()) options.local_map.value = random_();
   options.tracker.seed = options_.seed;
   // Depths of RGB-D cameras are coarser than disparities.
   options.tracker.local_map_widening = is_stereo_ ? 1 : 3;
   options.tracker.localise_only = options_.localise_only;
+  options.tracker.max_lost_at_start_ns = absl::ToInt64Nanoseconds(options_.resume_wait);
   options.mapper.local_bundle.threads = options_.solver_threads;
   options.loop_closer.seed = options_.seed;
   options.loop_closer.fix_scale = camera_->IsMetric();
@@ -126,7 +164,8 @@ void SingleAgent::OpenLocalMap(const std::optional<Similarity3d>& global_from_lo
     absl::MutexLock lock(&mutex_);
     presumed_global_from_local_ = global_from_local;
   }
-  link_->BeginLocalMap(current().map(), current());
+  if (kept != nullptr) current().GoOnFrom(*kept);
+  link_->BeginLocalMap(current().map(), current(), kept);
   if (!options_.deterministic) current().Start();
   absl::MutexLock lock(&mutex_);
   sessions_.push_back(current_session_);
@@ -166,6 +205,7 @@ void SingleAgent::KeepResultsOf(const LocalMapSession& session) {
 absl::StatusOr<TrackingResult> SingleAgent::Track(const SensorImages& images) {
   const absl::Time start = absl::Now();
   FollowOrders();
+  if (resuming_.has_value()) CheckTimeGoesOn(images.timestamp_ns);
   ASSIGN_OR_RETURN(Features features, sensor_->Process(images));
   Watch(features);
   UseAnswer();
@@ -173,8 +213,8 @@ absl::StatusOr<TrackingResult> SingleAgent::Track(const SensorImages& images) {
   smooth_pose_.Add(result);
   Record(result, absl::ToDoubleMilliseconds(absl::Now() - start));
   AskForPlace(result);
-  const bool paused = options_.orders != nullptr && options_.orders->mapping_paused();
-  if (!paused && (current().tracker().IsLostForGood() || link_->NeedsNewLocalMap())) {
+  if (resuming_.has_value()) NoteResumed(result);
+  if (!mapping_paused_ && (current().tracker().IsLostForGood() || link_->NeedsNewLocalMap())) {
     BeginLocalMap();
   }
   HandOverIfFull(result);
@@ -226,10 +266,12 @@ void SingleAgent::FollowOrders() {
   // AgentOrders has judged the mask.
   if (orders.mask.has_value()) sensor_->SetMask(*orders.mask).IgnoreError();
   if (orders.open_local_map) BeginLocalMap();
-  current().tracker().PauseMapping(orders.mapping_paused);
+  mapping_paused_ = orders.mapping_paused;
+  current().tracker().PauseMapping(mapping_paused_);
 }
 
 void SingleAgent::BeginLocalMap() {
+  if (resuming_.has_value()) NoteNotResumed("no place in it was recognised in time");
   EndLocalMap();
   OpenLocalMap();
 }
@@ -277,6 +319,7 @@ void SingleAgent::Record(const TrackingResult& result, double tracking_ms) {
       foreign_points_matched_ += result.foreign_points_matched;
     }
   }
+  if (tracked && options_.orders != nullptr) options_.orders->NoteTracked();
   if (tracked) {
     link_->AddTrackedFrame({result.timestamp_ns, result.reference, result.reference_from_camera});
   } else {

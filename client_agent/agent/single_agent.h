@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <random>
+#include <string>
 #include <thread>
 #include <vector>
 
@@ -17,6 +18,7 @@
 #include "client_agent/link/store_link.h"
 #include "client_agent/map/map_history.h"
 #include "client_agent/source_checks/input_watch.h"
+#include "client_agent/upload/kept_map.h"
 #include "slam/util/bounded_sample.h"
 
 namespace corbslam::client_agent {
@@ -26,7 +28,7 @@ class SingleAgent : public Agent {
   SingleAgent(const AgentOptions& options, std::unique_ptr<Sensor> sensor,
               const SensorCalibration& calibration, const RecordedCamera& recorded_camera,
               std::shared_ptr<const Vocabulary> vocabulary, Uplink* uplink,
-              std::unique_ptr<Spool> spool);
+              std::unique_ptr<Spool> spool, absl::StatusOr<KeptMap> kept);
   ~SingleAgent() override;
 
   absl::StatusOr<TrackingResult> Track(const SensorImages& images) override;
@@ -42,7 +44,14 @@ class SingleAgent : public Agent {
 
  private:
   // `global_from_local` is where the new local map lies until the map store says it.
-  void OpenLocalMap(const std::optional<Similarity3d>& global_from_local = std::nullopt);
+  // `kept`: what the local map is made of, where an earlier process began it.
+  void OpenLocalMap(const std::optional<Similarity3d>& global_from_local = std::nullopt,
+                    const KeptMap* kept = nullptr);
+  // Before the first frame: begins a new local map where the frames' time goes back to before what
+  // is resumed.
+  void CheckTimeGoesOn(int64_t timestamp_ns);
+  void NoteResumed(const TrackingResult& result);
+  void NoteNotResumed(const std::string& why);
   void FollowOrders();
   void Watch(const Features& features);
   // Asks where the frame was that was tracked last, if it is lost or its map is in no place.
@@ -83,6 +92,13 @@ class SingleAgent : public Agent {
   std::shared_ptr<LocalMapSession> current_session_;
   SmoothPose smooth_pose_;
   bool warned_of_late_link_ = false;
+  bool mapping_paused_ = false;  // By the orders for the newest frame.
+  // While the camera is sought in a local map that an earlier process began.
+  struct Resuming {
+    std::optional<int64_t> ended_ns;  // The time of its last frame.
+    std::optional<int64_t> began_ns;  // The time of this process's first.
+  };
+  std::optional<Resuming> resuming_;
   SampleLog tracking_ms_;
   SampleLog local_ba_ms_;
 

@@ -16,14 +16,27 @@ bool IsRefusal(const absl::Status& status) {
          absl::IsPermissionDenied(status);
 }
 
+UploadQueueOptions MakeQueueOptions(const StoreLinkOptions& options, LocalMapId goes_on) {
+  UploadQueueOptions queue;
+  queue.max_memory_bytes = options.max_outbox_bytes;
+  queue.write_all = options.spool_within > absl::ZeroDuration();
+  queue.keep = queue.write_all && options.resumable;
+  queue.goes_on = goes_on;
+  return queue;
+}
+
+// What is held back and written again and again takes no more of the disk than this.
+constexpr double kHeldBytesPerSecond = 4 << 20;
+
 }  // namespace
 
 StoreLink::StoreLink(const StoreLinkOptions& options, Uplink* uplink, ComputeWords compute_words,
-                     std::unique_ptr<Spool> spool)
+                     std::unique_ptr<Spool> spool, LocalMapId goes_on)
     : options_(options),
-      uplink_(uplink),
+      has_link_(uplink != nullptr),
+      uplink_(has_link_ || spool == nullptr ? uplink : &no_uplink_),
       compute_words_(std::move(compute_words)),
-      queue_(options.max_outbox_bytes, std::move(spool)),
+      queue_(MakeQueueOptions(options, goes_on), std::move(spool)),
       budget_(options.uplink_bytes_per_second),
       random_(options.seed) {}
 
@@ -45,10 +58,10 @@ StoreLink::~StoreLink() {
     for (auto& recording : recordings_) recording->recorder->StopHoldingBack();
   }
   TakeBatches(/*all=*/true);
-  queue_.SpillAll();
+  if (!queue_.SpillAll()) WriteHeld(/*now=*/true);
 }
 
-void StoreLink::BeginLocalMap(GuardedMap& map, MapJobs& jobs) {
+void StoreLink::BeginLocalMap(GuardedMap& map, MapJobs& jobs, const KeptMap* kept) {
   if (uplink_ == nullptr) return;
   RecorderOptions recorder_options;
   recorder_options.recorded_camera = options_.recorded_camera;
@@ -58,6 +71,7 @@ void StoreLink::BeginLocalMap(GuardedMap& map, MapJobs& jobs) {
   recording->map = &map;
   recording->recorder = std::make_unique<UpdateRecorder>(map.local_map(), recorder_options);
   UpdateRecorder* const recorder = recording->recorder.get();
+  if (kept != nullptr) recorder->GoOnFrom(*kept);
   auto inbox = std::make_shared<SharedInbox>(map.local_map(), jobs, *uplink_, options_.inbox);
   {
     absl::MutexLock lock(&mutex_);
@@ -94,7 +108,10 @@ void StoreLink::LetGoOfClosed() {
     }
   }
   if (closed.empty()) return;
-  for (GuardedMap* map : closed) map->SetObserver(nullptr);
+  for (GuardedMap* map : closed) {
+    map->SetObserver(nullptr);
+    queue_.ReleaseHeld(map->local_map());
+  }
   absl::MutexLock lock(&mutex_);
   std::erase_if(recordings_, [&](const auto& recording) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
     if (std::ranges::find(closed, recording->map) == closed.end()) return false;
@@ -151,8 +168,9 @@ void StoreLink::Step() {
   ConnectIfDue();
   TakeBatches(/*all=*/true);
   LetGoOfClosed();
+  if (WritesAll()) SpillDue(/*now=*/true);
   SendUnsent();
-  queue_.Spill();
+  SpillDue(/*now=*/true);
 }
 
 absl::Status StoreLink::Finish(absl::Duration timeout) {
@@ -161,12 +179,15 @@ absl::Status StoreLink::Finish(absl::Duration timeout) {
   {
     absl::MutexLock lock(&mutex_);
     for (auto& recording : recordings_) recording->closing = true;
+    if (!recordings_.empty()) {
+      recordings_.back()->stays_open = options_.resumable && WritesAll();
+    }
     wake_ = true;
   }
   if (!thread_.joinable()) Step();
   absl::MutexLock lock(&mutex_);
   const auto finished = [this]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
-    return IsDone() || session_ == Session::kRefused;
+    return IsDone() || session_ == Session::kRefused || IsToldWithoutLink();
   };
   if (!mutex_.AwaitWithTimeout(absl::Condition(&finished), timeout)) {
     return absl::DeadlineExceededError(
@@ -176,6 +197,7 @@ absl::Status StoreLink::Finish(absl::Duration timeout) {
                          : absl::StrCat(", and no session stands: ", closed_.ToString())));
   }
   if (session_ == Session::kRefused) return refusal_;
+  if (!has_link_) return queue_.status().room;
   return needs_new_local_map_ ? queue_.status().loss : absl::OkStatus();
 }
 
@@ -187,8 +209,16 @@ std::string StoreLink::DescribeWhatIsLeft() const {
                       ")");
 }
 
+bool StoreLink::IsToldWithoutLink() const {
+  if (has_link_) return false;
+  const bool told = std::all_of(recordings_.begin(), recordings_.end(),
+                                [](const auto& recording) { return recording->closed; });
+  // A disk that is full is not waited for.
+  return told && !queue_.status().room.ok();
+}
+
 bool StoreLink::IsDone() const {
-  if (!queue_.IsEmpty()) return false;
+  if (has_link_ ? !queue_.IsEmpty() : !queue_.IsOnDisk()) return false;
   return std::all_of(recordings_.begin(), recordings_.end(),
                      [](const auto& recording) { return recording->closed; });
 }
@@ -198,10 +228,53 @@ void StoreLink::Run() {
     ConnectIfDue();
     TakeBatches(/*all=*/false);
     LetGoOfClosed();
+    if (WritesAll()) SpillDue(/*now=*/false);
     SendUnsent();
     // A robot that ends may be killed before all is acknowledged.
-    IsFinishing() ? queue_.SpillAll() : queue_.Spill();
+    IsFinishing() ? static_cast<void>(queue_.SpillAll()) : SpillDue(/*now=*/false);
   }
+}
+
+void StoreLink::SpillDue(bool now) {
+  if (!has_link_ && IsFinishing()) {
+    queue_.SpillAll();
+  } else {
+    queue_.Spill();
+  }
+  WriteHeld(now);
+}
+
+void StoreLink::WriteHeld(bool now) {
+  if (!WritesAll() || (!now && options_.clock() < next_held_)) return;
+  std::vector<Recording*> open;
+  {
+    absl::MutexLock lock(&mutex_);
+    DeliverFrames();
+    for (auto& recording : recordings_) {
+      if (!recording->closed) open.push_back(recording.get());
+    }
+  }
+  const bool anew = queue_.TakeHeldLost();
+  for (Recording* recording : open) WriteHeldOf(*recording, anew);
+}
+
+// Only this thread takes batches, so that none comes between the copy and its record.
+void StoreLink::WriteHeldOf(Recording& recording, bool anew) {
+  if (anew) recording.recorder->CopyHeldAnew();
+  const uint64_t changes = recording.recorder->held_changes();
+  if (recording.held == changes) return;
+  const HeldItems held =
+      recording.map->Read([&](const Map& map) { return recording.recorder->CopyHeld(map); });
+  const std::optional<uint64_t> bytes = queue_.WriteHeld(held);
+  if (!bytes.has_value()) {
+    recording.recorder->CopyHeldAnew();
+    recording.held.reset();
+    return;
+  }
+  recording.held = changes;
+  next_held_ = options_.clock() + std::max(options_.spool_within / 4,
+                                           absl::Seconds(static_cast<double>(*bytes) /
+                                                         kHeldBytesPerSecond));
 }
 
 bool StoreLink::IsFinishing() const {
@@ -215,6 +288,7 @@ bool StoreLink::WaitForWork() {
   absl::MutexLock lock(&mutex_);
   const auto has_work = [this]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { return wake_ || stop_; };
   absl::Duration wait = options_.flush_interval;
+  if (WritesAll()) wait = std::min(wait, options_.spool_within / 4);
   if (session_ == Session::kNone) wait = std::min(wait, next_attempt_ - options_.clock());
   mutex_.AwaitWithTimeout(absl::Condition(&has_work), wait);
   wake_ = false;
@@ -351,6 +425,7 @@ bool StoreLink::TakeBatchOf(Recording& recording) {
   batch.local_map = recording.map->local_map();
   batch.closes_local_map = last;
   recording.closed = last;
+  if (last && recording.stays_open) return false;
   held_back_.NoteTaken(CountUpdates(batch));
   queue_.Push(std::move(batch));
   return !last;

@@ -17,12 +17,14 @@
 #include "absl/time/time.h"
 #include "client_agent/link/localised_outbox.h"
 #include "client_agent/link/map_jobs.h"
+#include "client_agent/link/no_uplink.h"
 #include "client_agent/link/share_watch.h"
 #include "client_agent/link/shared_inbox.h"
 #include "client_agent/map/guarded_map.h"
 #include "client_agent/spool/spool.h"
 #include "client_agent/upload/frame_inbox.h"
 #include "client_agent/upload/held_back.h"
+#include "client_agent/upload/kept_map.h"
 #include "client_agent/upload/link_budget.h"
 #include "client_agent/upload/update_recorder.h"
 #include "client_agent/upload/upload_queue.h"
@@ -62,6 +64,13 @@ struct StoreLinkOptions {
   // the map and coalesces there; downwards, the store is asked to keep to it.
   uint64_t uplink_bytes_per_second = 0;
   uint64_t downlink_bytes_per_second = 0;
+  // With a spool: all that is mapped is with the operating system after a quarter of this; the
+  // spool's own syncing adds to that (SpoolOptions::sync). 0: the spool takes what memory has no
+  // room for, and what is left at the end.
+  absl::Duration spool_within = absl::ZeroDuration();
+  // With spool_within: the local map in use stays in the spool, and open at the end, so that the
+  // next process can go on with it.
+  bool resumable = false;
   uint64_t seed = 1;           // Seed of the back-off's jitter.
   LinkEventListener on_event;  // Null: nobody listens.
   std::function<absl::Time()> clock = &absl::Now;
@@ -75,18 +84,20 @@ using ComputeWords =
 // runs).
 class StoreLink : private UplinkListener {
  public:
-  // `uplink` is not owned. Where it is null, nothing is sent and changes are not recorded. `spool`
-  // may be null; what it found goes up first, and what could not be sent is in it at the end.
+  // `uplink` is not owned. Where it is null, nothing is sent, and changes are recorded for the spool
+  // alone. `spool` may be null; what it found goes up first, and what could not be sent is in it at
+  // the end. `goes_on` is a local map that it found and that is begun again; invalid: none is.
   StoreLink(const StoreLinkOptions& options, Uplink* uplink, ComputeWords compute_words,
-            std::unique_ptr<Spool> spool = nullptr);
+            std::unique_ptr<Spool> spool = nullptr, LocalMapId goes_on = {});
   ~StoreLink() override;
   StoreLink(const StoreLink&) = delete;
   StoreLink& operator=(const StoreLink&) = delete;
 
   // Begins a local map, whose changes are recorded from now on. The one before is told to its end
   // and closed, and its thread writes it no more. `map` is read while Reads says so, `jobs` are
-  // used until the next local map begins; neither is owned.
-  void BeginLocalMap(GuardedMap& map, MapJobs& jobs);
+  // used until the next local map begins; neither is owned. `kept` is what `map` was made of where
+  // it is the one that goes on, else null.
+  void BeginLocalMap(GuardedMap& map, MapJobs& jobs, const KeptMap* kept = nullptr);
   // Returns false once all that there is to tell of the local map lies in batches, or it is given
   // up.
   bool Reads(LocalMapId local_map) const;
@@ -105,7 +116,8 @@ class StoreLink : private UplinkListener {
   // Closes the local map, and returns when everything is acknowledged, however long a budget makes
   // that. Else returns DEADLINE_EXCEEDED, which says what is left, or the reason for which the
   // store refuses this agent for good, or for which the local map in use could not go on
-  // (DATA_LOSS, ALREADY_EXISTS).
+  // (DATA_LOSS, ALREADY_EXISTS). Without an uplink, returns when the spool has everything, or why
+  // it has not.
   absl::Status Finish(absl::Duration timeout);
 
   // Returns where the robot's frame is in the global one; none before fusion.
@@ -127,6 +139,9 @@ class StoreLink : private UplinkListener {
     bool closing = false;
     bool asked_for_exact_places = false;
     bool closed = false;  // True: its last batch is in the outbox.
+    bool stays_open = false;  // True: its last batch does not close it.
+    // UpdateRecorder::held_changes of what the spool has; nullopt: of nothing.
+    std::optional<uint64_t> held;
   };
   void OnSessionOpened(const SessionGrant& grant) override;
   void OnAcknowledged(const Acknowledgement& acknowledgement) override;
@@ -145,6 +160,14 @@ class StoreLink : private UplinkListener {
   void DeliverFrames() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void TakeBatches(bool all);
   bool TakeBatchOf(Recording& recording);
+  // Writes what is in no batch yet to the spool, where all is to outlive the process: now, or when
+  // it is due.
+  void WriteHeld(bool now);
+  void WriteHeldOf(Recording& recording, bool anew);
+  bool WritesAll() const { return queue_.has_spool() && options_.spool_within > absl::ZeroDuration(); }
+  // Moves to the disk what is to be there.
+  void SpillDue(bool now);
+  bool IsToldWithoutLink() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   // Lets go of local maps that were told to their end; they are read no more.
   void LetGoOfClosed();
   std::shared_ptr<SharedInbox> CurrentInbox() const;
@@ -165,6 +188,9 @@ class StoreLink : private UplinkListener {
   absl::Duration NextBackoff() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
   const StoreLinkOptions options_;
+  NoUplink no_uplink_;
+  const bool has_link_;
+  // Null: nothing is recorded.
   Uplink* const uplink_;
   const ComputeWords compute_words_;
   // The queue may be called with mutex_ held, but for the calls that wait for the disk.
@@ -201,6 +227,7 @@ class StoreLink : private UplinkListener {
   bool stop_ ABSL_GUARDED_BY(mutex_) = false;
   std::optional<absl::Time> first_acknowledged_ ABSL_GUARDED_BY(mutex_);
   std::mt19937_64 random_ ABSL_GUARDED_BY(mutex_);
+  absl::Time next_held_ = absl::InfinitePast();  // Of the thread that makes batches.
   std::thread thread_;
 };
 

@@ -2,13 +2,17 @@
 #include <gtest/gtest.h>
 
 #include <map>
+#include <optional>
 #include <set>
 #include <vector>
 
 #include "client_agent/link/store_link.h"
 #include "client_agent/link/testing/fake_map_jobs.h"
 #include "client_agent/link/testing/fake_uplink.h"
+#include "client_agent/link/testing/test_payload.h"
 #include "client_agent/spool/testing/fake_spool.h"
+#include "client_agent/upload/held_items.h"
+#include "client_agent/upload/kept_map_reading.h"
 
 namespace corbslam::client_agent {
 namespace {
@@ -285,6 +289,128 @@ TEST_F(StoreLinkSpoolTest, AFullDiskStopsTheUploadOnlyAndNothingIsLost) {
   EXPECT_TRUE(manager_->Finish(absl::Seconds(1)).ok());
   EXPECT_EQ(StoredKeyframes().size(), 300u);
   EXPECT_TRUE(manager_->upload().room.ok()) << manager_->upload().room;
+}
+
+// All that is mapped is to outlive the process, held back or not, sent or not.
+class DurableLinkTest : public StoreLinkSpoolTest {
+ protected:
+  void Start(Uplink* uplink, bool resumable = false, bool goes_on = false) {
+    manager_.reset();
+    options_.mission = "m";
+    options_.agent = "alpha";
+    options_.spool_within = absl::Seconds(1);
+    options_.resumable = resumable;
+    options_.clock = [this] { return now_; };
+    auto spool = *OpenFakeSpool(&disk_);
+    ASSERT_TRUE(TellHeld(*spool).ok());
+    if (goes_on) kept_.emplace(*ReadNewestKeptMap(*spool));
+    manager_ = std::make_unique<StoreLink>(
+        options_, uplink, [](const auto&) { return std::make_shared<Words>(); }, std::move(spool),
+        goes_on ? kept_->local_map() : LocalMapId());
+    if (!goes_on) return Begin(kOwn);
+    map_ = maps_.emplace_back(std::make_unique<GuardedMap>(kept_->local_map())).get();
+    map_->Write([&](Map& map) {
+      kept_->Fill([](const auto&) { return std::make_shared<const Words>(); }, map);
+    });
+    manager_->BeginLocalMap(*map_, jobs_, &*kept_);
+  }
+  void AddMapped(uint32_t index) {
+    Keyframe keyframe;
+    keyframe.payload = testing::MakeTestPayload({kOwn, index}, 3);
+    if (index > 0) keyframe.parent = {kOwn, index - 1};
+    map_->Write([&](Map& map) { map.AddKeyframe(keyframe); });
+    now_ += absl::Seconds(1);
+    manager_->Step();
+  }
+  // The process ends as by a SIGKILL, after the steps that it made.
+  void Kill() {
+    const FakeDisk left = disk_;
+    const auto stored = uplink_.stored;
+    manager_.reset();
+    disk_ = left;
+    uplink_.stored = stored;
+    uplink_.open = false;
+  }
+  std::set<KeyframeId> Expected(uint32_t keyframes) const {
+    std::set<KeyframeId> ids;
+    for (uint32_t i = 0; i < keyframes; ++i) ids.insert({kOwn, i});
+    return ids;
+  }
+  std::set<KeyframeId> Stored() const {
+    const std::multiset<KeyframeId> stored = StoredKeyframes();
+    return {stored.begin(), stored.end()};
+  }
+
+  std::optional<KeptMap> kept_;
+};
+
+TEST_F(DurableLinkTest, AKilledRobotLosesNothingWithoutALink) {
+  options_.hold_newest_keyframes = 7;
+  Start(nullptr);
+  for (uint32_t i = 0; i < 12; ++i) AddMapped(i);
+  Kill();
+  Start(&uplink_);
+  Begin(kNext);
+  Step();
+  Step();
+  EXPECT_EQ(Stored(), Expected(12));
+  EXPECT_EQ(StoredKeyframes().size(), 12u) << "each once";
+  EXPECT_TRUE(uplink_.stored[kOwn].back().closes_local_map);
+}
+
+TEST_F(DurableLinkTest, WithALinkWhatIsHeldBackIsNotLostEither) {
+  options_.hold_newest_keyframes = 7;
+  Start(&uplink_);
+  for (uint32_t i = 0; i < 12; ++i) AddMapped(i);
+  EXPECT_LT(Stored().size(), 12u) << "the newest are held back";
+  Kill();
+  Start(&uplink_);
+  Begin(kNext);
+  Step();
+  EXPECT_EQ(Stored(), Expected(12));
+  EXPECT_EQ(StoredKeyframes().size(), 12u);
+}
+
+TEST_F(DurableLinkTest, WithoutALinkTheEndWaitsForTheDiskAlone) {
+  Start(nullptr);
+  AddMapped(0);
+  EXPECT_TRUE(manager_->Finish(absl::Seconds(10)).ok());
+  EXPECT_EQ(manager_->upload().memory_bytes, 0u);
+  EXPECT_GT(disk_.syncs, 0);
+}
+
+TEST_F(DurableLinkTest, WithoutALinkADiskThatIsFullIsSaidAtTheEnd) {
+  Start(nullptr);
+  disk_.capacity = 1;
+  AddMapped(0);
+  EXPECT_TRUE(absl::IsResourceExhausted(manager_->Finish(absl::Seconds(10))));
+}
+
+TEST_F(DurableLinkTest, AKilledRobotGoesOnWithItsLocalMap) {
+  options_.hold_newest_keyframes = 7;
+  Start(&uplink_, /*resumable=*/true);
+  for (uint32_t i = 0; i < 12; ++i) AddMapped(i);
+  Kill();
+  Start(&uplink_, /*resumable=*/true, /*goes_on=*/true);
+  EXPECT_EQ(map_->own_items().keyframes, 12);
+  for (uint32_t i = 12; i < 15; ++i) AddMapped(i);
+  EXPECT_TRUE(manager_->Finish(absl::Seconds(1)).ok());
+  EXPECT_EQ(Stored(), Expected(15));
+  EXPECT_EQ(StoredKeyframes().size(), 15u) << "each once, in one local map";
+  ASSERT_EQ(uplink_.stored.size(), 1u);
+  for (const MapUpdateBatch& batch : uplink_.stored[kOwn]) EXPECT_FALSE(batch.closes_local_map);
+  EXPECT_EQ(manager_->upload().lost_local_maps, 0);
+}
+
+TEST_F(DurableLinkTest, WhatDoesNotGoOnIsClosed) {
+  Start(&uplink_, /*resumable=*/true);
+  for (uint32_t i = 0; i < 3; ++i) AddMapped(i);
+  Kill();
+  Start(&uplink_, /*resumable=*/true, /*goes_on=*/true);
+  Begin(kNext);
+  Step();
+  EXPECT_TRUE(uplink_.stored[kOwn].back().closes_local_map);
+  EXPECT_EQ(Stored(), Expected(3));
 }
 
 }  // namespace

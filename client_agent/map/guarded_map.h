@@ -65,6 +65,11 @@ class GuardedMap {
   // points.
   KeyframeId NewKeyframeId() { return {local_map_, next_keyframe_.fetch_add(1)}; }
   MapPointId NewPointId() { return {local_map_, next_point_.fetch_add(1)}; }
+  // The map goes on where an earlier process ended, which gave ids below these.
+  void GoOnFrom(uint32_t next_keyframe, uint32_t next_point) {
+    next_keyframe_ = next_keyframe;
+    next_point_ = next_point;
+  }
 
   // Returns how often the robot's own map was moved as a whole. It is counted inside Write, so that
   // a reader that finds no difference has read one map before and after.

@@ -31,6 +31,10 @@ absl::StatusOr<std::unique_ptr<Spool>> Spool::Open(const SpoolOptions& options,
                                                    BatchCodec codec) {
   std::unique_ptr<Spool> spool(new Spool(options, std::move(files), std::move(codec)));
   RETURN_IF_ERROR(spool->Recover());
+  if (options.sync.has_value()) {
+    RETURN_IF_ERROR(spool->SyncFound());
+    spool->syncer_ = std::make_unique<SpoolSyncer>(spool->files_.get(), *options.sync);
+  }
   return spool;
 }
 
@@ -64,6 +68,12 @@ absl::Status Spool::RecoverSegment(const std::string& name) {
   return absl::OkStatus();
 }
 
+// A process that was killed may have written what no disk has yet.
+absl::Status Spool::SyncFound() {
+  for (const auto& [number, segment] : segments_) RETURN_IF_ERROR(files_->Sync(NameOf(number)));
+  return absl::OkStatus();
+}
+
 absl::Status Spool::StartSegment() {
   open_segment_ = next_segment_++;
   segments_[open_segment_] = {};
@@ -78,8 +88,9 @@ absl::Status Spool::StartSegment() {
   return absl::OkStatus();
 }
 
-absl::StatusOr<SpooledBatch> Spool::Append(const MapUpdateBatch& batch) {
+absl::StatusOr<SpooledBatch> Spool::Append(const MapUpdateBatch& batch, SpoolRecord::Kind kind) {
   SpooledBatch spooled;
+  spooled.record.kind = kind;
   spooled.record.local_map = batch.local_map;
   spooled.record.number = batch.number;
   spooled.record.closes_local_map = batch.closes_local_map;
@@ -91,7 +102,7 @@ absl::StatusOr<SpooledBatch> Spool::Append(const MapUpdateBatch& batch) {
                      options_.max_bytes));
   }
   if (open_segment_ != 0 && segments_[open_segment_].bytes >= options_.segment_bytes) {
-    RETURN_IF_ERROR(Sync());
+    if (syncer_ == nullptr) RETURN_IF_ERROR(Sync());
     open_segment_ = 0;
   }
   if (open_segment_ == 0) RETURN_IF_ERROR(StartSegment());
@@ -100,7 +111,9 @@ absl::StatusOr<SpooledBatch> Spool::Append(const MapUpdateBatch& batch) {
     CutOpenSegment();
     return written;
   }
-  unsynced_ = true;
+  spooled.order = ++appended_;
+  appended_bytes_ += bytes.size();
+  if (syncer_ != nullptr) syncer_->NoteWrite(NameOf(open_segment_), appended_, bytes.size());
   spooled.segment = open_segment_;
   spooled.record.offset = segment.bytes;
   spooled.record.bytes = static_cast<uint32_t>(bytes.size());
@@ -123,15 +136,40 @@ void Spool::CutOpenSegment() {
 }
 
 absl::Status Spool::Sync() {
-  if (!unsynced_ || open_segment_ == 0) return absl::OkStatus();
-  unsynced_ = false;
-  if (absl::Status synced = files_->Sync(NameOf(open_segment_)); !synced.ok()) {
-    // The end of the segment may be torn now: nothing may follow it.
-    open_segment_ = 0;
+  if (syncer_ != nullptr) {
+    const absl::Status synced = syncer_->SyncNow();
+    if (!synced.ok()) AbandonSegment();
     return synced;
   }
+  if (synced_ == appended_ || open_segment_ == 0) return absl::OkStatus();
+  ++syncs_;
+  if (absl::Status synced = files_->Sync(NameOf(open_segment_)); !synced.ok()) {
+    AbandonSegment();
+    return synced;
+  }
+  synced_ = appended_;
   return absl::OkStatus();
 }
+
+void Spool::HurrySync() {
+  if (syncer_ != nullptr) {
+    syncer_->Hurry();
+    return;
+  }
+  // What could not be synced is above synced().
+  error_ = Sync();
+}
+
+absl::Status Spool::TakeSyncError() {
+  const absl::Status error =
+      syncer_ == nullptr ? std::exchange(error_, absl::OkStatus()) : syncer_->TakeError();
+  if (!error.ok()) AbandonSegment();
+  return error;
+}
+
+uint64_t Spool::synced() const { return syncer_ == nullptr ? synced_ : syncer_->synced(); }
+
+uint64_t Spool::syncs() const { return syncer_ == nullptr ? syncs_ : syncer_->syncs(); }
 
 absl::StatusOr<MapUpdateBatch> Spool::Read(const SpooledBatch& batch) {
   const std::string name = NameOf(batch.segment);
@@ -154,6 +192,7 @@ void Spool::Release(const SpooledBatch& batch) {
 }
 
 void Spool::RemoveSegment(uint64_t number) {
+  if (syncer_ != nullptr) syncer_->Forget(NameOf(number));
   const absl::Status removed = files_->Remove(NameOf(number));
   if (!removed.ok()) LOG(WARNING) << removed;
   bytes_ -= segments_[number].bytes;

@@ -12,7 +12,10 @@
 #include <system_error>
 #include <utility>
 
+#include "absl/base/thread_annotations.h"
+#include "absl/container/flat_hash_set.h"
 #include "absl/strings/str_cat.h"
+#include "absl/synchronization/mutex.h"
 #include "slam/util/lock_holder.h"
 #include "slam/util/status_macros.h"
 
@@ -53,6 +56,12 @@ absl::StatusOr<Descriptor> OpenFile(const std::string& path, int flags) {
   Descriptor file(open(path.c_str(), flags | O_CLOEXEC, 0600));
   if (file.fd() < 0) return FileError("open", path, errno);
   return file;
+}
+
+absl::Status SyncFolder(const std::string& path) {
+  ASSIGN_OR_RETURN(const Descriptor folder, OpenFile(path, O_RDONLY | O_DIRECTORY));
+  if (fsync(folder.fd()) == 0) return absl::OkStatus();
+  return FileError("sync", path, errno);
 }
 
 class SpoolFolder final : public SpoolFiles {
@@ -113,12 +122,26 @@ class SpoolFolder final : public SpoolFiles {
   }
 
   absl::Status Sync(const std::string& name) override {
-    RETURN_IF_ERROR(SyncPath(PathOf(name), O_WRONLY));
+    {
+      ASSIGN_OR_RETURN(const Descriptor file, OpenFile(PathOf(name), O_WRONLY));
+      if (fdatasync(file.fd()) != 0) return FileError("sync", PathOf(name), errno);
+    }
+    {
+      absl::MutexLock lock(&mutex_);
+      if (named_.contains(name)) return absl::OkStatus();
+    }
     // The folder is synced, too, for the file's name.
-    return SyncPath(path_, O_RDONLY | O_DIRECTORY);
+    RETURN_IF_ERROR(SyncFolder(path_));
+    absl::MutexLock lock(&mutex_);
+    named_.insert(name);
+    return absl::OkStatus();
   }
 
   absl::Status Remove(const std::string& name) override {
+    {
+      absl::MutexLock lock(&mutex_);
+      named_.erase(name);
+    }
     if (unlink(PathOf(name).c_str()) == 0) return absl::OkStatus();
     return FileError("remove", PathOf(name), errno);
   }
@@ -126,22 +149,34 @@ class SpoolFolder final : public SpoolFiles {
  private:
   std::string PathOf(const std::string& name) const { return absl::StrCat(path_, "/", name); }
 
-  static absl::Status SyncPath(const std::string& path, int flags) {
-    ASSIGN_OR_RETURN(const Descriptor file, OpenFile(path, flags));
-    if (fsync(file.fd()) == 0) return absl::OkStatus();
-    return FileError("sync", path, errno);
-  }
-
   const std::string path_;
   const Descriptor lock_;
+  absl::Mutex mutex_;
+  // Files whose names are on the disk for certain.
+  absl::flat_hash_set<std::string> named_ ABSL_GUARDED_BY(mutex_);
 };
+
+// Creates the folder and those above it that are not there.
+absl::Status CreateFolder(const std::string& path) {
+  std::error_code error;
+  std::vector<std::filesystem::path> created;
+  std::filesystem::path missing = std::filesystem::absolute(path, error).lexically_normal();
+  for (; !error && !missing.empty() && !std::filesystem::exists(missing, error);
+       missing = missing.parent_path()) {
+    created.push_back(missing);
+  }
+  if (!error) std::filesystem::create_directories(path, error);
+  if (error) return FileError("create", path, error.value());
+  for (const std::filesystem::path& folder : created) {
+    RETURN_IF_ERROR(SyncFolder(folder.parent_path().string()));
+  }
+  return absl::OkStatus();
+}
 
 }  // namespace
 
 absl::StatusOr<std::unique_ptr<SpoolFiles>> OpenSpoolFolder(const std::string& path) {
-  std::error_code error;
-  std::filesystem::create_directories(path, error);
-  if (error) return FileError("create", path, error.value());
+  RETURN_IF_ERROR(CreateFolder(path));
   const std::string lock_path = absl::StrCat(path, "/", kLockName);
   ASSIGN_OR_RETURN(Descriptor lock, OpenFile(lock_path, O_RDWR | O_CREAT));
   if (flock(lock.fd(), LOCK_EX | LOCK_NB) != 0) {

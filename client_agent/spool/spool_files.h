@@ -14,8 +14,9 @@
 
 namespace corbslam::client_agent {
 
-// The files of one folder. Not thread-safe. Errors name the file: RESOURCE_EXHAUSTED for a full
-// disk or quota, UNAVAILABLE for anything else. Names have no folder in them.
+// The files of one folder. One thread at a time may use it, but for Sync and Read, which may run
+// beside all else. Errors name the file: RESOURCE_EXHAUSTED for a full disk or quota, UNAVAILABLE
+// for anything else. Names have no folder in them.
 class SpoolFiles {
  public:
   virtual ~SpoolFiles() = default;
@@ -29,12 +30,13 @@ class SpoolFiles {
   // written.
   virtual absl::Status Append(const std::string& name, absl::string_view bytes) = 0;
   virtual absl::Status Truncate(const std::string& name, uint64_t size) = 0;
-  // Makes what was written survive a loss of power.
+  // Makes what was written survive a loss of power, the file's name with it.
   virtual absl::Status Sync(const std::string& name) = 0;
   virtual absl::Status Remove(const std::string& name) = 0;
 };
 
-// Opens a folder, which is created where it is not there, and locked as long as the result lives.
+// Opens a folder, which is created where it is not there (so that it survives a loss of power), and
+// locked as long as the result lives.
 // Returns FAILED_PRECONDITION where another process has it.
 absl::StatusOr<std::unique_ptr<SpoolFiles>> OpenSpoolFolder(const std::string& path);
 

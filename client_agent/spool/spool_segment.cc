@@ -17,10 +17,14 @@ static_assert(std::endian::native == std::endian::little, "numbers are copied as
 constexpr absl::string_view kMagic = "CORBSPL";
 // Version '1' has batches whose features are not coded.
 constexpr char kOldestVersion = '1';
-constexpr char kVersion = '2';
+constexpr char kVersion = '3';
 constexpr size_t kFixedHeaderBytes = 16;
 constexpr size_t kMaxOwnerBytes = 1024;
 constexpr uint32_t kClosesFlag = 1;
+constexpr uint32_t kWholePartFlag = 2;
+constexpr uint32_t kWholeEndFlag = 4;
+constexpr uint32_t kHeldKeyframeFlag = 8;
+constexpr uint32_t kHeldRestFlag = 16;
 constexpr size_t kCrcBytes = 4;
 constexpr size_t kRecordHeaderBytes = 28;
 
@@ -36,6 +40,35 @@ Number ReadNumber(absl::string_view bytes, size_t offset) {
   Number value;
   std::memcpy(&value, bytes.data() + offset, sizeof(Number));
   return value;
+}
+
+uint32_t FlagOf(SpoolRecord::Kind kind) {
+  switch (kind) {
+    case SpoolRecord::Kind::kBatch:
+      return 0;
+    case SpoolRecord::Kind::kWholePart:
+      return kWholePartFlag;
+    case SpoolRecord::Kind::kWholeEnd:
+      return kWholePartFlag | kWholeEndFlag;
+    case SpoolRecord::Kind::kHeldKeyframe:
+      return kHeldKeyframeFlag;
+    case SpoolRecord::Kind::kHeldRest:
+      return kHeldRestFlag;
+  }
+  return 0;
+}
+
+uint32_t FlagsOf(const SpoolRecord& record) {
+  return FlagOf(record.kind) | (record.closes_local_map ? kClosesFlag : 0);
+}
+
+void TakeFlags(uint32_t flags, SpoolRecord& record) {
+  using Kind = SpoolRecord::Kind;
+  record.closes_local_map = (flags & kClosesFlag) != 0;
+  for (const Kind kind :
+       {Kind::kWholeEnd, Kind::kWholePart, Kind::kHeldKeyframe, Kind::kHeldRest}) {
+    if ((flags & ~kClosesFlag) == FlagOf(kind)) record.kind = kind;
+  }
 }
 
 absl::Status Foreign(const std::string& name, absl::string_view why) {
@@ -84,7 +117,7 @@ absl::StatusOr<std::optional<SpoolRecord>> ReadRecord(SpoolFiles& files, const s
       payload_bytes <= kMaxSpoolPayloadBytes && payload_bytes <= size - offset - kRecordHeaderBytes;
   if (!fits) return std::nullopt;
   SpoolRecord record;
-  record.closes_local_map = (ReadNumber<uint32_t>(header, 8) & kClosesFlag) != 0;
+  TakeFlags(ReadNumber<uint32_t>(header, 8), record);
   record.local_map = {ReadNumber<uint64_t>(header, 12)};
   record.number = ReadNumber<uint64_t>(header, 20);
   record.offset = offset;
@@ -110,7 +143,7 @@ std::string EncodeSpoolRecord(const SpoolRecord& record, absl::string_view paylo
   std::string checked;
   checked.reserve(kRecordHeaderBytes + payload.size());
   AppendNumber(static_cast<uint32_t>(payload.size()), &checked);
-  AppendNumber(record.closes_local_map ? kClosesFlag : 0u, &checked);
+  AppendNumber(FlagsOf(record), &checked);
   AppendNumber(record.local_map.value, &checked);
   AppendNumber(record.number, &checked);
   absl::StrAppend(&checked, payload);

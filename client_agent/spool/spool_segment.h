@@ -1,11 +1,14 @@
 // Reads and writes one file of the spool: its owner, then batches, each with its length and
 // checksum.
 //
-//   header: "CORBSPL" and the version '2', u32 bytes of the owner, u32 CRC-32C of the owner, owner
+//   header: "CORBSPL" and the version '3', u32 bytes of the owner, u32 CRC-32C of the owner, owner
 //   record: u32 CRC-32C of all that follows in the record, u32 bytes of the payload, u32 flags
-//           (1: closes its local map), u64 local map, u64 number, payload
+//           (1: closes its local map; 2: a part of what its local map is after batch `number`;
+//           4: the last part of it; 8: a keyframe that is in no batch yet; 16: what else is in none),
+//           u64 local map, u64 number, payload
 //
-// All numbers are little-endian. Version '1', in which no features are coded, is read, too.
+// All numbers are little-endian. Versions '1', in which no features are coded, and '2', in which
+// all records are batches, are read, too.
 #ifndef CORBSLAM_CLIENT_AGENT_SPOOL_SPOOL_SEGMENT_H_
 #define CORBSLAM_CLIENT_AGENT_SPOOL_SPOOL_SEGMENT_H_
 
@@ -25,6 +28,12 @@ namespace corbslam::client_agent {
 inline constexpr uint32_t kMaxSpoolPayloadBytes = 128u << 20;
 
 struct SpoolRecord {
+  // A local map that is kept may be told anew as a whole, in place of all its batches up to
+  // `number`: in one or more parts, one after the other. What is in no batch yet after batch
+  // `number` (HeldItems) lies in a record of its own, its keyframes in others, whose `number` is
+  // the keyframe's index and 1.
+  enum class Kind { kBatch, kWholePart, kWholeEnd, kHeldKeyframe, kHeldRest };
+  Kind kind = Kind::kBatch;
   LocalMapId local_map;
   uint64_t number = 0;
   bool closes_local_map = false;

@@ -168,20 +168,79 @@ TEST_F(SpoolTest, SomebodyElsesFolderIsRefusedByName) {
 
 TEST_F(SpoolTest, ANewerVersionIsRefusedByName) {
   Write(1);
-  OnlyFile()[7] = '3';
+  OnlyFile()[7] = '4';
   const absl::Status status = OpenFakeSpool(&disk_, options_).status();
   EXPECT_TRUE(absl::IsFailedPrecondition(status));
-  EXPECT_THAT(std::string(status.message()), HasSubstr("version '3'"));
+  EXPECT_THAT(std::string(status.message()), HasSubstr("version '4'"));
 }
 
 TEST_F(SpoolTest, AnOlderVersionIsRead) {
   Write(2);
-  ASSERT_EQ(OnlyFile()[7], '2');
-  OnlyFile()[7] = '1';
+  ASSERT_EQ(OnlyFile()[7], '3');
+  for (const char version : {'1', '2'}) {
+    OnlyFile()[7] = version;
+    const auto spool = Open();
+    const std::vector<SpooledBatch> found = spool->TakeFound();
+    ASSERT_EQ(found.size(), 2u) << version;
+    EXPECT_TRUE(spool->Read(found[1]).ok());
+  }
+}
+
+TEST_F(SpoolTest, TheKindOfARecordIsKept) {
+  using Kind = SpoolRecord::Kind;
+  const std::vector<Kind> kinds = {Kind::kBatch, Kind::kWholePart, Kind::kWholeEnd,
+                                   Kind::kHeldKeyframe, Kind::kHeldRest};
+  {
+    const auto spool = Open();
+    for (const Kind kind : kinds) ASSERT_TRUE(spool->Append(BatchOf(7, 1), kind).ok());
+  }
+  std::vector<Kind> found;
   const auto spool = Open();
-  const std::vector<SpooledBatch> found = spool->TakeFound();
-  ASSERT_EQ(found.size(), 2u);
-  EXPECT_TRUE(spool->Read(found[1]).ok());
+  for (const SpooledBatch& spooled : spool->found()) found.push_back(spooled.record.kind);
+  EXPECT_EQ(found, kinds);
+}
+
+// The disk keeps what was synced, and any part of what was written since.
+TEST_F(SpoolTest, WhatWasSyncedOutlivesALossOfPower) {
+  options_.segment_bytes = 500;
+  std::mt19937 random(3);
+  size_t lost = 0;
+  for (int cut = 0; cut < 200; ++cut) {
+    disk_ = FakeDisk();
+    size_t synced = 0;
+    {
+      const auto spool = Open();
+      for (uint64_t number = 1; number <= 12; ++number) {
+        ASSERT_TRUE(spool->Append(BatchOf(7, number)).ok());
+        if (random() % 4 != 0) continue;
+        ASSERT_TRUE(spool->Sync().ok());
+        ASSERT_EQ(spool->synced(), number);
+        synced = number;
+      }
+    }
+    disk_.CutPower(random);
+    const auto spool = Open();
+    const std::vector<SpooledBatch> found = spool->TakeFound();
+    ASSERT_GE(found.size(), synced) << "cut " << cut;
+    for (size_t i = 0; i < found.size(); ++i) ASSERT_EQ(found[i].record.number, i + 1);
+    lost += 12 - found.size();
+  }
+  EXPECT_GT(lost, 0u) << "the test can't tell";
+}
+
+TEST_F(SpoolTest, AThreadSyncsWhatIsWritten) {
+  const std::string path = ::testing::TempDir() + "/spool_thread_test";
+  std::filesystem::remove_all(path);
+  options_.sync = SyncPolicy{.after = absl::Hours(1), .bytes = 1};
+  auto spool = *Spool::Open(options_, *OpenSpoolFolder(path), FakeCodec(&disk_));
+  for (uint64_t number = 1; number <= 20; ++number) {
+    ASSERT_TRUE(spool->Append(BatchOf(7, number)).ok());
+  }
+  EXPECT_TRUE(spool->Sync().ok());
+  EXPECT_EQ(spool->synced(), 20u);
+  EXPECT_GE(spool->syncs(), 1u);
+  spool.reset();
+  std::filesystem::remove_all(path);
 }
 
 TEST_F(SpoolTest, WhatWasFoundIsNeverWrittenOn) {

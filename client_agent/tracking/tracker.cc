@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <utility>
 
 #include "client_agent/tracking/frame_looks.h"
@@ -78,9 +79,15 @@ bool Tracker::TakeOver(const HandedFrame& handed) {
   return true;
 }
 
+void Tracker::BeginLost() {
+  state_ = TrackingState::kLost;
+  begins_lost_ = true;
+}
+
 bool Tracker::IsLostForGood() const {
   if (state_ != TrackingState::kLost || mapping_paused_) return false;
   if (why_lost_ != WhyNoPose::kNotRecognised) return false;
+  if (begins_lost_) return lost_at_start_ns_ > options_.max_lost_at_start_ns;
   return lost_frames_ > options_.max_lost_frames ||
          local_map_.map_keyframes < options_.min_keyframes_to_wait;
 }
@@ -137,6 +144,7 @@ bool Tracker::ResumeAt(std::shared_ptr<const KeyframePayload> payload,
   DropTemporaryPoints(frame);
   velocity_.reset();
   lost_frames_ = 0;
+  begins_lost_ = false;
   state_ = TrackingState::kTracking;
   previous_ = std::move(frame);
   return true;
@@ -337,6 +345,8 @@ TrackingResult Tracker::Conclude(Frame frame, WhyNoPose why_no_pose) {
   if (why_no_pose == WhyNoPose::kHasOne) {
     ConcludeTracked(std::move(frame), result);
   } else if (state_ != TrackingState::kNotInitialised || options_.localise_only) {
+    first_lost_ns_ = first_lost_ns_.value_or(result.timestamp_ns);
+    lost_at_start_ns_ = std::abs(result.timestamp_ns - *first_lost_ns_);
     ConcludeLost(why_no_pose);
   }
   result.state = state_;
@@ -358,6 +368,7 @@ void Tracker::ConcludeTracked(Frame frame, TrackingResult& result) {
   DropTemporaryPoints(frame);
   KeepLooks(frame);
   state_ = TrackingState::kTracking;
+  begins_lost_ = false;
   lost_frames_ = 0;
   result.corrections = corrections_;
   result.camera_from_local = frame.camera_from_map;

@@ -43,6 +43,9 @@ struct TrackerOptions {
   // True: the camera is tracked in what others made, and no map is begun or added to. Frames are
   // lost until one of them is found there.
   bool localise_only = false;
+  // A tracker that begins lost (BeginLost) gives the map up when it has recognised no place in it
+  // for so long, by the frames' own times.
+  int64_t max_lost_at_start_ns = 10'000'000'000;
   uint64_t seed = 1;
   KeyframePolicyOptions keyframe;
 };
@@ -81,6 +84,10 @@ class Tracker {
   // on as if it had been tracked here. To be called instead of Track for the first frame. Returns
   // false, and does nothing, where mapping takes no keyframe.
   bool TakeOver(const HandedFrame& handed);
+
+  // The map is not empty, and nobody knows where in it the camera is. To be called before the first
+  // frame.
+  void BeginLost();
 
   // While paused the map gets no keyframes, and none is begun or given up.
   void PauseMapping(bool paused) { mapping_paused_ = paused || options_.localise_only; }
@@ -157,6 +164,10 @@ class Tracker {
   WhyNoPose why_lost_ = WhyNoPose::kHasOne;
   int lost_frames_ = 0;
   int frames_since_relocalisation_ = 1 << 20;
+  // True: the camera was not found yet since BeginLost.
+  bool begins_lost_ = false;
+  std::optional<int64_t> first_lost_ns_;
+  int64_t lost_at_start_ns_ = 0;
 };
 
 }  // namespace corbslam::client_agent

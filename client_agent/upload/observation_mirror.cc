@@ -47,6 +47,24 @@ void ObservationMirror::ReplacePoint(MapPointId replaced, MapPointId survivor) {
   }
 }
 
+bool ObservationMirror::Apply(const ObservationChange& change) {
+  const auto seen = points_.find(change.keyframe);
+  if (seen == points_.end() || change.keypoint >= seen->second.size()) return false;
+  const auto observers = observers_.find(change.point);
+  if (observers != observers_.end()) {
+    if (const auto at = observers->second.find(change.keyframe); at != observers->second.end()) {
+      Erase(change.keyframe, at->second);
+    }
+  }
+  if (change.kind == ObservationChange::Kind::kRemoved) return true;
+  if (seen->second[change.keypoint].IsValid()) Erase(change.keyframe, change.keypoint);
+  seen->second[change.keypoint] = change.point;
+  auto& to = observers_[change.point];
+  pairs_ += to.size();
+  to.emplace(change.keyframe, change.keypoint);
+  return true;
+}
+
 std::map<KeyframeId, uint32_t> ObservationMirror::Observations(MapPointId id) const {
   const auto it = observers_.find(id);
   return it == observers_.end() ? std::map<KeyframeId, uint32_t>() : it->second;

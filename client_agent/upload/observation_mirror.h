@@ -20,9 +20,16 @@ class ObservationMirror {
   void RemoveKeyframe(KeyframeId id);
   void RemovePoint(MapPointId id);
   void ReplacePoint(MapPointId replaced, MapPointId survivor);
+  // Takes what was told elsewhere, as the map store takes it: an observation goes where its point or
+  // its keypoint has another one. Returns false, and does nothing, for an unknown keyframe or
+  // keypoint.
+  bool Apply(const ObservationChange& change);
 
   // Returns the keyframes known to observe the point, with their keypoints.
   std::map<KeyframeId, uint32_t> Observations(MapPointId id) const;
+
+  // Returns what each keyframe sees, one entry a keypoint.
+  const std::map<KeyframeId, std::vector<MapPointId>>& keyframes() const { return points_; }
 
   // Says which of a keyframe's observations are to be told.
   struct Rules {

@@ -18,13 +18,21 @@ bool IsEmpty(const MapUpdateBatch& batch) {
 
 absl::Status Outbox::AddFound(const SpooledBatch& spooled) {
   const SpoolRecord& record = spooled.record;
+  const bool is_whole = record.kind != SpoolRecord::Kind::kBatch;
   const auto [it, is_new] = local_maps_.try_emplace(record.local_map);
   LocalMapNumbers& numbers = it->second;
   if (is_new) {
     numbers.of_earlier_process = true;
     // Batches that are not in the spool any more were acknowledged.
-    numbers.acknowledged = record.number - 1;
-    numbers.last = record.number - 1;
+    numbers.acknowledged = record.number - (is_whole ? 0 : 1);
+    numbers.last = numbers.acknowledged;
+  }
+  if (is_whole) {
+    // It stands for what was acknowledged.
+    numbers.acknowledged = std::max(numbers.acknowledged, record.number);
+    numbers.last = std::max(numbers.last, record.number);
+    numbers.kept.push_back(spooled);
+    return absl::OkStatus();
   }
   if (record.number != numbers.last + 1) {
     released_.push_back(spooled);
@@ -37,6 +45,59 @@ absl::Status Outbox::AddFound(const SpooledBatch& spooled) {
   numbers.closed = record.closes_local_map;
   entries_.push_back({record.local_map, record.number, nullptr, spooled, 0});
   return absl::OkStatus();
+}
+
+bool Outbox::GoOnWith(LocalMapId local_map) {
+  const auto it = local_maps_.find(local_map);
+  if (it == local_maps_.end()) return false;
+  LocalMapNumbers& numbers = it->second;
+  if (!numbers.of_earlier_process || numbers.closed || numbers.lost) return false;
+  numbers.of_earlier_process = false;
+  numbers.sent = numbers.found = numbers.last;
+  numbers.goes_on = numbers.keeps = true;
+  return true;
+}
+
+void Outbox::Keep(LocalMapId local_map) { local_maps_[local_map].keeps = true; }
+
+void Outbox::StopKeeping(LocalMapId local_map) {
+  const auto it = local_maps_.find(local_map);
+  if (it == local_maps_.end() || !std::exchange(it->second.keeps, false)) return;
+  std::vector<SpooledBatch> kept = std::exchange(it->second.kept, {});
+  for (const SpooledBatch& spooled : kept) KeepOrRelease(it->second, spooled);
+}
+
+void Outbox::KeepOrRelease(LocalMapNumbers& numbers, const SpooledBatch& spooled) {
+  if (!numbers.keeps && !marks_open_) {
+    released_.push_back(spooled);
+    return;
+  }
+  if (!numbers.keeps) ReleaseKept(numbers);
+  numbers.kept.push_back(spooled);
+}
+
+void Outbox::ReleaseKept(LocalMapNumbers& numbers) {
+  released_.insert(released_.end(), numbers.kept.begin(), numbers.kept.end());
+  numbers.kept.clear();
+}
+
+std::vector<SpooledBatch> Outbox::Kept(LocalMapId local_map) const {
+  const auto it = local_maps_.find(local_map);
+  return it == local_maps_.end() ? std::vector<SpooledBatch>() : it->second.kept;
+}
+
+void Outbox::ReplaceKept(LocalMapId local_map, const std::vector<SpooledBatch>& whole) {
+  const auto it = local_maps_.find(local_map);
+  if (it == local_maps_.end() || whole.empty() || !it->second.keeps) {
+    released_.insert(released_.end(), whole.begin(), whole.end());
+    return;
+  }
+  std::vector<SpooledBatch> before = std::exchange(it->second.kept, whole);
+  for (const SpooledBatch& spooled : before) {
+    const bool is_later = spooled.record.kind == SpoolRecord::Kind::kBatch &&
+                          spooled.record.number > whole.back().record.number;
+    (is_later ? it->second.kept : released_).push_back(spooled);
+  }
 }
 
 void Outbox::Push(MapUpdateBatch batch) {
@@ -61,7 +122,9 @@ void Outbox::DropEntries(const Goes& goes) {
     Entry& entry = entries_[i];
     if (goes(entry)) {
       bytes_ -= entry.bytes;
-      if (entry.batch == nullptr) released_.push_back(entry.spooled);
+      if (entry.spooled.has_value()) {
+        KeepOrRelease(local_maps_[entry.local_map], *entry.spooled);
+      }
       continue;
     }
     if (i < sent_) ++sent_kept;
@@ -80,7 +143,9 @@ void Outbox::Acknowledge(const Acknowledgement& acknowledgement) {
   DropEntries([&](const Entry& entry) {
     return entry.local_map == acknowledgement.local_map && entry.number <= acknowledgement.number;
   });
-  if (numbers.closed && numbers.acknowledged >= numbers.last) local_maps_.erase(it);
+  if (!numbers.closed || numbers.acknowledged < numbers.last) return;
+  ReleaseKept(numbers);
+  local_maps_.erase(it);
 }
 
 absl::Status Outbox::CheckState(LocalMapId id, const LocalMapNumbers& numbers,
@@ -89,6 +154,12 @@ absl::Status Outbox::CheckState(LocalMapId id, const LocalMapNumbers& numbers,
     return absl::DataLossError(absl::StrCat("the map store has local map ", ToString(id),
                                             " only up to batch ", stored, " of ",
                                             numbers.acknowledged, " that it acknowledged before"));
+  }
+  if (stored > numbers.sent && numbers.goes_on) {
+    return absl::DataLossError(
+        absl::StrCat("the map store has batch ", stored, " of local map ", ToString(id),
+                     ", but the robot's spool had it only up to batch ", numbers.found,
+                     " when the robot went on with it"));
   }
   if (stored > numbers.sent && !numbers.of_earlier_process) {
     return absl::AlreadyExistsError(
@@ -129,7 +200,9 @@ std::vector<LostLocalMap> Outbox::Resume(const SessionGrant& grant) {
 
 void Outbox::Drop(LocalMapId local_map) {
   DropEntries([local_map](const Entry& entry) { return entry.local_map == local_map; });
-  local_maps_[local_map].lost = true;
+  LocalMapNumbers& numbers = local_maps_[local_map];
+  ReleaseKept(numbers);
+  numbers.lost = true;
 }
 
 const Outbox::Entry* Outbox::NextUnsent() const {
@@ -142,27 +215,59 @@ void Outbox::MarkSent() {
   numbers.sent = std::max(numbers.sent, entry.number);
 }
 
-std::shared_ptr<const MapUpdateBatch> Outbox::OldestInMemory() const {
-  // Entries in the spool come before those in memory.
+const Outbox::Entry* Outbox::OldestInMemory() const {
+  // Entries that are in the spool alone come before all others.
   const auto it = std::partition_point(entries_.begin(), entries_.end(),
                                        [](const Entry& entry) { return entry.batch == nullptr; });
-  return it == entries_.end() ? nullptr : it->batch;
+  return it == entries_.end() ? nullptr : &*it;
 }
 
-bool Outbox::MarkSpilled(const SpooledBatch& spooled) {
+const Outbox::Entry* Outbox::OldestUnwritten() const {
+  const auto it =
+      std::partition_point(entries_.begin(), entries_.end(),
+                           [](const Entry& entry) { return entry.spooled.has_value(); });
+  return it == entries_.end() ? nullptr : &*it;
+}
+
+Outbox::Entry* Outbox::Find(LocalMapId local_map, uint64_t number) {
   const auto it = std::find_if(entries_.begin(), entries_.end(), [&](const Entry& entry) {
-    return entry.batch != nullptr && entry.local_map == spooled.record.local_map &&
-           entry.number == spooled.record.number;
+    return entry.local_map == local_map && entry.number == number;
   });
-  if (it == entries_.end()) {
-    released_.push_back(spooled);
-    return false;
+  return it == entries_.end() ? nullptr : &*it;
+}
+
+bool Outbox::MarkWritten(const SpooledBatch& spooled) {
+  const auto numbers = local_maps_.find(spooled.record.local_map);
+  Entry* entry = Find(spooled.record.local_map, spooled.record.number);
+  if (entry != nullptr) {
+    entry->spooled = spooled;
+    return true;
   }
-  bytes_ -= it->bytes;
-  it->bytes = 0;
-  it->batch = nullptr;
-  it->spooled = spooled;
-  return true;
+  // It was acknowledged meanwhile, or its local map given up.
+  if (numbers == local_maps_.end() || numbers->second.lost) {
+    released_.push_back(spooled);
+  } else {
+    KeepOrRelease(numbers->second, spooled);
+  }
+  return false;
+}
+
+void Outbox::Evict(LocalMapId local_map, uint64_t number) {
+  Entry* entry = Find(local_map, number);
+  if (entry == nullptr || !entry->spooled.has_value()) return;
+  bytes_ -= entry->bytes;
+  entry->bytes = 0;
+  entry->batch = nullptr;
+}
+
+void Outbox::MarkUnwritten(uint64_t order) {
+  for (Entry& entry : entries_) {
+    if (entry.batch == nullptr || !entry.spooled.has_value() || entry.spooled->order <= order) {
+      continue;
+    }
+    released_.push_back(*entry.spooled);
+    entry.spooled.reset();
+  }
 }
 
 std::vector<LocalMapId> Outbox::local_maps() const {
@@ -176,6 +281,11 @@ std::vector<LocalMapId> Outbox::local_maps() const {
 std::optional<LocalMapId> Outbox::OldestLocalMap() const {
   if (entries_.empty()) return std::nullopt;
   return entries_.front().local_map;
+}
+
+uint64_t Outbox::LastNumber(LocalMapId local_map) const {
+  const auto it = local_maps_.find(local_map);
+  return it == local_maps_.end() ? 0 : it->second.last;
 }
 
 bool Outbox::IsOfEarlierProcess(LocalMapId local_map) const {

@@ -1,5 +1,5 @@
 // Keeps the batches that the map store has not acknowledged yet, in order. The oldest ones may lie
-// in a spool, the others are in memory.
+// in a spool, the newest are in memory, those between are in both.
 #ifndef CORBSLAM_CLIENT_AGENT_UPLOAD_OUTBOX_H_
 #define CORBSLAM_CLIENT_AGENT_UPLOAD_OUTBOX_H_
 
@@ -33,12 +33,15 @@ class Outbox {
   struct Entry {
     LocalMapId local_map;
     uint64_t number = 0;
-    std::shared_ptr<const MapUpdateBatch> batch;  // Null where the batch is in the spool.
-    SpooledBatch spooled;
+    std::shared_ptr<const MapUpdateBatch> batch;  // Null where the batch is in the spool alone.
+    std::optional<SpooledBatch> spooled;
     size_t bytes = 0;  // Bytes of memory.
   };
 
-  explicit Outbox(size_t max_bytes) : max_bytes_(max_bytes) {}
+  // With `marks_open` the newest acknowledged batch of each local map stays in the spool until the
+  // local map is closed, so that the next process knows what is to be closed.
+  explicit Outbox(size_t max_bytes, bool marks_open = false)
+      : max_bytes_(max_bytes), marks_open_(marks_open) {}
 
   // Returns whether memory has room. While it has none, changes wait (and coalesce) in the
   // recorder. One batch always fits.
@@ -49,10 +52,18 @@ class Outbox {
 
   // Notes that the agent begins a local map. Returns false if the id is taken.
   bool Begin(LocalMapId local_map) { return local_maps_.try_emplace(local_map).second; }
-  // Adds a batch that an earlier process left; to be called before anything else. Returns DATA_LOSS
+  // Adds a batch that an earlier process left, or a part of a local map that is kept as a whole;
+  // the latter come first. To be called before anything else. Returns DATA_LOSS
   // where an earlier batch of the local map is missing, so that this one can't be applied; it is
   // left out.
   absl::Status AddFound(const SpooledBatch& spooled);
+  // Goes on with a local map that an earlier process left: its batches stay in the spool when they
+  // are acknowledged (Kept). Returns false if there is no such local map, or it can't go on.
+  bool GoOnWith(LocalMapId local_map);
+  // Has the batches of a local map that Begin began stay in the spool, too.
+  void Keep(LocalMapId local_map);
+  // They need not stay any more.
+  void StopKeeping(LocalMapId local_map);
   // Gives the batch its number and keeps it until it is acknowledged. A batch of a lost local map
   // is dropped.
   void Push(MapUpdateBatch batch);
@@ -75,11 +86,21 @@ class Outbox {
   void MarkSent();
   void MarkUnsent() { sent_ -= sent_ > 0 ? 1 : 0; }
 
-  // Returns the oldest batch in memory, or null.
-  std::shared_ptr<const MapUpdateBatch> OldestInMemory() const;
-  // Notes that the batch is in the spool now. Returns false if it was acknowledged or dropped
+  // Returns the oldest batch that is in memory, or the oldest that is there alone; or null. Valid
+  // until the next change.
+  const Entry* OldestInMemory() const;
+  const Entry* OldestUnwritten() const;
+  // Notes that the batch is in the spool, too. Returns false if it was acknowledged or dropped
   // meanwhile.
-  bool MarkSpilled(const SpooledBatch& spooled);
+  bool MarkWritten(const SpooledBatch& spooled);
+  // Takes a batch that is in the spool out of memory, where the outbox still has it.
+  void Evict(LocalMapId local_map, uint64_t number);
+  // The disk may not have kept what the spool took after `order`: only memory has it.
+  void MarkUnwritten(uint64_t order);
+  // Returns the acknowledged batches of a local map that stay in the spool, in order.
+  std::vector<SpooledBatch> Kept(LocalMapId local_map) const;
+  // Has `whole` stand for those up to its number.
+  void ReplaceKept(LocalMapId local_map, const std::vector<SpooledBatch>& whole);
   // Returns the places in the spool that came to be needed no more since the last call.
   std::vector<SpooledBatch> TakeReleased() { return std::exchange(released_, {}); }
 
@@ -89,6 +110,8 @@ class Outbox {
   // Returns the local map of the oldest entry; none when the outbox is empty.
   std::optional<LocalMapId> OldestLocalMap() const;
   bool IsOfEarlierProcess(LocalMapId local_map) const;
+  // Returns the number of the local map's last batch; 0: there was none.
+  uint64_t LastNumber(LocalMapId local_map) const;
 
  private:
   struct LocalMapNumbers {
@@ -98,14 +121,23 @@ class Outbox {
     bool of_earlier_process = false;
     bool closed = false;
     bool lost = false;
+    bool keeps = false;
+    bool goes_on = false;
+    uint64_t found = 0;  // Where it goes on: the last number that the spool had.
+    // In the spool and acknowledged.
+    std::vector<SpooledBatch> kept;
   };
 
   absl::Status CheckState(LocalMapId id, const LocalMapNumbers& numbers, uint64_t stored) const;
   void CloseEarlier(LocalMapId id, uint64_t stored, LocalMapNumbers& numbers);
   template <typename Goes>
   void DropEntries(const Goes& goes);
+  Entry* Find(LocalMapId local_map, uint64_t number);
+  void KeepOrRelease(LocalMapNumbers& numbers, const SpooledBatch& spooled);
+  void ReleaseKept(LocalMapNumbers& numbers);
 
   const size_t max_bytes_;
+  const bool marks_open_;
   std::deque<Entry> entries_;
   size_t sent_ = 0;
   size_t bytes_ = 0;

@@ -10,6 +10,7 @@ void UpdateRecorder::OnKeyframeAdded(KeyframeId id) {
   if (!IsOwn(id)) return;
   absl::MutexLock lock(&mutex_);
   added_keyframes_.insert(id);
+  ++held_changes_;
 }
 
 void UpdateRecorder::OnKeyframeMoved(KeyframeId id) {
@@ -42,7 +43,9 @@ void UpdateRecorder::OnPointAdded(MapPointId id) {
   absl::MutexLock lock(&mutex_);
   // Others' points may come back, and then stand for themselves.
   replaced_points_.erase(id);
-  if (IsOwn(id)) added_points_.insert(id);
+  if (!IsOwn(id)) return;
+  added_points_.insert(id);
+  ++held_changes_;
 }
 
 void UpdateRecorder::OnPointMoved(MapPointId id) {
@@ -93,6 +96,7 @@ void UpdateRecorder::AddTrackedFrame(const TrackedFrame& frame) {
   absl::MutexLock lock(&mutex_);
   tracked_frames_.push_back(frame);
   newest_frame_ns_ = frame.timestamp_ns;
+  ++held_changes_;
   holds_back_ = true;
 }
 
@@ -100,6 +104,7 @@ void UpdateRecorder::AddLostFrame(int64_t timestamp_ns) {
   absl::MutexLock lock(&mutex_);
   lost_frames_ns_.push_back(timestamp_ns);
   newest_frame_ns_ = timestamp_ns;
+  ++held_changes_;
   holds_back_ = true;
 }
 
@@ -153,6 +158,7 @@ MapUpdateBatch UpdateRecorder::TakeBatch(const Map& map, BatchAllowance allowanc
   batch.local_map = local_map_;
   batch.points_follow = points_follow_;
   pairs_before_ = mirror_.pairs();
+  ++held_changes_;
   SpendPoses(map, allowance);
   TakeFullKeyframes(map, allowance, batch);
   TakeFullPoints(map, allowance, batch);

@@ -16,7 +16,9 @@
 #include "client_agent/upload/believed_places.h"
 #include "client_agent/upload/feature_selection.h"
 #include "client_agent/upload/held_back.h"
+#include "client_agent/upload/held_items.h"
 #include "client_agent/upload/item_gate.h"
+#include "client_agent/upload/kept_map.h"
 #include "client_agent/upload/observation_mirror.h"
 #include "slam/exchange/map_update.h"
 #include "slam/map/map.h"
@@ -113,6 +115,18 @@ class UpdateRecorder : public MapObserver {
     return TakeBatch(map, BatchAllowance(max_keyframes));
   }
 
+  // Goes on where an earlier process ended: the store has been told what is kept, and no more. To
+  // be called before anything else.
+  void GoOnFrom(const KeptMap& kept);
+
+  // What is new and in no batch yet, for a disk that is to outlive the process (held_items.h). A
+  // keyframe's payload is in it the first time only.
+  HeldItems CopyHeld(const Map& map);
+  // The copies are of no use any more: the next one has every payload.
+  void CopyHeldAnew();
+  // Counts what changes in it: where it is as before, there is nothing to copy.
+  uint64_t held_changes() const;
+
  private:
   bool IsOwn(KeyframeId id) const { return id.local_map == local_map_; }
   bool IsOwn(MapPointId id) const { return id.local_map == local_map_; }
@@ -162,6 +176,17 @@ class UpdateRecorder : public MapObserver {
   bool IsSeenAtStore(const MapPoint& point) const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   bool MayBeSeenLater(const Map& map, const MapPoint& point) const
       ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void CopyHeldKeyframes(const Map& map, HeldItems& held) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void CopyHeldPoints(const Map& map, MapUpdateBatch& rest) const
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void CopyHeldObservations(const Map& map, MapUpdateBatch& rest) const
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void CopyHeldFrames(MapUpdateBatch& rest) const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  bool IsToldOrHeld(KeyframeId id) const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
+    return sent_keyframes_.contains(id) || held_numbers_.contains(id);
+  }
+  // The keypoint's number at the store, or what it will be; or kLeftOut.
+  uint32_t NumberOf(KeyframeId id, uint32_t keypoint) const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
   const LocalMapId local_map_;
   const RecorderOptions options_;
@@ -202,6 +227,9 @@ class UpdateRecorder : public MapObserver {
   std::vector<std::pair<KeyframeId, KeyframeId>> loop_edges_ ABSL_GUARDED_BY(mutex_);
   std::vector<TrackedFrame> tracked_frames_ ABSL_GUARDED_BY(mutex_);
   std::vector<int64_t> lost_frames_ns_ ABSL_GUARDED_BY(mutex_);
+  // Keyframes whose payload CopyHeld has given, and SelectedFeatures::numbers of them.
+  absl::btree_map<KeyframeId, std::vector<uint32_t>> held_numbers_ ABSL_GUARDED_BY(mutex_);
+  uint64_t held_changes_ ABSL_GUARDED_BY(mutex_) = 0;
 };
 
 }  // namespace corbslam::client_agent

@@ -1,6 +1,7 @@
 // A replica fed with batches alone must stay equal to the observed map, whatever happens to it.
 #include "client_agent/upload/update_recorder.h"
 
+#include <algorithm>
 #include <limits>
 #include <memory>
 #include <random>
@@ -104,18 +105,16 @@ void Apply(const MapUpdateBatch& batch, const Store& store, Map& replica) {
 class Scenario {
  public:
   explicit Scenario(uint32_t seed, const RecorderOptions& options = {.hold_newest = 0})
-      : random_(seed), recorder_(kOwn, options) {
+      : random_(seed),
+        options_(options),
+        recorder_(std::make_unique<UpdateRecorder>(kOwn, options)) {
     // Where trees are the same on both sides whenever a batch has gone up, it may be removed.
     store_.root_stays =
         options.hold_newest > 0 || options.limits.light_keyframes < BatchLimits().light_keyframes;
-    map_.SetObserver(&recorder_);
+    map_.SetObserver(recorder_.get());
     // A few foreign points that both sides hold, as after sharing.
-    for (uint32_t i = 0; i < 10; ++i) {
-      MapPoint point;
-      point.id = {kForeign, i};
-      map_.AddPoint(point);
-      replica_.AddPoint(point);
-    }
+    AddForeignPoints(map_);
+    AddForeignPoints(replica_);
   }
 
   void Step() {
@@ -145,21 +144,72 @@ class Scenario {
   }
 
   MapUpdateBatch Flush(size_t max_keyframes) {
-    const MapUpdateBatch batch = recorder_.TakeBatch(map_, max_keyframes);
+    const MapUpdateBatch batch = recorder_->TakeBatch(map_, max_keyframes);
     Apply(batch, store_, replica_);
+    ApplyToKept(batch);
     return batch;
   }
   // The robot hears of it only when a session opens.
-  void ReplaceStore(bool is_old) { store_.is_old = is_old; }
-  void OpenSession() { recorder_.SetPointsFollow(!store_.is_old); }
+  void ReplaceStore(bool is_old) {
+    store_.is_old = is_old;
+    keeps_ = keeps_ && !is_old;
+  }
+  void OpenSession() { recorder_->SetPointsFollow(!store_.is_old); }
   // With so many bytes; returns what was told.
   MapUpdateBatch FlushBytes(double bytes) {
-    const MapUpdateBatch batch = recorder_.TakeBatch(map_, BatchAllowance(1000, bytes, 1));
+    const MapUpdateBatch batch = recorder_->TakeBatch(map_, BatchAllowance(1000, bytes, 1));
     Apply(batch, store_, replica_);
+    ApplyToKept(batch);
     return batch;
   }
-  UpdateCounts CountUntold() const { return recorder_.CountUntold(); }
-  bool HasChanges() const { return recorder_.HasChanges(); }
+  UpdateCounts CountUntold() const { return recorder_->CountUntold(); }
+  bool HasChanges() const { return recorder_->HasChanges(); }
+
+  // The robot's process ends after the last batch, and the next one goes on with what was kept.
+  void Restart() {
+    map_ = Map();
+    kept_.Fill([](const auto&) { return nullptr; }, map_);
+    AddForeignPoints(map_);
+    recorder_ = std::make_unique<UpdateRecorder>(kOwn, options_);
+    recorder_->GoOnFrom(kept_);
+    map_.SetObserver(recorder_.get());
+    next_keyframe_ = std::max(next_keyframe_, kept_.next_keyframe());
+    restarted_ = true;
+  }
+
+  // What is kept is what the store has.
+  void ExpectKeptIsReplica() const {
+    ASSERT_EQ(kept_.keyframes().size(), replica_.keyframes().size());
+    for (const auto& [id, keyframe] : replica_.keyframes()) {
+      EXPECT_EQ(kept_.observations().keyframes().at(id), keyframe.points) << ToString(id);
+      const FullKeyframe& kept = kept_.keyframes().at(id);
+      EXPECT_EQ(kept.camera_from_local.translation, keyframe.camera_from_map.translation);
+      EXPECT_LT(id.index, kept_.next_keyframe());
+    }
+    for (const auto& [id, point] : replica_.points()) {
+      if (id.local_map != kOwn) continue;
+      ASSERT_TRUE(kept_.points().contains(id)) << ToString(id);
+      const Eigen::Vector3d& position = kept_.points().at(id).position_in_local;
+      EXPECT_LT((position - point.position_in_map).norm(), 1e-6 * (1 + position.norm()));
+    }
+  }
+
+  // Telling it as a whole tells the same.
+  void ExpectWholeIsTheSame() const {
+    KeptMap again(kOwn);
+    for (const MapUpdateBatch& batch : kept_.ToBatches(3, 5)) {
+      const absl::Status applied = again.Apply(batch);
+      ASSERT_TRUE(applied.ok()) << applied;
+    }
+    EXPECT_EQ(again.observations().keyframes(), kept_.observations().keyframes());
+    EXPECT_EQ(again.next_keyframe(), kept_.next_keyframe());
+    EXPECT_EQ(again.next_point(), kept_.next_point());
+    EXPECT_EQ(again.newest_ns(), kept_.newest_ns());
+    EXPECT_EQ(again.points().size(), kept_.points().size());
+    for (const auto& [id, keyframe] : kept_.keyframes()) {
+      EXPECT_EQ(again.keyframes().at(id).parent, keyframe.parent);
+    }
+  }
 
   // Where nobody can tell the difference from the pictures.
   void ExpectPlacesThatLookTheSame() const {
@@ -181,7 +231,7 @@ class Scenario {
   }
   // Tells exactly; there is nothing left afterwards.
   void ExpectExactPlaces() {
-    recorder_.AskForExactPlaces();
+    recorder_->AskForExactPlaces();
     for (int i = 0; i < 20 && HasChanges(); ++i) Flush(1000);
     EXPECT_FALSE(HasChanges());
     for (const auto& [id, point] : replica_.points()) {
@@ -195,7 +245,10 @@ class Scenario {
     for (const auto& [id, keyframe] : map_.keyframes()) {
       const Keyframe& other = *replica_.FindKeyframe(id);
       for (size_t k = 0; k < other.points.size(); ++k) {
-        EXPECT_EQ(keyframe.points[NumberOf(other, k)], other.points[k]) << ToString(id);
+        const MapPointId seen = keyframe.points[NumberOf(other, k)];
+        // Others' points come back when the store shares them again.
+        if (restarted_ && !seen.IsValid() && other.points[k].local_map == kForeign) continue;
+        EXPECT_EQ(seen, other.points[k]) << ToString(id);
       }
       EXPECT_EQ(keyframe.camera_from_map.translation, other.camera_from_map.translation);
       if (keyframe.parent.IsValid()) {
@@ -214,6 +267,18 @@ class Scenario {
   }
 
  private:
+  static void AddForeignPoints(Map& map) {
+    for (uint32_t i = 0; i < 10; ++i) {
+      MapPoint point;
+      point.id = {kForeign, i};
+      map.AddPoint(point);
+    }
+  }
+  void ApplyToKept(const MapUpdateBatch& batch) {
+    if (!keeps_) return;
+    const absl::Status applied = kept_.Apply(batch);
+    EXPECT_TRUE(applied.ok()) << applied;
+  }
   // On the robot, of a keypoint at the store.
   static size_t NumberOf(const Keyframe& told, size_t keypoint) {
     return static_cast<size_t>(told.keypoints()[keypoint].x_px);
@@ -286,7 +351,11 @@ class Scenario {
   }
 
   std::mt19937 random_;
-  UpdateRecorder recorder_;
+  const RecorderOptions options_;
+  std::unique_ptr<UpdateRecorder> recorder_;
+  KeptMap kept_{kOwn};
+  bool keeps_ = true;  // What an older store has is another map.
+  bool restarted_ = false;
   Map map_;
   Map replica_;
   Store store_;
@@ -306,6 +375,46 @@ TEST(UpdateRecorderTest, ReplicaFollowsRandomChanges) {
         ASSERT_FALSE(scenario.HasChanges());
         ASSERT_FALSE(testing::Test::HasFailure()) << "seed " << seed << " step " << step;
       }
+    }
+    scenario.ExpectExactPlaces();
+    ASSERT_FALSE(testing::Test::HasFailure()) << "seed " << seed;
+  }
+}
+
+TEST(UpdateRecorderTest, WhatIsKeptIsWhatTheStoreHas) {
+  for (uint32_t seed = 1; seed <= 20; ++seed) {
+    Scenario scenario(seed);
+    std::mt19937 random(seed);
+    for (int step = 0; step < 300; ++step) {
+      scenario.Step();
+      if (random() % 15 != 0) continue;
+      scenario.Flush(1000);
+      scenario.ExpectKeptIsReplica();
+      ASSERT_FALSE(testing::Test::HasFailure()) << "seed " << seed << " step " << step;
+    }
+    scenario.Flush(1000);
+    scenario.ExpectWholeIsTheSame();
+    ASSERT_FALSE(testing::Test::HasFailure()) << "seed " << seed;
+  }
+}
+
+// What was not in a batch is lost, and all that follows is told as if there had been no restart.
+TEST(UpdateRecorderTest, ANextProcessGoesOnWithWhatIsKept) {
+  for (uint32_t seed = 1; seed <= 20; ++seed) {
+    RecorderOptions options;
+    options.hold_newest = 0;
+    // The root stays.
+    options.limits.light_keyframes = BatchLimits().light_keyframes - 1;
+    Scenario scenario(seed, options);
+    std::mt19937 random(seed);
+    for (int step = 0; step < 400; ++step) {
+      scenario.Step();
+      if (random() % 15 != 0) continue;
+      scenario.Flush(1000);
+      if (random() % 4 == 0) scenario.Restart();
+      scenario.ExpectEqual();
+      scenario.ExpectKeptIsReplica();
+      ASSERT_FALSE(testing::Test::HasFailure()) << "seed " << seed << " step " << step;
     }
     scenario.ExpectExactPlaces();
     ASSERT_FALSE(testing::Test::HasFailure()) << "seed " << seed;

@@ -1,19 +1,24 @@
-// Holds what waits for the map store: the outbox, bounded in memory, and the spool that takes its
-// oldest batches when the bound is reached.
+// Holds what waits for the map store: the outbox, bounded in memory, and the spool, which takes all
+// batches as they are made, or only the oldest when the bound is reached.
 #ifndef CORBSLAM_CLIENT_AGENT_UPLOAD_UPLOAD_QUEUE_H_
 #define CORBSLAM_CLIENT_AGENT_UPLOAD_UPLOAD_QUEUE_H_
 
 #include <cstdint>
+#include <future>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "absl/base/thread_annotations.h"
 #include "absl/status/status.h"
+#include "absl/status/statusor.h"
 #include "absl/synchronization/mutex.h"
 #include "client_agent/spool/spool.h"
 #include "client_agent/upload/held_back.h"
+#include "client_agent/upload/held_items.h"
 #include "client_agent/upload/outbox.h"
 #include "slam/exchange/map_update.h"
 #include "slam/exchange/uplink.h"
@@ -24,6 +29,11 @@ struct UploadStatus {
   size_t batches = 0;
   uint64_t memory_bytes = 0;
   uint64_t spool_bytes = 0;
+  // How often the disk was made to keep what the spool has.
+  uint64_t spool_syncs = 0;
+  // Why the newest batches would not outlive the process, though they should: the disk is full, or
+  // fails.
+  absl::Status durable;
   // RESOURCE_EXHAUSTED: neither memory nor disk has room, and changes wait in the map. UNAVAILABLE:
   // the disk fails.
   absl::Status room;
@@ -36,14 +46,33 @@ struct UploadStatus {
   HeldBack held_back;
 };
 
+struct UploadQueueOptions {
+  size_t max_memory_bytes = 64 << 20;
+  // True: the spool takes every batch as soon as it is pushed, and none leaves memory before.
+  bool write_all = false;
+  // True: the local maps of this process stay in the spool, acknowledged or not, until they are
+  // closed, and nothing is sent before it is on the disk for certain. Needs write_all.
+  bool keep = false;
+  // A local map that an earlier process left and that goes on; invalid: none does.
+  LocalMapId goes_on = {};
+  // With keep: when the acknowledged batches that are kept take so much more than twice what the
+  // local map as a whole took the last time, it is written as a whole in their place.
+  uint64_t whole_after_bytes = 8 << 20;
+  // True: that is done by whoever calls Spill, who waits for it.
+  bool whole_at_once = false;
+};
+
 // The queue is thread-safe. The calls of the second group may wait for the disk and are to be made
 // by one thread at a time; the others never do: no lock is held while the disk works.
 class UploadQueue {
  public:
   // `spool` may be null. What it found is sent first.
-  UploadQueue(size_t max_memory_bytes, std::unique_ptr<Spool> spool);
+  UploadQueue(const UploadQueueOptions& options, std::unique_ptr<Spool> spool);
+  UploadQueue(size_t max_memory_bytes, std::unique_ptr<Spool> spool)
+      : UploadQueue(UploadQueueOptions{.max_memory_bytes = max_memory_bytes}, std::move(spool)) {}
 
-  // Does what Outbox::Begin does.
+  // Does what Outbox::Begin does. The local map that goes on is there already. What is kept of
+  // others need not be any more.
   bool Begin(LocalMapId local_map);
   void Push(MapUpdateBatch batch);
   void Acknowledge(const Acknowledgement& acknowledgement);
@@ -61,23 +90,47 @@ class UploadQueue {
   bool has_spool() const { return spool_ != nullptr; }
   bool HasRoom() const;
   bool IsEmpty() const;
+  // Returns whether the spool has all batches for certain.
+  bool IsOnDisk() const;
   bool HasUnsent() const;
   std::vector<LocalMapId> local_maps() const;
   UploadStatus status() const;
 
   void MarkUnsent();
 
-  // Moves the oldest batches to the spool while there are more in memory than allowed, and gives
-  // back room in the spool. An error is in the status.
+  // Writes what is to be written to the spool, moves the oldest batches there while there are more
+  // in memory than allowed, and gives back room. An error is in the status.
   void Spill();
-  // Moves all batches to the spool, for the next process.
-  void SpillAll();
+  // Moves all batches to the spool, for the next process. Returns whether it has them all.
+  bool SpillAll();
+  // Has the spool keep what a local map holds back, in place of what it held before. Returns how
+  // many bytes that took; nullopt: the disk did not take it, or the batches before it.
+  std::optional<uint64_t> WriteHeld(const HeldItems& held);
+  // Nothing is held back of the local map any more.
+  void ReleaseHeld(LocalMapId local_map);
+  // Returns true, once, where the disk may have lost what was held back.
+  bool TakeHeldLost() { return std::exchange(held_lost_, false); }
+
   // Returns the next batch to send, marked as sent, or null if there is none. Local maps that the
   // disk has not kept are added to `lost`.
   std::shared_ptr<const MapUpdateBatch> TakeUnsent(std::vector<LostLocalMap>& lost);
 
  private:
+  bool WriteOldest();
+  void WriteAll();
   bool SpillOldest(size_t allowed_bytes);
+  // Writes a batch where it was not, and syncs. Returns why the disk does not have it for certain.
+  absl::Status KeepOnDisk(const Outbox::Entry& entry);
+  void TakeSyncError();
+  // Where the disk has no room, gives up that local maps can go on after a restart.
+  bool GiveUpKept();
+  void NoteDurable(const absl::Status& durable);
+  // The kept batches of the local map in use become one whole, on a thread of its own.
+  using Whole = absl::StatusOr<std::vector<MapUpdateBatch>>;
+  void KeepWhole();
+  void BeginWhole();
+  void WriteWhole(Whole whole);
+  bool MaySend(const Outbox::Entry& entry) const;
   void ReleaseSpooled();
   // The batch that was the oldest when the store ended a session, and the reason it gave.
   struct Suspect {
@@ -89,14 +142,30 @@ class UploadQueue {
   void NoteLoss(const LostLocalMap& lost) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void NoteSpool(const absl::Status& room);
 
-  const size_t max_memory_bytes_;
+  const UploadQueueOptions options_;
   const std::unique_ptr<Spool> spool_;  // Used by the calls of the second group alone.
+
+  // Used by the calls of the second group alone.
+  std::map<LocalMapId, HeldWriter> held_;
+  // What is being made a whole: of which local map, up to which batch.
+  struct MakingWhole {
+    LocalMapId local_map;
+    uint64_t number = 0;
+    std::vector<SpooledBatch> written;  // Waits until it is on the disk.
+    std::future<Whole> future;
+  };
+  std::optional<MakingWhole> whole_;
+  uint64_t whole_bytes_ = 0;  // What the last one took.
+  bool held_lost_ = false;
 
   mutable absl::Mutex mutex_;
   Outbox outbox_ ABSL_GUARDED_BY(mutex_);
   std::optional<Suspect> suspect_ ABSL_GUARDED_BY(mutex_);
   uint64_t spool_bytes_ ABSL_GUARDED_BY(mutex_) = 0;
+  uint64_t spool_syncs_ ABSL_GUARDED_BY(mutex_) = 0;
+  absl::Status durable_ ABSL_GUARDED_BY(mutex_);
   absl::Status room_ ABSL_GUARDED_BY(mutex_);
+  LocalMapId in_use_ ABSL_GUARDED_BY(mutex_);
   absl::Status loss_ ABSL_GUARDED_BY(mutex_);
   int lost_local_maps_ ABSL_GUARDED_BY(mutex_) = 0;
 };

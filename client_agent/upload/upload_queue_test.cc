@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include "client_agent/spool/testing/fake_spool.h"
+#include "client_agent/upload/kept_map_reading.h"
+#include "slam/camera/testing/test_camera.h"
 
 namespace corbslam::client_agent {
 namespace {
@@ -255,6 +257,167 @@ TEST_F(UploadQueueTest, WhatTheStoreRefusesTwiceOfThisProcessIsGivenUp) {
   EXPECT_TRUE(absl::IsDataLoss(queue_->status().loss));
   EXPECT_EQ(queue_->status().lost_local_maps, 1);
   EXPECT_TRUE(queue_->IsEmpty());
+}
+
+// With a disk that is to have everything.
+class DurableQueueTest : public UploadQueueTest {
+ protected:
+  void OpenDurable(bool keep = false, LocalMapId goes_on = {}) {
+    queue_.reset();
+    UploadQueueOptions options;
+    options.write_all = true;
+    options.keep = keep;
+    options.goes_on = goes_on;
+    options.whole_after_bytes = 2000;
+    options.whole_at_once = true;
+    SpoolOptions spool;
+    spool.segment_bytes = 500;
+    queue_ = std::make_unique<UploadQueue>(options, *OpenFakeSpool(&disk_, spool));
+  }
+  // Returns "local map/number" of what the next process finds.
+  std::vector<std::string> FindAll() {
+    std::vector<std::string> found;
+    FakeDisk copy = disk_;
+    const auto spool = *OpenFakeSpool(&copy);
+    for (const SpooledBatch& spooled : spool->found()) {
+      if (spooled.record.kind != SpoolRecord::Kind::kBatch) continue;
+      found.push_back(
+          absl::StrCat(spooled.record.local_map.value, "/", spooled.record.number));
+    }
+    return found;
+  }
+};
+
+TEST_F(DurableQueueTest, WhatIsPushedIsInMemoryAndOnTheDisk) {
+  OpenDurable();
+  ASSERT_TRUE(queue_->Begin(kMap));
+  Push(kMap, 3);
+  EXPECT_GT(queue_->status().memory_bytes, 0u);
+  EXPECT_THAT(FindAll(), ElementsAre("7/1", "7/2", "7/3"));
+  EXPECT_THAT(SendAll(), ElementsAre("7/1", "7/2", "7/3"));
+}
+
+// The next process learns from the last batch that the local map is to be closed.
+TEST_F(DurableQueueTest, TheLastBatchStaysUntilTheLocalMapIsClosed) {
+  OpenDurable();
+  ASSERT_TRUE(queue_->Begin(kMap));
+  Push(kMap, 3);
+  SendAll();
+  queue_->Acknowledge({kMap, 3});
+  queue_->Spill();
+  EXPECT_FALSE(disk_.files.empty());
+  OpenDurable();
+  EXPECT_TRUE(queue_->Resume({{{kMap, 3}}}).empty());
+  queue_->Spill();
+  EXPECT_THAT(SendAll(), ElementsAre("7/4 closes"));
+  queue_->Acknowledge({kMap, 4});
+  queue_->Spill();
+  EXPECT_TRUE(disk_.files.empty());
+}
+
+TEST_F(DurableQueueTest, AFullDiskIsSaidAndStopsNothing) {
+  OpenDurable();
+  ASSERT_TRUE(queue_->Begin(kMap));
+  Push(kMap, 1);
+  disk_.capacity = disk_.Used() + 10;
+  Push(kMap, 5);
+  EXPECT_TRUE(absl::IsResourceExhausted(queue_->status().durable)) << queue_->status().durable;
+  EXPECT_TRUE(queue_->status().room.ok()) << "memory has room";
+  EXPECT_EQ(SendAll().size(), 6u);
+  disk_.capacity = 1 << 20;
+  queue_->Spill();
+  EXPECT_TRUE(queue_->status().durable.ok());
+  EXPECT_EQ(FindAll().size(), 6u);
+}
+
+TEST_F(DurableQueueTest, WhatIsKeptStaysAndGoesOn) {
+  OpenDurable(/*keep=*/true);
+  ASSERT_TRUE(queue_->Begin(kMap));
+  Push(kMap, 3);
+  SendAll();
+  queue_->Acknowledge({kMap, 3});
+  queue_->Spill();
+  EXPECT_THAT(FindAll(), ElementsAre("7/1", "7/2", "7/3"));
+  OpenDurable(/*keep=*/true, kMap);
+  ASSERT_TRUE(queue_->Begin(kMap));
+  EXPECT_TRUE(queue_->Resume({{{kMap, 3}}}).empty());
+  Push(kMap, 1);
+  EXPECT_THAT(SendAll(), ElementsAre("7/4")) << "it is not closed";
+  queue_->Acknowledge({kMap, 4});
+  queue_->Spill();
+  EXPECT_THAT(FindAll(), ElementsAre("7/1", "7/2", "7/3", "7/4"));
+  // Another one follows: the first is kept no more, but for what it is closed by.
+  ASSERT_TRUE(queue_->Begin(LocalMapId{8}));
+  MapUpdateBatch last = BatchOf(kMap);
+  last.closes_local_map = true;
+  queue_->Push(last);
+  queue_->Spill();
+  SendAll();
+  queue_->Acknowledge({kMap, 5});
+  queue_->Spill();
+  EXPECT_TRUE(disk_.files.empty());
+}
+
+TEST_F(DurableQueueTest, WhatIsNotOnTheDiskIsNotSentWhereItIsKept) {
+  OpenDurable(/*keep=*/true);
+  ASSERT_TRUE(queue_->Begin(kMap));
+  disk_.sync_fails = true;
+  Push(kMap, 1);
+  EXPECT_THAT(SendAll(), ElementsAre());
+  disk_.sync_fails = false;
+  queue_->Spill();
+  EXPECT_THAT(SendAll(), ElementsAre("7/1"));
+}
+
+TEST_F(DurableQueueTest, AStoreThatHasMoreThanTheDiskCannotGoOn) {
+  OpenDurable(/*keep=*/true);
+  ASSERT_TRUE(queue_->Begin(kMap));
+  Push(kMap, 2);
+  OpenDurable(/*keep=*/true, kMap);
+  ASSERT_TRUE(queue_->Begin(kMap));
+  const std::vector<LostLocalMap> lost = queue_->Resume({{{kMap, 3}}});
+  ASSERT_EQ(lost.size(), 1u);
+  EXPECT_TRUE(absl::IsDataLoss(lost[0].reason));
+  EXPECT_THAT(std::string(lost[0].reason.message()), HasSubstr("only up to batch 2"));
+}
+
+// What is kept does not grow without end, and is read as before.
+TEST_F(DurableQueueTest, WhatIsKeptIsWrittenAsAWhole) {
+  OpenDurable(/*keep=*/true);
+  ASSERT_TRUE(queue_->Begin(kMap));
+  MapUpdateBatch first = BatchOf(kMap);
+  first.cameras.push_back(testing::TestCamera());
+  Features features;
+  features.keypoints.resize(1);
+  features.descriptors.resize(1);
+  first.full_keyframes.push_back(
+      {MakeKeyframePayload({kMap, 0}, 1, 0, testing::TestCamera(), std::move(features)),
+       Rigid3d::Identity(), {}});
+  queue_->Push(first);
+  for (uint64_t number = 2; number <= 400; ++number) {
+    MapUpdateBatch next = BatchOf(kMap);
+    next.light_keyframes.push_back({{kMap, 0}, Rigid3d::Identity(), {}});
+    next.light_keyframes[0].camera_from_local.translation.x() = static_cast<double>(number);
+    queue_->Push(next);
+    queue_->Spill();
+    SendAll();
+    queue_->Acknowledge({kMap, number});
+  }
+  queue_->Spill();
+  EXPECT_LT(FindAll().size(), 200u);
+  OpenDurable();
+  FakeDisk copy = disk_;
+  const auto spool = *OpenFakeSpool(&copy);
+  const absl::StatusOr<KeptMap> kept = ReadNewestKeptMap(*spool);
+  ASSERT_TRUE(kept.ok()) << kept.status();
+  EXPECT_EQ(kept->keyframes().at({kMap, 0}).camera_from_local.translation.x(), 400);
+  // Nor is it a loss for who goes on with it.
+  OpenDurable(/*keep=*/true, kMap);
+  EXPECT_EQ(queue_->status().lost_local_maps, 0);
+  ASSERT_TRUE(queue_->Begin(kMap));
+  EXPECT_TRUE(queue_->Resume({{{kMap, 400}}}).empty());
+  Push(kMap, 1);
+  EXPECT_THAT(SendAll(), ElementsAre("7/401"));
 }
 
 }  // namespace

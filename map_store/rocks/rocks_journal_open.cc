@@ -15,6 +15,7 @@
 #include "map_store/rocks/mission_journal.h"
 #include "map_store/rocks/rocks_database.h"
 #include "map_store/rocks/rocks_journal.h"
+#include "map_store/rocks/summary_file.h"
 #include "slam/util/lock_holder.h"
 #include "slam/util/program_version.h"
 #include "slam/util/status_macros.h"
@@ -106,6 +107,8 @@ absl::Status RocksJournal::OpenGuard() {
   if (!folder_.exists()) return MakeFolders(format.ok() ? *format : 0);
   // Once there is a folder of missions, the guard has nothing that could be lost.
   if (!format.ok() || *format <= kLastSharedFormat) return MakeGuard();
+  // Programs that read no newer format are kept out before the first mission has one.
+  if (*format != kJournalFormat) return WriteGuard();
   std::string program;
   const bool is_known = guard_->Get(map_store::ProgramKey(), &program).ok();
   // Nothing depends on it.
@@ -174,7 +177,18 @@ absl::Status RocksJournal::WriteGuard() {
 absl::Status RocksJournal::LoadMissions() {
   if (!options_.only_read) RETURN_IF_ERROR(folder_.RemoveLeftovers());
   ASSIGN_OR_RETURN(const std::vector<std::string> names, folder_.ListKept());
-  for (const std::string& name : names) RETURN_IF_ERROR(LoadMission(name));
+  for (const std::string& name : names) {
+    // What only reads is there to find damage.
+    const absl::Status aside = options_.only_read ? absl::NotFoundError("not asked for")
+                                                  : ReadSummaryFile(folder_.PathOf(name)).status();
+    LOG_IF(WARNING, absl::IsDataLoss(aside)) << "mission " << name << " is opened: " << aside;
+    if (!aside.ok()) {
+      RETURN_IF_ERROR(LoadMission(name));
+      continue;
+    }
+    absl::MutexLock lock(&mutex_);
+    aside_.insert(name);
+  }
   return absl::OkStatus();
 }
 

@@ -15,19 +15,19 @@ std::string MiB(uint64_t bytes) { return absl::StrCat(bytes >> 20, " MiB"); }
 void AddMemoryFlags(CLI::App& app, MemoryFlags& flags) {
   app.add_option("--memory-budget", flags.budget_bytes,
                  "Memory of the process, as 500MB, beyond which far parts of the map leave it for "
-                 "the map store and come back when they are near; 0: no bound")
+                 "the map store, and come back when they are near, or for --spool; 0: no bound")
       ->transform(CLI::AsSizeValue(/*kb_is_1000=*/false))
       ->capture_default_str()
       ->group(kRareGroup);
 }
 
 absl::Status CheckMemoryFlags(const MemoryFlags& flags, const ShareFlags& share,
-                              uint64_t outbox_bytes, bool has_server) {
+                              uint64_t outbox_bytes, bool has_keeper) {
   if (flags.budget_bytes == 0) return absl::OkStatus();
-  if (!has_server) {
+  if (!has_keeper) {
     return absl::InvalidArgumentError(
-        "--memory-budget needs --server: what leaves memory is kept by a map store, and without "
-        "one it would be lost");
+        "--memory-budget needs --server or --spool: what leaves memory is kept by a map store or "
+        "on the disk, and without either it would be lost");
   }
   const uint64_t least = kRobotItself_bytes + outbox_bytes + kLeastForMap_bytes;
   if (flags.budget_bytes < least) {

@@ -22,10 +22,10 @@ constexpr uint64_t kLeastForMap_bytes = uint64_t{64} << 20;
 
 // Adds --memory-budget, which --help-all shows.
 void AddMemoryFlags(CLI::App& app, MemoryFlags& flags);
-// Returns INVALID_ARGUMENT for a budget that is too small, that has no map store to go with, or
-// that others' maps would break (--share everything). `outbox_bytes` is what may wait in memory.
+// Returns INVALID_ARGUMENT for a budget that is too small, that has neither a map store nor a
+// spool to go with, or that others' maps would break (--share everything). `outbox_bytes` is what may wait in memory.
 absl::Status CheckMemoryFlags(const MemoryFlags& flags, const ShareFlags& share,
-                              uint64_t outbox_bytes, bool has_server);
+                              uint64_t outbox_bytes, bool has_keeper);
 // Returns AgentOptions::max_map_bytes for a budget that was checked: two thirds of what the robot
 // itself and the outbox leave. The rest is for the old local map, which stays until it is told, and
 // for what is in the air meanwhile.

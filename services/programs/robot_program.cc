@@ -20,7 +20,6 @@
 #include "services/client/remote/place_asker.h"
 #include "services/client/remote/remote_uplink.h"
 #include "services/command_line/help_formatter.h"
-#include "services/convert/batch_bytes.h"
 #include "services/convert/errors.h"
 #include "services/convert/resource_names.h"
 #include "services/observe/logging/log_fields.h"
@@ -39,6 +38,7 @@
 #include "services/programs/robot/source_json.h"
 #include "services/programs/robot_observers.h"
 #include "services/programs/share_flags.h"
+#include "services/programs/spool_flags.h"
 #include "services/security/flags.h"
 #include "services/server/server.h"
 #include "slam/util/status_macros.h"
@@ -52,15 +52,12 @@ using client_agent::AgentOrders;
 using client_agent::ApplyOptions;
 using client_agent::FeatureSelection;
 using client_agent::ListSources;
-using client_agent::OpenSpoolFolder;
 using client_agent::ParseFeatureSelection;
 using client_agent::ParseSourceSpec;
 using client_agent::RegisterLiveSources;
 using client_agent::SourceSpec;
 using client_agent::SourceUsage;
 using client_agent::Spool;
-using client_agent::SpoolFiles;
-using client_agent::SpoolOptions;
 using client_agent::TrackingResult;
 using client_agent::UseRig;
 
@@ -84,8 +81,7 @@ struct Flags {
   uint64_t seed = 0;
   int solver_threads = 1;
   double finish_s = 120;
-  std::string spool_dir;
-  uint64_t spool_mb = 1024;
+  SpoolFlags spool;
   uint64_t outbox_mb = 64;
   std::string upload = "features=all";
   LinkFlags link;
@@ -125,8 +121,6 @@ absl::Status CheckPace(const Flags& flags) {
       "corbslam run --pace step plays several robots and a store in lockstep");
 }
 
-absl::Status SpoolNeedsServer() { return absl::InvalidArgumentError("--spool-dir needs --server"); }
-
 absl::Status CheckLocaliseOnly(const Flags& flags) {
   if (!flags.localise_only) return absl::OkStatus();
   if (flags.server.empty()) {
@@ -137,24 +131,13 @@ absl::Status CheckLocaliseOnly(const Flags& flags) {
     return absl::InvalidArgumentError(
         "--localise-only needs others' keyframes: --share nearby or everything");
   }
-  if (!flags.spool_dir.empty()) {
+  if (!flags.spool.folder.empty()) {
     return absl::InvalidArgumentError(
-        "--spool-dir keeps what a robot maps, and with --localise-only it maps nothing");
+        "--spool (--spool-dir) keeps what a robot maps, and with --localise-only it maps nothing");
   }
   if (flags.memory.budget_bytes == 0) return absl::OkStatus();
   return absl::InvalidArgumentError(
       "--memory-budget bounds what a robot maps, and with --localise-only it maps nothing");
-}
-
-// Returns null if no spool was asked for.
-absl::StatusOr<std::unique_ptr<Spool>> OpenFlaggedSpool(const Flags& flags) {
-  if (flags.spool_dir.empty()) return nullptr;
-  if (flags.server.empty()) return SpoolNeedsServer();
-  ASSIGN_OR_RETURN(std::unique_ptr<SpoolFiles> files, OpenSpoolFolder(flags.spool_dir));
-  SpoolOptions options;
-  options.owner = AgentName(flags.mission, flags.agent);
-  options.max_bytes = flags.spool_mb << 20;
-  return Spool::Open(options, std::move(files), {&EncodeBatch, &DecodeBatch});
 }
 
 absl::StatusOr<FeatureSelection> ParseUpload(const Flags& flags) {
@@ -169,7 +152,8 @@ absl::StatusOr<FeatureSelection> ParseUpload(const Flags& flags) {
 }
 
 ShareFlags ShareOf(const Flags& flags) {
-  return flags.memory.budget_bytes > 0 ? WithBoundedMemory(flags.share) : flags.share;
+  const bool is_bounded = flags.memory.budget_bytes > 0 && !flags.server.empty();
+  return is_bounded ? WithBoundedMemory(flags.share) : flags.share;
 }
 
 AgentOptions MakeAgentOptions(const Flags& flags, const FeatureSelection& upload,
@@ -190,6 +174,7 @@ AgentOptions MakeAgentOptions(const Flags& flags, const FeatureSelection& upload
   options.downlink_bytes_per_second = BytesPerSecond(flags.link.downlink_kbps);
   options.share = ScopeOf(ShareOf(flags));
   options.localise_only = flags.localise_only;
+  ApplySpoolFlags(flags.spool, options);
   options.max_map_bytes = MaxMapBytes(flags.memory, options.max_outbox_bytes);
   // The trajectory is asked for at the end, or by other programs at any time.
   options.keep_trajectory = !flags.trajectory.empty() || !flags.listen.empty();
@@ -285,11 +270,12 @@ std::vector<absl::Status> CheckPlaces(const Flags& flags) {
   std::vector<absl::Status> found;
   if (!flags.server.empty()) found.push_back(CheckFlagServer("--server", flags.server));
   if (!flags.listen.empty()) found.push_back(CheckFlagAddress("--listen", flags.listen));
-  if (!flags.spool_dir.empty()) found.push_back(CheckFolder("--spool-dir", flags.spool_dir));
-  if (!flags.spool_dir.empty() && flags.server.empty()) found.push_back(SpoolNeedsServer());
+  if (!flags.spool.folder.empty()) found.push_back(CheckFolder("--spool", flags.spool.folder));
+  found.push_back(CheckSpoolFlags(flags.spool, !flags.server.empty()));
   if (flags.server.empty()) found.push_back(CheckNoLinkFlags(flags.link));
   const bool has_server = !flags.server.empty();
-  found.push_back(CheckMemoryFlags(flags.memory, flags.share, flags.outbox_mb << 20, has_server));
+  found.push_back(CheckMemoryFlags(flags.memory, flags.share, flags.outbox_mb << 20,
+                                   has_server || !flags.spool.folder.empty()));
   found.push_back(CheckShareFlags(ShareOf(flags), has_server));
   found.push_back(CheckPace(flags));
   found.push_back(CheckLocaliseOnly(flags));
@@ -324,7 +310,8 @@ absl::Status Run(const Flags& flags) {
   // there.
   for (const absl::Status& place : CheckPlaces(flags)) RETURN_IF_ERROR(place);
   ASSIGN_OR_RETURN(const FeatureSelection upload, ParseUpload(flags));
-  ASSIGN_OR_RETURN(std::unique_ptr<Spool> spool, OpenFlaggedSpool(flags));
+  ASSIGN_OR_RETURN(std::unique_ptr<Spool> spool,
+                   OpenSpool(flags.spool, AgentName(flags.mission, flags.agent)));
   // The uplink outlives the agent, which closes it.
   ASSIGN_OR_RETURN(const std::shared_ptr<grpc::Channel> channel, MakeStoreChannel(flags));
   const std::unique_ptr<Uplink> uplink = MakeUplink(flags, channel);
@@ -350,7 +337,9 @@ absl::Status Run(const Flags& flags) {
   if (options.max_map_bytes > 0) {
     LOG(INFO) << "memory budget: " << (flags.memory.budget_bytes >> 20) << " MiB, of which "
               << (options.max_map_bytes >> 20) << " MiB are for the local map in use"
-              << (flags.share.mode.has_value() ? "" : "; --share is nearby, because of it");
+              << (flags.share.mode.has_value() || flags.server.empty()
+                      ? ""
+                      : "; --share is nearby, because of it");
   }
   ASSIGN_OR_RETURN(const auto recorder,
                    StartRecording(flags.record,
@@ -361,7 +350,7 @@ absl::Status Run(const Flags& flags) {
                    Agent::Create(options, calibration, vocabulary, observers->Watch(uplink.get()),
                                  std::move(spool)));
   Agent* const watched = observers->Watch(agent.get());
-  const auto recording = recorder != nullptr ? recorder->Watch(watched) : nullptr;
+  const auto recording = recorder != nullptr ? recorder->Watch(watched, options.orders.get()) : nullptr;
   const auto minutes = observers->LogEachMinute(agent.get());
   AgentService service(agent.get(), uplink.get(),
                        {.mission = uplink != nullptr ? flags.mission : "",
@@ -456,14 +445,9 @@ void AddFlags(CLI::App& app, Flags& flags) {
       ->check(CLI::Range(0.0, 86400.0))
       ->capture_default_str()
       ->group(kRareGroup);
-  app.add_option("--spool-dir", flags.spool_dir,
-                 "Folder for what waits and memory has no room for; outlives the program")
-      ->capture_default_str();
-  app.add_option("--spool-mb", flags.spool_mb, "MiB in it at most")
-      ->check(CLI::Range(1, 1 << 20))
-      ->capture_default_str();
+  AddSpoolFlags(app, flags.spool);
   app.add_option("--outbox-mb", flags.outbox_mb,
-                 "MiB that wait in memory before they go to --spool-dir; 0: everything does")
+                 "MiB that wait in memory, the rest waits in --spool alone; 0: everything does")
       ->check(CLI::Range(0, 1 << 20))
       ->capture_default_str()
       ->group(kRareGroup);

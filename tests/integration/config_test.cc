@@ -97,12 +97,13 @@ TEST(ConfigTest, InvalidConfigurationsEndWithTwoAndSayAllThatIsWrong) {
   const Ended agent =
       RunToEnd("client_agent",
                {"--validate-config", "--source", "tum:/nowhere", "--agent", "a b", "--spool-dir",
-                TempFile("spool"), "--stats", "/nowhere/stats.json", "--memory-budget", "500MB"});
+                TempFile("spool"), "--spool-sync-s", "0", "--stats", "/nowhere/stats.json",
+                "--memory-budget", "200MB"});
   EXPECT_EQ(agent.exit_code, 2);
   EXPECT_THAT(agent.text,
               AllOf(HasSubstr("/nowhere: there is no such folder"), HasSubstr("--agent is \"a b\""),
-                    HasSubstr("--spool-dir needs --server"), HasSubstr("/nowhere/stats.json"),
-                    HasSubstr("--memory-budget needs --server")));
+                    HasSubstr("--spool without --server"), HasSubstr("/nowhere/stats.json"),
+                    HasSubstr("--memory-budget is ")));
   // This can't even be parsed.
   const Ended flag = RunToEnd("fusion_worker", {"--validate-config", "--threads", "none"});
   EXPECT_EQ(flag.exit_code, 2);

@@ -3,6 +3,7 @@
 #define CORBSLAM_CLIENT_AGENT_SPOOL_TESTING_FAKE_SPOOL_H_
 
 #include <algorithm>
+#include <iterator>
 #include <limits>
 #include <map>
 #include <memory>
@@ -26,8 +27,20 @@ struct FakeDisk {
   size_t capacity = std::numeric_limits<size_t>::max();
   int syncs = 0;
   bool sync_fails = false;
+  // What of each file a loss of power does not take.
+  std::map<std::string, size_t> synced;
   // Encoded batches; the bytes of each begin with its index here.
   std::vector<MapUpdateBatch> encoded;
+
+  // Loses any part of what was not synced.
+  template <typename Random>
+  void CutPower(Random& random) {
+    for (auto it = files.begin(); it != files.end();) {
+      const size_t kept = synced.contains(it->first) ? synced[it->first] : 0;
+      it->second.resize(kept + random() % (it->second.size() - kept + 1));
+      it = it->second.empty() ? files.erase(it) : std::next(it);
+    }
+  }
 
   size_t Used() const {
     size_t used = 0;
@@ -65,11 +78,14 @@ class FakeSpoolFiles : public SpoolFiles {
     disk_.files[name].resize(size);
     return absl::OkStatus();
   }
-  absl::Status Sync(const std::string&) override {
+  absl::Status Sync(const std::string& name) override {
     ++disk_.syncs;
-    return disk_.sync_fails ? absl::UnavailableError("sync failed") : absl::OkStatus();
+    if (disk_.sync_fails) return absl::UnavailableError("sync failed");
+    disk_.synced[name] = disk_.files[name].size();
+    return absl::OkStatus();
   }
   absl::Status Remove(const std::string& name) override {
+    disk_.synced.erase(name);
     return disk_.files.erase(name) == 1 ? absl::OkStatus() : absl::UnavailableError(name);
   }
 

@@ -38,6 +38,8 @@ RobotReport MakeRobotReport(const Agent& agent) {
   report.lost = status.lost;
   report.local_maps = status.local_maps;
   report.hand_overs = status.hand_overs;
+  report.resumed_after_s = status.resumed_after_s;
+  report.why_not_resumed = status.why_not_resumed;
   report.map_mb = static_cast<double>(status.map_bytes) / (1 << 20);
   report.first_upload_s = status.first_upload_s;
   report.keyframes_held = status.foreign_keyframes;
@@ -52,7 +54,7 @@ RobotReport MakeRobotReport(const Agent& agent) {
   report.local_ba_ms = SpreadOf(timings.local_ba_ms);
   report.local_ba_count = static_cast<int>(timings.local_ba_ms.count());
   report.outbox = {status.upload.batches, status.upload.memory_bytes, status.upload.spool_bytes,
-                   status.upload.lost_local_maps, status.upload.refused_items};
+                   status.upload.spool_syncs, status.upload.lost_local_maps, status.upload.refused_items};
   report.held_back = status.upload.held_back.items;
   return report;
 }

@@ -45,6 +45,7 @@ struct OutboxReport {
   uint64_t batches = 0;
   uint64_t memory_bytes = 0;
   uint64_t spool_bytes = 0;
+  uint64_t spool_syncs = 0;  // How often the disk was made to keep what the spool had.
   int lost_local_maps = 0;
   uint64_t refused_items = 0;  // Items with impossible values, which were in no batch.
 
@@ -68,6 +69,9 @@ struct RobotReport {
   double pictures_s = 0;  // Seconds that its camera took for `frames`.
   int local_maps = 0;
   int hand_overs = 0;
+  // Seconds of frames after which the local map of an earlier process went on.
+  std::optional<double> resumed_after_s;
+  std::string why_not_resumed;  // Empty: it was, or there was none.
   double map_mb = 0;  // About what the last local map took in memory, in units of 2^20 bytes.
   std::optional<double> first_upload_s;
   int keyframes_held = 0;

@@ -28,6 +28,8 @@ void VisitFields(Report& report, Visitor& visit) {
   visit("/pictures_s", report.pictures_s);
   visit("/local_maps", report.local_maps);
   visit("/hand_overs", report.hand_overs);
+  visit("/resumed_after_s", report.resumed_after_s);
+  visit("/why_not_resumed", report.why_not_resumed);
   visit("/map_mb", report.map_mb);
   visit("/first_upload_s", report.first_upload_s);
   visit("/shared/keyframes_held", report.keyframes_held);
@@ -60,6 +62,7 @@ void VisitFields(Report& report, Visitor& visit) {
   visit("/outbox/batches", report.outbox.batches);
   visit("/outbox/memory_bytes", report.outbox.memory_bytes);
   visit("/outbox/spool_bytes", report.outbox.spool_bytes);
+  visit("/outbox/spool_syncs", report.outbox.spool_syncs);
   visit("/outbox/lost_local_maps", report.outbox.lost_local_maps);
   visit("/outbox/refused_items", report.outbox.refused_items);
   for (size_t kind = 0; kind < kUpdateKinds; ++kind) {

@@ -27,6 +27,8 @@ RobotReport MakeWholeReport() {
   report.pictures_s = 10.625;
   report.local_maps = 107;
   report.hand_overs = 135;
+  report.resumed_after_s = 0.144;
+  report.why_not_resumed = "another camera";
   report.map_mb = 136.5;
   report.first_upload_s = 0.1;
   report.keyframes_held = 109;
@@ -50,7 +52,7 @@ RobotReport MakeWholeReport() {
   report.local_ba_count = 121;
   report.peak_rss_mb = 122.5;
   report.cpu_s = 123.5;
-  report.outbox = {124, 5'000'000'000, 126, 127, 134};
+  report.outbox = {124, 5'000'000'000, 126, 145, 127, 134};
   report.held_back = {128, 129, 130, 131};
   report.bytes_up = 6'000'000'000;
   report.bytes_down = 133;
@@ -102,6 +104,7 @@ TEST(RobotReportTest, NamesOfFieldsStay) {
   EXPECT_EQ(json["outbox"], (Json{{"batches", 124},
                                   {"memory_bytes", 5'000'000'000},
                                   {"spool_bytes", 126},
+                                  {"spool_syncs", 145},
                                   {"lost_local_maps", 127},
                                   {"refused_items", 134}}));
   EXPECT_EQ(json["held_back"],
@@ -112,7 +115,7 @@ TEST(RobotReportTest, NamesOfFieldsStay) {
 TEST(RobotReportTest, WhatIsNotKnownIsNullAndStaysSo) {
   const Json json = ToJson(RobotReport());
   for (const char* field :
-       {"first_upload_s", "ate_m", "ate_from_frame_m", "ate_global_m", "t_rel_percent",
+       {"first_upload_s", "resumed_after_s", "ate_m", "ate_from_frame_m", "ate_global_m", "t_rel_percent",
         "r_rel_deg_per_100m", "peak_rss_mb", "cpu_s", "source_description"}) {
     EXPECT_TRUE(json.contains(field) && json[field].is_null()) << field;
   }

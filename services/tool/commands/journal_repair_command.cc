@@ -51,11 +51,10 @@ absl::Status Repair(const JournalArguments& arguments) {
       const RepairReport report,
       map_store::RepairMission(arguments.directory, arguments.mission, arguments.file));
   const SalvageReport& salvage = report.salvage;
-  std::printf("read: %s and %lu records, up to record %lu\n",
-              salvage.snapshot == 0 ? "no snapshot"
-                                    : absl::StrCat("snapshot ", salvage.snapshot).c_str(),
-              static_cast<unsigned long>(salvage.records),
-              static_cast<unsigned long>(salvage.last));
+  std::printf(
+      "read: %s and %lu records, up to record %lu\n",
+      salvage.snapshot == 0 ? "no snapshot" : absl::StrCat("snapshot ", salvage.snapshot).c_str(),
+      static_cast<unsigned long>(salvage.records), static_cast<unsigned long>(salvage.last));
   PrintLost(salvage);
   std::printf(
       "%s: mission %s with %zu agents, %zu local maps, %zu keyframes; %zu keyframes were left out; "
@@ -71,6 +70,11 @@ void PrintPlan(const std::string& directory, const UpgradePlan& plan) {
                 mission.name.c_str(), static_cast<unsigned long>(mission.records),
                 static_cast<unsigned long>(mission.keyframes),
                 static_cast<double>(mission.bytes) / (1 << 20));
+  }
+  if (plan.bytes_needed == 0) {
+    std::printf("%s is of format %u and becomes %u: %zu missions change where they are\n",
+                directory.c_str(), plan.from, plan.to, plan.missions.size());
+    return;
   }
   std::printf(
       "%s is of format %u and becomes %u: %zu missions are copied, which takes %.1f MiB more for a "
@@ -96,7 +100,7 @@ absl::Status Upgrade(const JournalArguments& arguments) {
     std::printf("done: older programs don't read it any more\n");
     return absl::OkStatus();
   }
-  if (plan.bytes_free > plan.bytes_needed) return absl::OkStatus();
+  if (plan.bytes_free >= plan.bytes_needed) return absl::OkStatus();
   return absl::ResourceExhaustedError(absl::StrCat("the upgrade wants ", plan.bytes_needed,
                                                    " bytes and the disk has ", plan.bytes_free,
                                                    " free: make room, or move the folder"));

@@ -37,6 +37,15 @@ absl::Status BackUp(const MissionArguments& arguments) {
   return absl::OkStatus();
 }
 
+absl::Status Sleep(const MissionArguments& arguments) {
+  ASSIGN_OR_RETURN(const auto channel, Connect(arguments));
+  MissionAdmin admin(channel);
+  ASSIGN_OR_RETURN(const v1::Mission mission, admin.Sleep(arguments.mission));
+  std::printf("mission %s is asleep, with %lu keyframes\n", arguments.mission.c_str(),
+              static_cast<unsigned long>(mission.keyframes()));
+  return absl::OkStatus();
+}
+
 absl::Status Delete(const MissionArguments& arguments) {
   ASSIGN_OR_RETURN(const auto channel, Connect(arguments));
   MissionAdmin admin(channel);
@@ -49,13 +58,15 @@ absl::Status Delete(const MissionArguments& arguments) {
 
 void AddMissionCommand(CLI::App& app, Command& chosen) {
   auto arguments = std::make_shared<MissionArguments>();
-  CLI::App* mission = app.add_subcommand(
-      "mission", "List, show, export, back up, restore, archive and delete missions");
+  CLI::App* mission = app.add_subcommand("mission",
+                                         "List, show, create, set up, export, back up, restore, "
+                                         "archive, put to sleep and delete missions");
   mission->require_subcommand(1);
   CLI::App* list = AddMissionAction(*mission, "list", "The missions of a map store", &ListMissions,
                                     arguments, chosen);
   AddJsonFlag(*list, *arguments);
   AddShowAction(*mission, arguments, chosen);
+  AddSettingActions(*mission, arguments, chosen);
   AddExportAction(*mission, arguments, chosen);
   CLI::App* backup = AddMissionAction(*mission, "backup",
                                       "Write a mission to one file, for another store, while it "
@@ -65,6 +76,11 @@ void AddMissionCommand(CLI::App& app, Command& chosen) {
   backup->add_option("--out", arguments->file, "File to write; there must be none yet")->required();
   AddRestoreAction(*mission, arguments, chosen);
   AddBackupActions(*mission, arguments, chosen);
+  CLI::App* sleep = AddMissionAction(*mission, "sleep",
+                                     "Have a mission that nobody uses leave the store's memory, "
+                                     "until somebody wants it",
+                                     &Sleep, arguments, chosen);
+  AddMissionFlag(*sleep, *arguments);
   CLI::App* remove =
       AddMissionAction(*mission, "delete", "Forget a mission for good", &Delete, arguments, chosen);
   AddMissionFlag(*remove, *arguments);

@@ -1,0 +1,175 @@
+// What is held back when a process is killed, and what the next one makes of it.
+#include "client_agent/upload/held_items.h"
+
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <set>
+#include <string>
+#include <utility>
+
+#include "client_agent/spool/testing/fake_spool.h"
+#include "client_agent/upload/kept_map_reading.h"
+#include "client_agent/upload/update_recorder.h"
+#include "slam/camera/testing/test_camera.h"
+
+namespace corbslam::client_agent {
+namespace {
+
+constexpr LocalMapId kHolding{7};
+constexpr uint32_t kHeldKeypoints = 10;
+
+class HeldItemsTest : public ::testing::Test {
+ protected:
+  HeldItemsTest() : spool_(*OpenFakeSpool(&disk_)) { map_.SetObserver(&recorder_); }
+
+  // A keyframe that sees a new point, and the point of the one before.
+  void AddKeyframe(uint32_t index) {
+    Features features;
+    features.keypoints.resize(kHeldKeypoints);
+    features.descriptors.resize(kHeldKeypoints);
+    Keyframe keyframe;
+    keyframe.payload = MakeKeyframePayload({kHolding, index}, index, 0, testing::TestCamera(),
+                                           std::move(features));
+    if (index > 0) keyframe.parent = {kHolding, index - 1};
+    map_.AddKeyframe(keyframe);
+    MapPoint point;
+    point.id = {kHolding, index};
+    point.reference = {kHolding, index};
+    point.position_in_map = {0, 0, 5};
+    point.normal_in_map = {0, 0, 1};
+    map_.AddPoint(point);
+    map_.AddObservation(point.id, point.reference, 0);
+    if (index > 0) map_.AddObservation({kHolding, index - 1}, {kHolding, index}, 1);
+    recorder_.AddTrackedFrame({index, {kHolding, index}, {}});
+  }
+  void WriteBatch() {
+    MapUpdateBatch batch = recorder_.TakeBatch(map_, 100);
+    batch.number = ++last_;
+    ASSERT_TRUE(spool_->Append(batch).ok());
+  }
+  void WriteHeld() {
+    const absl::Status written = writer_.Write(recorder_.CopyHeld(map_), last_, *spool_);
+    ASSERT_TRUE(written.ok()) << written;
+  }
+  // What the next process has of the local map.
+  static std::set<uint32_t> KeyframesAfter(FakeDisk disk) {
+    const auto spool = *OpenFakeSpool(&disk);
+    EXPECT_TRUE(TellHeld(*spool).ok());
+    const absl::StatusOr<KeptMap> kept = ReadNewestKeptMap(*spool);
+    std::set<uint32_t> keyframes;
+    if (!kept.ok()) return keyframes;
+    for (const auto& [id, keyframe] : kept->keyframes()) keyframes.insert(id.index);
+    return keyframes;
+  }
+
+  FakeDisk disk_;
+  std::unique_ptr<Spool> spool_;
+  Map map_;
+  // All but the first are held back.
+  UpdateRecorder recorder_{kHolding, RecorderOptions{.hold_newest = 100}};
+  HeldWriter writer_;
+  uint64_t last_ = 0;
+};
+
+TEST_F(HeldItemsTest, WhatIsHeldBackIsThereAfterTheProcess) {
+  for (uint32_t i = 0; i < 5; ++i) AddKeyframe(i);
+  WriteBatch();
+  WriteHeld();
+  const auto spool = *OpenFakeSpool(&disk_);
+  ASSERT_TRUE(TellHeld(*spool).ok());
+  const absl::StatusOr<KeptMap> kept = ReadNewestKeptMap(*spool);
+  ASSERT_TRUE(kept.ok()) << kept.status();
+  EXPECT_EQ(kept->keyframes().size(), 5u);
+  EXPECT_EQ(kept->points().size(), 5u);
+  EXPECT_EQ(kept->newest_ns(), 4);
+  for (uint32_t i = 1; i < 5; ++i) {
+    const auto& seen = kept->observations().keyframes().at({kHolding, i});
+    EXPECT_EQ(seen[0], (MapPointId{kHolding, i}));
+    EXPECT_EQ(seen[1], (MapPointId{kHolding, i - 1}));
+    EXPECT_EQ(kept->keyframes().at({kHolding, i}).parent, (KeyframeId{kHolding, i - 1}));
+  }
+}
+
+TEST_F(HeldItemsTest, WhatWasToldMeanwhileIsNotToldAgain) {
+  for (uint32_t i = 0; i < 5; ++i) AddKeyframe(i);
+  WriteBatch();
+  WriteHeld();
+  recorder_.StopHoldingBack();
+  WriteBatch();
+  const auto spool = *OpenFakeSpool(&disk_);
+  ASSERT_TRUE(TellHeld(*spool).ok());
+  EXPECT_EQ(spool->found().size(), 2u) << "the two batches";
+  EXPECT_EQ(KeyframesAfter(disk_).size(), 5u);
+}
+
+TEST_F(HeldItemsTest, APayloadIsWrittenOnce) {
+  for (uint32_t i = 0; i < 3; ++i) AddKeyframe(i);
+  WriteBatch();
+  WriteHeld();
+  AddKeyframe(3);
+  const HeldItems held = recorder_.CopyHeld(map_);
+  ASSERT_EQ(held.keyframes.size(), 1u);
+  EXPECT_EQ(held.keyframes[0].payload->id.index, 3u);
+  EXPECT_EQ(held.rest.light_keyframes.size(), 3u);
+  recorder_.CopyHeldAnew();
+  EXPECT_EQ(recorder_.CopyHeld(map_).keyframes.size(), 3u);
+}
+
+TEST_F(HeldItemsTest, WhatMappingTookOutIsGone) {
+  for (uint32_t i = 0; i < 5; ++i) AddKeyframe(i);
+  WriteBatch();
+  WriteHeld();
+  map_.RemoveKeyframe({kHolding, 3});
+  WriteHeld();
+  EXPECT_EQ(KeyframesAfter(disk_), (std::set<uint32_t>{0, 1, 2, 4}));
+}
+
+// Whatever byte of the last records the disk did not keep: the map before is there, and it is a
+// whole one.
+TEST_F(HeldItemsTest, ATornTailLeavesWhatWasThereBefore) {
+  for (uint32_t i = 0; i < 3; ++i) AddKeyframe(i);
+  WriteBatch();
+  WriteHeld();
+  const std::string name = disk_.files.begin()->first;
+  const size_t before = disk_.files[name].size();
+  AddKeyframe(3);
+  WriteHeld();
+  const std::string whole = disk_.files[name];
+  ASSERT_GT(whole.size(), before);
+  for (size_t size = before; size < whole.size(); ++size) {
+    FakeDisk cut = disk_;
+    cut.files[name] = whole.substr(0, size);
+    // The fake codec looks batches up in the disk that it was made for.
+    ASSERT_EQ(KeyframesAfter(cut), (std::set<uint32_t>{0, 1, 2})) << "cut at " << size;
+  }
+  EXPECT_EQ(KeyframesAfter(disk_).size(), 4u);
+}
+
+TEST_F(HeldItemsTest, ItIsToldOnceOverTwoRestarts) {
+  for (uint32_t i = 0; i < 4; ++i) AddKeyframe(i);
+  WriteBatch();
+  WriteHeld();
+  size_t records = 0;
+  for (int restart = 0; restart < 2; ++restart) {
+    const auto spool = *OpenFakeSpool(&disk_);
+    ASSERT_TRUE(TellHeld(*spool).ok());
+    if (restart == 0) records = spool->found().size();
+    EXPECT_EQ(spool->found().size(), records);
+  }
+  EXPECT_EQ(KeyframesAfter(disk_).size(), 4u);
+}
+
+TEST_F(HeldItemsTest, ThingsThatAreNotThereAreSaid) {
+  for (uint32_t i = 0; i < 3; ++i) AddKeyframe(i);
+  WriteBatch();
+  HeldItems held = recorder_.CopyHeld(map_);
+  held.keyframes.clear();
+  ASSERT_TRUE(writer_.Write(held, last_, *spool_).ok());
+  const auto spool = *OpenFakeSpool(&disk_);
+  EXPECT_TRUE(absl::IsDataLoss(TellHeld(*spool)));
+  EXPECT_EQ(spool->found().size(), 1u) << "the batch is there";
+}
+
+}  // namespace
+}  // namespace corbslam::client_agent

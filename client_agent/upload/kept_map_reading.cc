@@ -1,0 +1,87 @@
+#include "client_agent/upload/kept_map_reading.h"
+
+#include <algorithm>
+#include <optional>
+#include <set>
+#include <string>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "slam/util/status_macros.h"
+
+namespace corbslam::client_agent {
+namespace {
+
+using Kind = SpoolRecord::Kind;
+
+// Returns the records of the last whole local map that is complete; empty: there is none.
+std::vector<SpooledBatch> FindWhole(const std::vector<SpooledBatch>& records) {
+  std::vector<SpooledBatch> whole;
+  std::vector<SpooledBatch> parts;
+  for (const SpooledBatch& spooled : records) {
+    const SpoolRecord& record = spooled.record;
+    if (record.kind != Kind::kWholePart && record.kind != Kind::kWholeEnd) continue;
+    if (!parts.empty() && parts.back().record.number != record.number) parts.clear();
+    parts.push_back(spooled);
+    if (record.kind == Kind::kWholeEnd) whole = std::exchange(parts, {});
+  }
+  return whole;
+}
+
+absl::Status ApplyRecord(const SpooledBatch& spooled, const ReadSpooled& read, KeptMap& kept) {
+  ASSIGN_OR_RETURN(const MapUpdateBatch batch, read(spooled));
+  const absl::Status applied = kept.Apply(batch);
+  if (applied.ok()) return applied;
+  return absl::Status(applied.code(),
+                      absl::StrCat("batch ", spooled.record.number, ": ", applied.message()));
+}
+
+}  // namespace
+
+absl::StatusOr<KeptMap> ReadKeptMap(LocalMapId local_map, const std::vector<SpooledBatch>& records,
+                                    const ReadSpooled& read) {
+  KeptMap kept(local_map);
+  uint64_t last = 0;
+  for (const SpooledBatch& part : FindWhole(records)) {
+    RETURN_IF_ERROR(ApplyRecord(part, read, kept));
+    last = part.record.number;
+  }
+  for (const SpooledBatch& spooled : records) {
+    if (spooled.record.kind != Kind::kBatch || spooled.record.number <= last) continue;
+    if (spooled.record.number != last + 1) {
+      return absl::FailedPreconditionError(
+          absl::StrCat("the spool has no batch ", last + 1, " of it, but batch ",
+                       spooled.record.number,
+                       last == 0 ? ": the robot that made it did not run with --resume" : ""));
+    }
+    RETURN_IF_ERROR(ApplyRecord(spooled, read, kept));
+    last = spooled.record.number;
+  }
+  RETURN_IF_ERROR(kept.Check());
+  return kept;
+}
+
+absl::StatusOr<KeptMap> ReadNewestKeptMap(Spool& spool) {
+  std::vector<LocalMapId> in_order;
+  std::set<LocalMapId> closed;
+  for (const SpooledBatch& spooled : spool.found()) {
+    const LocalMapId id = spooled.record.local_map;
+    if (std::ranges::find(in_order, id) == in_order.end()) in_order.push_back(id);
+    if (spooled.record.closes_local_map) closed.insert(id);
+  }
+  std::optional<LocalMapId> newest;
+  for (const LocalMapId id : in_order) {
+    if (!closed.contains(id)) newest = id;
+  }
+  if (!newest.has_value()) return absl::NotFoundError("the spool has no local map that is open");
+  std::vector<SpooledBatch> records = spool.found();
+  std::erase_if(records,
+                [&](const SpooledBatch& spooled) { return spooled.record.local_map != *newest; });
+  absl::StatusOr<KeptMap> kept = ReadKeptMap(
+      *newest, records, [&](const SpooledBatch& spooled) { return spool.Read(spooled); });
+  if (kept.ok()) return kept;
+  return absl::Status(kept.status().code(), absl::StrCat("local map ", ToString(*newest), ": ",
+                                                         kept.status().message()));
+}
+
+}  // namespace corbslam::client_agent

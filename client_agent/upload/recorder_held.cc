@@ -1,0 +1,138 @@
+// What an UpdateRecorder has been told and has not told, for the next process.
+#include "client_agent/upload/update_recorder.h"
+#include "slam/exchange/item_checks.h"
+
+namespace corbslam::client_agent {
+
+void UpdateRecorder::GoOnFrom(const KeptMap& kept) {
+  absl::MutexLock lock(&mutex_);
+  sent_cameras_ = static_cast<uint32_t>(kept.cameras().size());
+  mirror_ = kept.observations();
+  for (const auto& [id, keyframe] : kept.keyframes()) {
+    sent_keyframes_.insert(id);
+    believed_.PlaceKeyframe(id, keyframe.camera_from_local);
+  }
+  for (const auto& [id, point] : kept.points()) {
+    sent_points_.insert(id);
+    const bool moves = sent_keyframes_.contains(point.reference);
+    // Without its reference a point stays where it is.
+    if (!moves) believed_.PlaceKeyframe(point.reference, Rigid3d::Identity());
+    believed_.AddPoint(id, point.position_in_local, point.reference);
+    if (!moves) believed_.RemoveKeyframe(point.reference);
+  }
+}
+
+void UpdateRecorder::CopyHeldAnew() {
+  absl::MutexLock lock(&mutex_);
+  held_numbers_.clear();
+  ++held_changes_;
+}
+
+uint64_t UpdateRecorder::held_changes() const {
+  absl::MutexLock lock(&mutex_);
+  return held_changes_;
+}
+
+uint32_t UpdateRecorder::NumberOf(KeyframeId id, uint32_t keypoint) const {
+  const auto held = held_numbers_.find(id);
+  if (held == held_numbers_.end()) return NumberAtStore(id, keypoint);
+  return held->second.empty() ? keypoint : held->second[keypoint];
+}
+
+void UpdateRecorder::CopyHeldKeyframes(const Map& map, HeldItems& held) {
+  absl::erase_if(held_numbers_,
+                 [this](const auto& entry) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
+                   return !added_keyframes_.contains(entry.first);
+                 });
+  for (const KeyframeId id : added_keyframes_) {
+    const Keyframe* keyframe = map.FindKeyframe(id);
+    if (keyframe == nullptr || held_numbers_.contains(id)) continue;
+    SelectedFeatures selected = SelectFeatures(*keyframe, options_.features);
+    FullKeyframe full = {selected.payload, keyframe->camera_from_map, KeyframeId()};
+    // The next batch counts and logs it.
+    if (!ValidateFullKeyframe(full, *full.payload->camera).ok()) continue;
+    held_numbers_[id] = std::move(selected.numbers);
+    held.keyframes.push_back(std::move(full));
+  }
+  for (const auto& [id, numbers] : held_numbers_) {
+    const Keyframe* keyframe = map.FindKeyframe(id);
+    if (keyframe == nullptr) continue;
+    const Keyframe* above = keyframe;
+    while (above != nullptr && !IsToldOrHeld(above->parent)) {
+      above = map.FindKeyframe(above->parent);
+    }
+    const KeyframeId parent = above == nullptr ? KeyframeId() : above->parent;
+    held.rest.light_keyframes.push_back({id, keyframe->camera_from_map, parent});
+  }
+}
+
+void UpdateRecorder::CopyHeldPoints(const Map& map, MapUpdateBatch& rest) const {
+  for (const MapPointId id : added_points_) {
+    const MapPoint* point = map.FindPoint(id);
+    if (point == nullptr || sent_points_.contains(id)) continue;
+    KeyframeId reference;
+    for (const auto& [keyframe, keypoint] : point->observations) {
+      const bool told = IsToldOrHeld(keyframe) && NumberOf(keyframe, keypoint) != kLeftOut;
+      if (told && (!reference.IsValid() || keyframe == point->reference)) reference = keyframe;
+    }
+    if (!reference.IsValid()) continue;
+    const FullMapPoint full = {id,
+                               point->position_in_map,
+                               reference,
+                               point->descriptor,
+                               point->normal_in_map,
+                               point->min_distance,
+                               point->max_distance};
+    if (ValidateFullPoint(full).ok()) rest.full_points.push_back(full);
+  }
+}
+
+void UpdateRecorder::CopyHeldObservations(const Map& map, MapUpdateBatch& rest) const {
+  const auto add = [&](MapPointId point, KeyframeId keyframe, uint32_t keypoint)
+                       ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
+    const uint32_t number = NumberOf(keyframe, keypoint);
+    if (number == kLeftOut) return;
+    rest.observations.push_back({ObservationChange::Kind::kAdded, point, keyframe, number});
+  };
+  absl::btree_set<MapPointId> held;
+  for (const FullMapPoint& full : rest.full_points) {
+    held.insert(full.id);
+    for (const auto& [keyframe, keypoint] : map.FindPoint(full.id)->observations) {
+      if (IsToldOrHeld(keyframe)) add(full.id, keyframe, keypoint);
+    }
+  }
+  for (const LightKeyframe& light : rest.light_keyframes) {
+    const std::vector<MapPointId>& points = map.FindKeyframe(light.id)->points;
+    for (uint32_t k = 0; k < points.size(); ++k) {
+      if (!points[k].IsValid() || held.contains(points[k])) continue;
+      if (!IsOwn(points[k]) || sent_points_.contains(points[k])) add(points[k], light.id, k);
+    }
+  }
+}
+
+void UpdateRecorder::CopyHeldFrames(MapUpdateBatch& rest) const {
+  for (const TrackedFrame& frame : tracked_frames_) {
+    const bool good = IsToldOrHeld(frame.reference) &&
+                      ValidateTime("tracked frame", frame.timestamp_ns).ok() &&
+                      ValidatePose("tracked frame of", frame.reference, "reference_from_camera",
+                                   frame.reference_from_camera)
+                          .ok();
+    if (good) rest.tracked_frames.push_back(frame);
+  }
+  for (const int64_t lost_ns : lost_frames_ns_) {
+    if (ValidateTime("lost frame", lost_ns).ok()) rest.lost_frames_ns.push_back(lost_ns);
+  }
+}
+
+HeldItems UpdateRecorder::CopyHeld(const Map& map) {
+  absl::MutexLock lock(&mutex_);
+  HeldItems held;
+  held.rest.local_map = local_map_;
+  CopyHeldKeyframes(map, held);
+  CopyHeldPoints(map, held.rest);
+  CopyHeldObservations(map, held.rest);
+  CopyHeldFrames(held.rest);
+  return held;
+}
+
+}  // namespace corbslam::client_agent

@@ -1,0 +1,97 @@
+// How the batches that are kept of a local map make room: it is written as a whole in their place.
+#include <glog/logging.h>
+
+#include <chrono>
+#include <utility>
+
+#include "client_agent/upload/kept_map_reading.h"
+#include "client_agent/upload/upload_queue.h"
+#include "slam/util/status_macros.h"
+
+namespace corbslam::client_agent {
+namespace {
+
+using Kind = SpoolRecord::Kind;
+
+absl::StatusOr<std::vector<MapUpdateBatch>> MakeWhole(LocalMapId local_map,
+                                                      const std::vector<SpooledBatch>& kept,
+                                                      const ReadSpooled& read) {
+  ASSIGN_OR_RETURN(const KeptMap map, ReadKeptMap(local_map, kept, read));
+  return map.ToBatches();
+}
+
+}  // namespace
+
+void UploadQueue::BeginWhole() {
+  MakingWhole making;
+  std::vector<SpooledBatch> kept;
+  {
+    absl::MutexLock lock(&mutex_);
+    making.local_map = in_use_;
+    kept = outbox_.Kept(in_use_);
+  }
+  uint64_t bytes = 0;
+  for (const SpooledBatch& spooled : kept) {
+    bytes += spooled.record.bytes;
+    if (spooled.record.kind == Kind::kBatch) making.number = spooled.record.number;
+  }
+  if (making.number == 0 || bytes <= 2 * whole_bytes_ + options_.whole_after_bytes) return;
+  making.future = std::async(
+      options_.whole_at_once ? std::launch::deferred : std::launch::async,
+      [local_map = making.local_map, kept = std::move(kept), spool = spool_.get()] {
+        return MakeWhole(local_map, kept,
+                         [spool](const SpooledBatch& spooled) { return spool->Read(spooled); });
+      });
+  whole_ = std::move(making);
+}
+
+void UploadQueue::WriteWhole(Whole whole) {
+  if (!whole.ok()) {
+    // The next process would find the same.
+    LOG(WARNING) << "local map " << ToString(whole_->local_map)
+                 << " can't be written as a whole: " << whole.status();
+    whole_bytes_ = spool_->bytes();
+    whole_.reset();
+    return;
+  }
+  whole_bytes_ = 0;
+  for (size_t i = 0; i < whole->size(); ++i) {
+    (*whole)[i].number = whole_->number;
+    const Kind kind = i + 1 == whole->size() ? Kind::kWholeEnd : Kind::kWholePart;
+    const absl::StatusOr<SpooledBatch> written = spool_->Append((*whole)[i], kind);
+    if (!written.ok()) {
+      for (const SpooledBatch& part : whole_->written) spool_->Release(part);
+      NoteDurable(written.status());
+      whole_bytes_ = spool_->bytes();
+      whole_.reset();
+      return;
+    }
+    whole_->written.push_back(*written);
+    whole_bytes_ += written->record.bytes;
+  }
+}
+
+void UploadQueue::KeepWhole() {
+  if (!whole_.has_value()) BeginWhole();
+  if (!whole_.has_value()) return;
+  if (whole_->future.valid()) {
+    const bool is_ready = options_.whole_at_once || whole_->future.wait_for(std::chrono::seconds(
+                                                        0)) == std::future_status::ready;
+    if (!is_ready) return;
+    WriteWhole(whole_->future.get());
+    if (!whole_.has_value()) return;
+  }
+  // What it stands for goes when it is on the disk for certain.
+  if (whole_->written.back().order > spool_->synced()) {
+    spool_->HurrySync();
+    if (whole_->written.back().order > spool_->synced()) return;
+  }
+  {
+    absl::MutexLock lock(&mutex_);
+    outbox_.ReplaceKept(whole_->local_map, whole_->written);
+  }
+  whole_.reset();
+  ReleaseSpooled();
+}
+
+}  // namespace corbslam::client_agent

@@ -1,0 +1,77 @@
+#include "services/programs/spool_flags.h"
+
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "absl/time/time.h"
+#include "services/command_line/help_formatter.h"
+#include "services/convert/batch_bytes.h"
+#include "slam/util/status_macros.h"
+
+namespace corbslam::services {
+
+using client_agent::AgentOptions;
+using client_agent::OpenSpoolFolder;
+using client_agent::Spool;
+using client_agent::SpoolFiles;
+using client_agent::SpoolOptions;
+using client_agent::SyncPolicy;
+
+void AddSpoolFlags(CLI::App& app, SpoolFlags& flags) {
+  app.add_option("--spool,--spool-dir", flags.folder,
+                 "Folder in which what is mapped outlives the program and power loss")
+      ->type_name("DIR");
+  app.add_option("--spool-mb", flags.mb, "MiB in it at most")
+      ->check(CLI::Range(1, 1 << 20))
+      ->capture_default_str();
+  app.add_option("--spool-sync-s", flags.sync_s,
+                 "Seconds after which a loss of power takes nothing; 0: only what memory has no "
+                 "room for goes there, and what is left at the end")
+      ->check(CLI::Range(0.0, 3600.0))
+      ->capture_default_str()
+      ->group(kRareGroup);
+  app.add_flag("--resume", flags.resume, "Go on with the local map that --spool keeps");
+  app.add_option("--resume-wait-s", flags.resume_wait_s,
+                 "Seconds in which a place in it must be recognised, else a new one begins")
+      ->check(CLI::Range(0.0, 86400.0))
+      ->capture_default_str()
+      ->group(kRareGroup);
+}
+
+absl::Status CheckSpoolFlags(const SpoolFlags& flags, bool has_server) {
+  if (flags.resume && flags.folder.empty()) {
+    return absl::InvalidArgumentError("--resume needs --spool, which keeps the local map");
+  }
+  if (flags.resume && flags.sync_s == 0) {
+    return absl::InvalidArgumentError(
+        "--resume needs all of the local map in the spool, and --spool-sync-s is 0, with which "
+        "only some of it goes there");
+  }
+  if (!flags.folder.empty() && !has_server && flags.sync_s == 0) {
+    return absl::InvalidArgumentError(
+        "--spool without --server keeps what is mapped for a later run, and --spool-sync-s is 0, "
+        "with which it keeps what a server has not taken");
+  }
+  return absl::OkStatus();
+}
+
+void ApplySpoolFlags(const SpoolFlags& flags, AgentOptions& options) {
+  if (flags.folder.empty()) return;
+  options.spool_within = absl::Seconds(flags.sync_s);
+  options.resume = flags.resume;
+  options.resume_wait = absl::Seconds(flags.resume_wait_s);
+}
+
+absl::StatusOr<std::unique_ptr<Spool>> OpenSpool(const SpoolFlags& flags,
+                                                 const std::string& owner) {
+  if (flags.folder.empty()) return nullptr;
+  ASSIGN_OR_RETURN(std::unique_ptr<SpoolFiles> files, OpenSpoolFolder(flags.folder));
+  SpoolOptions options;
+  options.owner = owner;
+  options.max_bytes = flags.mb << 20;
+  // A quarter goes until it is written, the rest is what the disk itself takes.
+  if (flags.sync_s > 0) options.sync = SyncPolicy{.after = absl::Seconds(flags.sync_s / 2)};
+  return Spool::Open(options, std::move(files), {&EncodeBatch, &DecodeBatch});
+}
+
+}  // namespace corbslam::services
