@@ -66,7 +66,8 @@ install(DIRECTORY "${CMAKE_SOURCE_DIR}/docs/" DESTINATION "${CMAKE_INSTALL_DATAD
 install(DIRECTORY "${CORBSLAM_BUILT_PAGE}/" DESTINATION "${CMAKE_INSTALL_DATADIR}/corbslam/viewer" COMPONENT server
         OPTIONAL)
 install(FILES deploy/systemd/map_store.service deploy/systemd/fusion_worker.service
-              deploy/systemd/map_viewer.service
+              deploy/systemd/map_viewer.service deploy/systemd/corbslam_backup.service
+              deploy/systemd/corbslam_backup.timer
         DESTINATION lib/systemd/system COMPONENT server)
 install(FILES deploy/systemd/client_agent@.service DESTINATION lib/systemd/system COMPONENT robot)
 # Beside /usr where that is the prefix, as the units have it; else below the prefix.
@@ -78,6 +79,7 @@ install(CODE [[
 install(CODE "file(INSTALL \"${CMAKE_SOURCE_DIR}/deploy/systemd/map_store.env\"
                    \"${CMAKE_SOURCE_DIR}/deploy/systemd/fusion_worker.env\"
                    \"${CMAKE_SOURCE_DIR}/deploy/systemd/map_viewer.env\"
+                   \"${CMAKE_SOURCE_DIR}/deploy/systemd/corbslam_backup.env\"
                    DESTINATION \"\${FOLDER}\")" COMPONENT server)
 install(FILES deploy/systemd/client_agent-alpha.env
         DESTINATION "${CMAKE_INSTALL_DATADIR}/doc/corbslam-robot/examples" COMPONENT robot)

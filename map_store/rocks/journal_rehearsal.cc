@@ -4,6 +4,7 @@
 #include <memory>
 #include <string_view>
 #include <system_error>
+#include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "map_store/rocks/folder_lock.h"
@@ -52,6 +53,21 @@ absl::Status InFolder(const std::string& directory, const absl::Status& status) 
   return absl::Status(status.code(), absl::StrCat("journal ", directory, ": ", status.message()));
 }
 
+// Each mission has a database of its own already, which becomes the new one where it is.
+absl::StatusOr<UpgradePlan> PlanInPlace(const std::string& directory, UpgradePlan plan) {
+  const JournalFolder folder(directory);
+  ASSIGN_OR_RETURN(const std::vector<std::string> names, folder.ListKept());
+  for (const std::string& name : names) {
+    RocksDatabase own(folder.PathOf(name), nullptr, MakeBlockCache());
+    const rocksdb::Status opened = own.Open(RocksDatabase::Mode::kOnlyRead);
+    if (!opened.ok()) return InFolder(folder.PathOf(name), absl::DataLossError(opened.ToString()));
+    const absl::StatusOr<MissionToUpgrade> mission = Measure(own, name);
+    if (!mission.ok()) return InFolder(directory, mission.status());
+    plan.missions.push_back(*mission);
+  }
+  return plan;
+}
+
 }  // namespace
 
 absl::StatusOr<UpgradePlan> PlanUpgrade(const std::string& directory) {
@@ -74,6 +90,7 @@ absl::StatusOr<UpgradePlan> PlanUpgrade(const std::string& directory) {
   const auto space = std::filesystem::space(directory, error);
   plan.bytes_free = error ? 0 : space.available;
   if (!plan.needed()) return plan;
+  if (JournalFolder(directory).exists()) return PlanInPlace(directory, std::move(plan));
   plan.bytes_needed = BytesIn(directory);
   ASSIGN_OR_RETURN(const std::vector<std::string> names, ListSharedMissions(guard));
   for (const std::string& name : names) {

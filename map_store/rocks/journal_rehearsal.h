@@ -24,7 +24,8 @@ struct UpgradePlan {
   uint32_t to = 0;    // That of this program.
   // Those of formats that have to be upgraded.
   std::vector<MissionToUpgrade> missions;
-  uint64_t bytes_needed = 0;  // Of the disk, for a while.
+  // Of the disk, for a while; 0: missions become the new ones where they are.
+  uint64_t bytes_needed = 0;
   uint64_t bytes_free = 0;
   bool needed() const { return from != 0 && from < to; }
 };

@@ -10,7 +10,9 @@
 #include <memory>
 #include <string>
 
+#include "absl/strings/str_cat.h"
 #include "map_store/rocks/journal_keys.h"
+#include "map_store/rocks/mission_header.h"
 #include "map_store/testing/journal_room.h"
 #include "map_store/testing/store_dump.h"
 #include "slam/util/program_version.h"
@@ -73,7 +75,7 @@ TEST_F(JournalRehearsalTest, SaysWhatWouldHappenAndChangesNothing) {
   ASSERT_TRUE(plan.ok()) << plan.status();
   EXPECT_TRUE(plan->needed());
   EXPECT_EQ(plan->from, 10u);
-  EXPECT_EQ(plan->to, 11u);
+  EXPECT_EQ(plan->to, kJournalFormat);
   ASSERT_EQ(plan->missions.size(), 2u);
   EXPECT_EQ(plan->missions[0].name, "a");
   EXPECT_EQ(plan->missions[0].keyframes, 5u);
@@ -122,6 +124,23 @@ TEST_F(JournalRehearsalTest, CopiesOfAnotherStateAreMadeAnew) {
   ExpectUpgraded();
 }
 
+TEST_F(JournalRehearsalTest, MissionsWithFoldersOfTheirOwnChangeWhereTheyAre) {
+  {
+    const auto guard = OpenAt(Data(), false);
+    ASSERT_TRUE(guard->Put({}, map_store::FormatKey(), std::string("\x0b\0\0\0", 4)).ok());
+  }
+  const auto plan = map_store::PlanUpgrade(Data());
+  ASSERT_TRUE(plan.ok()) << plan.status();
+  EXPECT_EQ(plan->from, 11u);
+  EXPECT_TRUE(plan->needed());
+  EXPECT_EQ(plan->bytes_needed, 0u);
+  ASSERT_EQ(plan->missions.size(), 2u);
+  EXPECT_EQ(plan->missions[1].keyframes, 5u);
+  ASSERT_TRUE(map_store::UpgradeFolder(Data()).ok());
+  EXPECT_FALSE(map_store::PlanUpgrade(Data())->needed());
+  ExpectUpgraded();
+}
+
 TEST_F(JournalRehearsalTest, ANewerFormatIsRefusedWithBothNumbersAndItsProgram) {
   {
     const auto guard = OpenAt(Data(), false);
@@ -133,7 +152,8 @@ TEST_F(JournalRehearsalTest, ANewerFormatIsRefusedWithBothNumbersAndItsProgram) 
   }
   const absl::Status refused = map_store::PlanUpgrade(Data()).status();
   EXPECT_TRUE(absl::IsFailedPrecondition(refused)) << refused;
-  for (const char* part : {"format 99", "5 to 11", "version 9.8.7"}) {
+  for (const std::string& part : {std::string("format 99"), absl::StrCat("5 to ", kJournalFormat),
+                                  std::string("version 9.8.7")}) {
     EXPECT_THAT(std::string(refused.message()), HasSubstr(part));
   }
   EXPECT_THAT(std::string(RocksJournal::Open({.directory = Data()}).status().message()),

@@ -21,8 +21,8 @@ inline constexpr uint32_t kLastSharedFormat = 10;
 inline constexpr uint32_t kJournalFormat = 12;
 
 // Returns the format's number as it stands under its key. DATA_LOSS for bytes that are no number,
-// FAILED_PRECONDITION for a format that this program doesn't read; `written_by` is the version of the
-// program that wrote it, if that is known.
+// FAILED_PRECONDITION for a format that this program doesn't read; `written_by` is the version of
+// the program that wrote it, if that is known.
 absl::StatusOr<uint32_t> CheckFormat(std::string_view bytes, std::string_view written_by = "");
 std::string EncodeFormat();
 

@@ -4,11 +4,12 @@
 #include <system_error>
 #include <vector>
 
-#include "absl/strings/str_cat.h"
+#include "absl/time/clock.h"
 #include "services/convert/resource_names.h"
 #include "services/tool/commands/commands.h"
 #include "services/tool/commands/mission_arguments.h"
 #include "services/tool/mission/backup_admin.h"
+#include "services/tool/mission/file_backups.h"
 #include "services/tool/mission/mission_admin.h"
 #include "services/tool/mission/mission_json.h"
 #include "slam/util/status_macros.h"
@@ -132,6 +133,17 @@ absl::Status Restore(const MissionArguments& arguments) {
   return absl::OkStatus();
 }
 
+absl::Status BackUpAllMissions(const MissionArguments& arguments) {
+  ASSIGN_OR_RETURN(const auto channel, Connect(arguments));
+  MissionAdmin admin(channel);
+  return BackUpAll(admin, {arguments.folder, arguments.keep}, absl::Now(),
+                   [](const std::string& mission, const absl::StatusOr<std::string>& file) {
+                     std::printf(
+                         "%s: %s\n", mission.c_str(),
+                         file.ok() ? file->c_str() : std::string(file.status().message()).c_str());
+                   });
+}
+
 void AddStoredFlag(CLI::App& action, MissionArguments& arguments) {
   action.add_option("--stored", arguments.stored,
                     "A stored backup, missions/M/backups/N, as `mission backups` lists it");
@@ -158,6 +170,14 @@ void AddRestoreAction(CLI::App& mission, const std::shared_ptr<MissionArguments>
 
 void AddBackupActions(CLI::App& mission, const std::shared_ptr<MissionArguments>& arguments,
                       Command& chosen) {
+  CLI::App* all = AddMissionAction(mission, "backup-all",
+                                   "Write a file of each mission, DIR/MISSION/TIME.backup, and "
+                                   "remove old ones; for timers",
+                                   &BackUpAllMissions, arguments, chosen);
+  all->add_option("--out-dir", arguments->folder, "DIR; made if it is not there")->required();
+  all->add_option("--keep", arguments->keep, "Files of a mission that stay")
+      ->check(CLI::Range(size_t{1}, size_t{100000}))
+      ->capture_default_str();
   CLI::App* store = AddMissionAction(mission, "store-backup",
                                      "Make a backup in the store's own folder (--backup-dir)",
                                      &StoreBackup, arguments, chosen);

@@ -71,6 +71,11 @@ void PrintPlan(const std::string& directory, const UpgradePlan& plan) {
                 static_cast<unsigned long>(mission.keyframes),
                 static_cast<double>(mission.bytes) / (1 << 20));
   }
+  if (plan.bytes_needed == 0) {
+    std::printf("%s is of format %u and becomes %u: %zu missions change where they are\n",
+                directory.c_str(), plan.from, plan.to, plan.missions.size());
+    return;
+  }
   std::printf(
       "%s is of format %u and becomes %u: %zu missions are copied, which takes %.1f MiB more for a "
       "while; the disk has %.1f MiB free\n",
@@ -95,7 +100,7 @@ absl::Status Upgrade(const JournalArguments& arguments) {
     std::printf("done: older programs don't read it any more\n");
     return absl::OkStatus();
   }
-  if (plan.bytes_free > plan.bytes_needed) return absl::OkStatus();
+  if (plan.bytes_free >= plan.bytes_needed) return absl::OkStatus();
   return absl::ResourceExhaustedError(absl::StrCat("the upgrade wants ", plan.bytes_needed,
                                                    " bytes and the disk has ", plan.bytes_free,
                                                    " free: make room, or move the folder"));

@@ -29,6 +29,9 @@ struct MissionArguments {
   std::string stored;
   std::string at;
   std::string as;
+  // These are of `backup-all`.
+  std::string folder;
+  size_t keep = 7;
   // `export` alone has the four fields below.
   std::string format;
   std::string agent;

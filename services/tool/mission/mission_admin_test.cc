@@ -9,6 +9,7 @@
 #include <random>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "map_store/map_store.h"
 #include "services/convert/testing/test_data.h"
@@ -16,6 +17,7 @@
 #include "services/programs/default_vocabulary.h"
 #include "services/server/server.h"
 #include "services/testing/test_path.h"
+#include "services/tool/mission/file_backups.h"
 #include "services/tool/mission/mission_settings.h"
 
 namespace corbslam::services {
@@ -119,6 +121,29 @@ TEST_F(MissionAdminTest, SaysWhatIsWrongWithAFile) {
   fs::resize_file(File("m.backup"), fs::file_size(File("m.backup")) - 5);
   EXPECT_TRUE(absl::IsDataLoss(admin_->Restore(File("m.backup"), "m2").status()));
   EXPECT_EQ(admin_->List()->size(), 1u);
+}
+
+TEST_F(MissionAdminTest, BacksUpAllMissionsAndKeepsTheNewest) {
+  std::vector<std::string> told;
+  const auto run = [&](absl::Time now) {
+    return BackUpAll(*admin_, {folder_.string(), 2}, now,
+                     [&told](const std::string& mission, const absl::StatusOr<std::string>& file) {
+                       told.push_back(mission + (file.ok() ? " done" : " failed"));
+                     });
+  };
+  fs::create_directories(folder_ / "m");
+  std::ofstream(folder_ / "m" / "mine.backup") << "stays";
+  const absl::Time begin = absl::FromUnixSeconds(1'800'000'000);
+  for (int hour = 0; hour < 3; ++hour) ASSERT_TRUE(run(begin + absl::Hours(hour)).ok());
+  EXPECT_EQ(told, std::vector<std::string>(3, "m done"));
+  EXPECT_FALSE(fs::exists(folder_ / "m" / "20270115T080000Z.backup"));
+  EXPECT_TRUE(fs::exists(folder_ / "m" / "20270115T090000Z.backup"));
+  EXPECT_TRUE(fs::exists(folder_ / "m" / "mine.backup"));
+  const std::string newest = (folder_ / "m" / "20270115T100000Z.backup").string();
+  EXPECT_TRUE(admin_->Restore(newest, "m2").ok());
+  // One that is there already is kept, and said; the other mission has its own.
+  EXPECT_TRUE(absl::IsAlreadyExists(run(begin + absl::Hours(2))));
+  EXPECT_TRUE(fs::exists(folder_ / "m2" / "20270115T100000Z.backup"));
 }
 
 }  // namespace

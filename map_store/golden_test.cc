@@ -1,0 +1,94 @@
+// Tests that what programs of every format wrote is read (tests/data/golden).
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <memory>
+#include <sstream>
+#include <string>
+#include <utility>
+
+#include "map_store/archive/mission_archive.h"
+#include "map_store/map_store.h"
+#include "map_store/rocks/rocks_journal.h"
+#include "map_store/testing/shared_world.h"
+
+namespace corbslam::map_store {
+namespace {
+
+namespace fs = std::filesystem;
+
+class GoldenTest : public ::testing::Test {
+ protected:
+  GoldenTest() {
+    fs::remove_all(folder_);
+    fs::create_directories(folder_);
+  }
+  ~GoldenTest() override {
+    store_.reset();
+    fs::remove_all(folder_);
+  }
+
+  void OpenStore(std::unique_ptr<Journal> journal) {
+    store_ = std::make_unique<MapStore>(testing::DeterministicOptions(), nullptr,
+                                        std::move(journal), nullptr);
+    ASSERT_TRUE(store_->Recover().ok());
+  }
+  // The folder is copied: a start may change it.
+  void ReadJournal(const fs::path& golden) {
+    const fs::path copy = folder_ / golden.filename();
+    fs::copy(golden, copy, fs::copy_options::recursive);
+    auto journal = RocksJournal::Open({.directory = copy.string()});
+    ASSERT_TRUE(journal.ok()) << journal.status();
+    OpenStore(*std::move(journal));
+  }
+  void ReadBackup(const fs::path& golden) {
+    std::ifstream file(golden, std::ios::binary);
+    const std::string bytes{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+    OpenStore(std::make_unique<InMemoryJournal>());
+    MissionRestorer restorer = store_->StartRestoring();
+    const absl::Status added = restorer.Add(bytes);
+    ASSERT_TRUE(added.ok()) << added;
+    absl::StatusOr<MissionState> state = restorer.Finish();
+    ASSERT_TRUE(state.ok()) << state.status();
+    const absl::Status restored = store_->RestoreMission("golden", *std::move(state));
+    ASSERT_TRUE(restored.ok()) << restored;
+  }
+
+  const fs::path folder_ = fs::path(::testing::TempDir()) / "golden_test";
+  std::unique_ptr<MapStore> store_;
+};
+
+TEST_F(GoldenTest, WhatWasWrittenOnceIsReadForGood) {
+  const fs::path golden = CORBSLAM_GOLDEN_DATA;
+  std::ifstream expected(golden / "expected.txt");
+  std::string line;
+  int read = 0;
+  while (std::getline(expected, line)) {
+    if (line.empty() || line.front() == '#') continue;
+    SCOPED_TRACE(line);
+    std::istringstream words(line);
+    std::string name;
+    size_t keyframes = 0;
+    size_t points = 0;
+    ASSERT_TRUE(words >> name >> keyframes >> points);
+    store_.reset();
+    if (fs::is_directory(golden / name)) {
+      ReadJournal(golden / name);
+    } else {
+      ReadBackup(golden / name);
+    }
+    ASSERT_FALSE(HasFatalFailure());
+    const auto info = store_->GetMission("golden");
+    ASSERT_TRUE(info.ok()) << info.status();
+    EXPECT_EQ(info->damage, "");
+    EXPECT_EQ(info->keyframes, keyframes);
+    EXPECT_EQ(info->map_points, points);
+    ++read;
+  }
+  EXPECT_GE(read, 2);
+}
+
+}  // namespace
+}  // namespace corbslam::map_store
