@@ -94,6 +94,7 @@ absl::Status MissionSnapshots::Write(Beginning& beginning, const std::function<b
 
 absl::StatusOr<bool> MissionSnapshots::Keep(const std::function<bool()>& goes_on) {
   absl::MutexLock one(&mutex_);
+  if (strand_.IsDeleted()) return false;
   if (!strand_.environment().journal->WantsSnapshot(strand_.name())) return false;
   Beginning beginning;
   {
