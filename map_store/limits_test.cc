@@ -120,7 +120,8 @@ TEST_F(LimitsTest, MissionsAgentsAndLocalMaps) {
   EXPECT_TRUE(OpenStatus("b", "m").ok());
   ExpectTooMuch(OpenStatus("c", "m").status(), {"mission m has 2 agents"});
   EXPECT_TRUE(store_->Apply(a, Batch(kMapA, 1)).ok());
-  ExpectTooMuch(store_->Apply(a, Batch(kMapB, 1)).status(), {"mission m has 1 local maps"});
+  ExpectTooMuch(store_->Apply(a, Batch(kMapB, 1)).status(),
+                {"mission m has 1 local maps", "limit is 1"});
 }
 
 TEST_F(LimitsTest, AMissionThatNobodyWroteToIsForgotten) {

@@ -11,6 +11,7 @@
 #include "map_store/mission/memory_returner.h"
 #include "map_store/mission/mission.h"
 #include "map_store/mission/mission_directory.h"
+#include "map_store/mission/mission_tender.h"
 #include "map_store/mission/mission_waker.h"
 #include "map_store/mission/sleepers.h"
 #include "map_store/mission/snapshot_keeper.h"
@@ -44,7 +45,8 @@ MapStore::MapStore(const MapStoreOptions& options, std::shared_ptr<const Vocabul
       memory_returner_(std::make_unique<MemoryReturner>(&GiveBackFreeMemory)),
       executor_(
           std::make_unique<FusionExecutor>(worker, absl::Milliseconds(options.retry_ms), clock_)),
-      snapshots_(std::make_unique<SnapshotKeeper>(clock_)) {
+      snapshots_(std::make_unique<SnapshotKeeper>(clock_)),
+      tender_(std::make_unique<MissionTender>([this] { TendMissions(); })) {
   directory_ = std::make_unique<MissionDirectory>(
       clock_, [this](const std::string& name, const Sleeper& sleeper) {
         return LoadSleeper(name, sleeper);
@@ -55,9 +57,11 @@ MapStore::MapStore(const MapStoreOptions& options, std::shared_ptr<const Vocabul
   executor_->Start(list_missions, options_.fusion_threads);
   snapshots_->Start(list_missions, [this] { memory_returner_->Wake(); });
   memory_returner_->Start();
+  tender_->Start();
 }
 
 MapStore::~MapStore() {
+  tender_->Stop();
   snapshots_->Stop();
   executor_->Stop();
   EndSleep();
@@ -69,7 +73,10 @@ void MapStore::Wake() {
 }
 
 absl::StatusOr<std::shared_ptr<Mission>> MapStore::FindMission(absl::string_view name) const {
-  return options_.wake_in_background ? directory_->UseAwake(name) : directory_->Use(name);
+  absl::StatusOr<std::shared_ptr<Mission>> mission =
+      options_.wake_in_background ? directory_->UseAwake(name) : directory_->Use(name);
+  if (mission.ok()) (*mission)->profile().NoteUse();
+  return mission;
 }
 
 absl::Status MapStore::Recover() {
@@ -106,6 +113,7 @@ absl::StatusOr<uint64_t> MapStore::EnterMission(const std::string& name, const s
   if (absl::IsNotFound(found.status())) found = directory_->UseOrMake(name, make);
   ASSIGN_OR_RETURN(std::shared_ptr<Mission> mission, std::move(found));
   absl::MutexLock lock(&mutex_);
+  mission->profile().NoteUse();
   const uint64_t session_id = next_session_++;
   sessions_[session_id] = {agent, std::move(mission)};
   return session_id;
@@ -117,6 +125,7 @@ void MapStore::LeaveMission(uint64_t session_id) {
   const auto it = sessions_.find(session_id);
   if (it == sessions_.end()) return;
   left = std::move(it->second);
+  left.mission->profile().NoteUse();
   sessions_.erase(it);
 }
 
@@ -161,6 +170,7 @@ absl::StatusOr<MapStore::OpenedSession> MapStore::OpenSession(const SessionReque
 absl::StatusOr<Acknowledgement> MapStore::Apply(uint64_t session_id, const MapUpdateBatch& batch,
                                                 const BatchTransfer* measured) {
   ASSIGN_OR_RETURN(const Session session, FindSession(session_id));
+  session.mission->profile().NoteUse();
   return session.mission->batches().Apply(session_id, session.agent, batch, measured);
 }
 
@@ -218,7 +228,7 @@ absl::StatusOr<std::vector<uint64_t>> MapStore::RetractOverlap(absl::string_view
 
 absl::StatusOr<bool> MapStore::IsFusionIdle(absl::string_view mission_name) const {
   ASSIGN_OR_RETURN(const std::shared_ptr<Mission> mission, FindMission(mission_name));
-  return mission->fusion().IsIdle();
+  return mission->fusion().IsIdle() && !mission->retiring().IsDue();
 }
 
 absl::Status MapStore::WaitUntilFusionIdle(absl::string_view mission_name,
@@ -236,10 +246,14 @@ absl::Status MapStore::DeleteMission(absl::string_view mission_name) {
   absl::MutexLock deleting(&deletion_mutex_);
   ASSIGN_OR_RETURN(const std::shared_ptr<Mission> mission,
                    directory_->BeginDeletion(mission_name, life));
+  return EndLife(mission_name, mission);
+}
+
+absl::Status MapStore::EndLife(absl::string_view name, const std::shared_ptr<Mission>& mission) {
   // From here on nothing is appended to the journal, so that what is deleted stays deleted.
   if (mission != nullptr) mission->Delete();
-  const absl::Status deleted = journal_->DeleteMission(mission_name);
-  directory_->EndDeletion(mission_name, deleted.ok());
+  const absl::Status deleted = journal_->DeleteMission(name);
+  directory_->EndDeletion(name, deleted.ok());
   RETURN_IF_ERROR(deleted);
   // Watchers are called, and find that the mission has gone.
   if (mission != nullptr) mission->CallListeners();
@@ -259,18 +273,28 @@ MissionRestorer MapStore::StartRestoring() const {
   });
 }
 
+absl::Status MapStore::ReserveName(const std::string& name) {
+  MakeRoomForMissions(1);
+  return directory_->Reserve(
+      name, [this](const MissionDirectory::Counts& counts) { return CheckRoom(counts, options_); });
+}
+
 absl::Status MapStore::RestoreMission(const std::string& name, MissionState state) {
   RETURN_IF_ERROR(map_store::ValidateName("mission", name));
   RETURN_IF_ERROR(map_store::ValidateRestored(state, options_));
-  MakeRoomForMissions(1);
-  RETURN_IF_ERROR(directory_->Reserve(name, [this](const MissionDirectory::Counts& counts) {
-    return CheckRoom(counts, options_);
-  }));
+  RETURN_IF_ERROR(ReserveName(name));
   state.name = name;
+  // Its retention begins anew.
+  state.profile.last_used_ns = ToProfileTime(clock_());
   absl::Status status = journal_->CreateMission(name, state);
   std::shared_ptr<Mission> mission = MakeMission(name);
-  if (status.ok()) mission->Restore(std::move(state));
-  directory_->EndRestoring(name, status.ok() ? std::move(mission) : nullptr);
+  if (status.ok()) {
+    mission->Restore(std::move(state));
+    mission->profile().NoteUse();
+  } else {
+    mission.reset();
+  }
+  directory_->EndMaking(name, std::move(mission));
   Wake();
   return status;
 }

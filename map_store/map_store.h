@@ -25,6 +25,7 @@
 #include "map_store/records/journal.h"
 #include "map_store/state/lookups.h"
 #include "map_store/state/mission_event.h"
+#include "map_store/state/mission_profile.h"
 #include "map_store/view/map_replay.h"
 #include "map_store/view/map_watcher.h"
 #include "slam/exchange/fusion_worker.h"
@@ -44,6 +45,7 @@ class MemoryBudget;
 class MemoryReturner;
 class Mission;
 class MissionDirectory;
+class MissionTender;
 class MissionWaker;
 class Sleepers;
 class SnapshotKeeper;
@@ -55,6 +57,9 @@ class MapStore {
  public:
   // Says what time it is.
   using Clock = std::function<absl::Time()>;
+
+  // Is told that a mission was deleted because its retention has passed, and why.
+  using ExpiryListener = std::function<void(const std::string& mission, const std::string& why)>;
 
   struct OpenedSession {
     uint64_t session_id = 0;
@@ -104,6 +109,9 @@ class MapStore {
   absl::StatusOr<Acknowledgement> Apply(uint64_t session_id, const MapUpdateBatch& batch,
                                         const BatchTransfer* measured = nullptr);
   void CloseSession(uint64_t session_id);
+  // Counts bytes of batches that came in the session. Returns how long the agent's stream is not to
+  // be read, so that it sends no more a second than its limit (UplinkLimit), but for a burst.
+  absl::Duration PaceUplink(uint64_t session_id, uint64_t bytes);
 
   // Returns the next step of what the agent lacks, or none when it has all; about `byte_budget`
   // bytes at most, but at least one item. Returns ABORTED when the session is fenced.
@@ -159,6 +167,18 @@ class MapStore {
 
   absl::StatusOr<Page<MissionInfo>> ListMissions(const PageRequest& page) const;
   absl::StatusOr<MissionInfo> GetMission(absl::string_view mission) const;
+  // Makes a mission that has no robots yet. It is durable when the function returns OK.
+  // ALREADY_EXISTS; INVALID_ARGUMENT for a name or a profile that is none; RESOURCE_EXHAUSTED.
+  absl::Status CreateMission(const std::string& mission, const MissionProfile& profile);
+  // Changes these fields of the mission's profile to those of `values`. The change is durable when
+  // the function returns, and counts for sessions that are open.
+  absl::Status UpdateMission(absl::string_view mission, const MissionProfile& values,
+                             const std::vector<ProfileField>& fields);
+  // Deletes the missions that nobody has used for as long as their retention, and writes down when
+  // the others were used. The store's own thread does this once a minute, unless
+  // `options.deterministic`.
+  void TendMissions();
+  void SetExpiryListener(ExpiryListener listener);
   // Deletes the mission and fences the sessions in it. What it took of the disk is free when the
   // function returns, what it took of memory a moment later.
   absl::Status DeleteMission(absl::string_view mission);
@@ -259,8 +279,17 @@ class MapStore {
     std::shared_ptr<Mission> mission;
   };
 
-  // Returns the mission, which stays in memory for as long as the caller holds it.
+  // Returns the mission, for somebody who uses it: it stays in memory for as long as the caller
+  // holds it.
   absl::StatusOr<std::shared_ptr<Mission>> FindMission(absl::string_view name) const;
+  // Keeps a new mission's name free of others until MissionDirectory::EndMaking.
+  absl::Status ReserveName(const std::string& name);
+  // Deletes the mission, if its retention has passed still.
+  void Expire(const std::string& name) ABSL_LOCKS_EXCLUDED(deletion_mutex_, mutex_);
+  // Deletes it for good, after MissionDirectory::BeginDeletion; `mission` is null if it is on the
+  // disk alone.
+  absl::Status EndLife(absl::string_view name, const std::shared_ptr<Mission>& mission)
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(deletion_mutex_) ABSL_LOCKS_EXCLUDED(mutex_);
   // Registers a session in the mission, which is made if there is none. Returns the session's id.
   absl::StatusOr<uint64_t> EnterMission(const std::string& name, const std::string& agent);
   // Forgets the session, and the mission if nothing was ever written of it and nobody is in it.
@@ -292,6 +321,7 @@ class MapStore {
   const std::unique_ptr<MemoryReturner> memory_returner_;
   std::unique_ptr<FusionExecutor> executor_;
   std::unique_ptr<SnapshotKeeper> snapshots_;
+  const std::unique_ptr<MissionTender> tender_;
 
   // Holds all missions.
   std::unique_ptr<MissionDirectory> directory_;

@@ -36,7 +36,9 @@ MissionInfo MapStore::Describe(const KnownMission& known) const {
     info = known.sleeper->summary.info;
     info.asleep = true;
   }
-  info.last_used_ns = absl::ToUnixNanos(known.last_used);
+  if (info.profile.last_used_ns == 0) {
+    info.profile.last_used_ns = absl::ToUnixNanos(known.last_used);
+  }
   info.has_worker = has_worker();
   info.worker_outage = worker_outage();
   info.damage = SayDamage(info.name, journal_->Damage(info.name));

@@ -35,6 +35,10 @@ absl::Status MapStoreOptions::Validate() const {
     status.Update(
         absl::InvalidArgumentError(absl::StrCat("cull_share is ", cull_share, ", must be 0 to 1")));
   }
+  if (!(retire_share > 0 && retire_share <= 1)) {
+    status.Update(absl::InvalidArgumentError(
+        absl::StrCat("retire_share is ", retire_share, ", must be above 0 and at most 1")));
+  }
   status.Update(CheckPositive("adjust_threads", adjust_threads));
   status.Update(CheckPositive("fusion_threads", fusion_threads));
   status.Update(CheckPositive("max_attempts", max_attempts));

@@ -57,6 +57,11 @@ struct MapStoreOptions {
   // `cull_target` of an island (0: any number stays). Their owners keep them.
   double cull_share = 0;
   size_t cull_target = 0;
+  // Whether the store lets go of keyframes that others stand in for, and of points that have
+  // vanished, of local maps that are closed and joined (docs/adr/0033-what-stays-of-a-session.md);
+  // and the share of its landmarks that others see by which a keyframe goes.
+  bool retire = false;
+  double retire_share = 0.9;
   // Local motion of a placed keyframe relative to its parent that calls for a refresh.
   double local_motion_px = 1.0;
   // Foreign keyframes that one agent is sent at most; it is sent the nearest ones.

@@ -194,6 +194,12 @@ std::vector<RecordDamage> MakeRecordDamages() {
          plan.rejected_raw[{{kSmallMapA, 0}, 99}] = {};
        })},
       {"AnOverlapNobodyFound", kFuse, InFuse([](auto& plan) { plan.overlaps = {5}; })},
+      {"AnOriginThatIsNoPlace", kRefused,
+       [](JournalRecord& record) {
+         ProfileRecord profile;
+         profile.profile.origin = GeoOrigin{std::numeric_limits<double>::quiet_NaN(), 0, 0, 0};
+         record = profile;
+       }},
       {"ALocalMapThatNobodyBent", kRefused,
        [](JournalRecord& record) { std::get<FuseRefusedRecord>(record).relaxed = {kNobody}; }}};
 }
@@ -217,74 +223,75 @@ struct StateDamage {
 LocalMapState& MapA(MissionState& state) { return state.local_maps.at(kSmallMapA); }
 
 std::vector<StateDamage> MakeStateDamages() {
-  return {{"ALocalMapInTwoPlaces", [](auto& state) { std::swap(state.order[0], state.order[1]); }},
-          {"ALocalMapOfNobody", [](auto& state) { state.agents.at("a").local_maps.clear(); }},
-          {"ANameThatIsNone", [](auto& state) { state.agents["?"]; }},
-          {"ALocalMapWithoutIsland", [](auto& state) { state.global.island_of.erase(kSmallMapB); }},
-          {"AnIslandOfNobody",
-           [](auto& state) {
-             state.global.islands[kNobody].id = kNobody;
-             state.global.islands[kNobody].local_maps = {kNobody};
-           }},
-          {"ARelaxedNobody",
-           [](auto& state) { state.global.islands.at(kSmallMapA).relaxed = {kNobody}; }},
-          {"AKeyframeThatNeverArrived",
-           [](auto& state) {
-             MapA(state).arrival.erase({kSmallMapA, 1});
-           }},
-          {"MoreSettledThanArrived", [](auto& state) { MapA(state).settled = 99; }},
-          {"AKeypointThatIsNotThere",
-           [](auto& state) {
-             MapA(state).foreign_observations[{kSmallMapA, 1}][99] = {kSmallMapB, 0};
-           }},
-          {"ALandmarkOfNobody",
-           [](auto& state) {
-             state.global.landmarks.Merge({kSmallMapA, 0}, {kNobody, 0});
-           }},
-          {"ALandmarkOfWhatWasRemoved",
-           [](auto& state) {
-             state.global.landmarks.Merge({kSmallMapA, 0}, {kSmallMapA, 3});
-           }},
-          {"AnOverlapOfTomorrow", [](auto& state) { state.next_overlap = 1; }},
-          {"AnOverlapOfNobody",
-           [](auto& state) {
-             state.global.overlaps.Change(
-                 1, [](auto& entry) { entry.overlap.query.local_map = kNobody; });
-           }},
-          {"AnOverlapInNoState",
-           [](auto& state) {
-             state.global.overlaps.Change(
-                 1, [](auto& entry) { entry.state = static_cast<OverlapState>(-1); });
-           }},
-          {"AQueryOfNobody",
-           [](auto& state) {
-             state.queries.Push({kNobody, 0}, {kNobody});
-           }},
-          {"ARejectedNothing",
-           [](auto& state) {
-             state.global.rejected[{{kSmallMapA, 0}, 99}] = {};
-           }},
-          {"APlacedNobody",
-           [](auto& state) {
-             state.global.keyframes[{kNobody, 0}] = {};
-           }},
-          {"ADisplacedNobody",
-           [](auto& state) {
-             state.FindIslandOf(kSmallMapA)->displaced.insert({kNobody, 0});
-           }},
-          {"ACameraOfNoSize",
-           [](auto& state) { MapA(state).cameras = {std::make_shared<const Camera>()}; }},
-          {"APointOfNaN",
-           [](auto& state) {
-             MapA(state).map.SetPosition(
-                 {kSmallMapA, 0},
-                 Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN()));
-           }},
-          {"AKeyframeOfNaN", [](auto& state) {
-             Rigid3d pose;
-             pose.translation.x() = std::numeric_limits<double>::quiet_NaN();
-             MapA(state).map.SetPose({kSmallMapA, 0}, pose);
-           }}};
+  return {
+      {"ALocalMapInTwoPlaces", [](auto& state) { std::swap(state.order[0], state.order[1]); }},
+      {"AProfileOfTooManyBytes", [](auto& state) { state.profile.description.assign(2000, 'x'); }},
+      {"ALocalMapOfNobody", [](auto& state) { state.agents.at("a").local_maps.clear(); }},
+      {"ANameThatIsNone", [](auto& state) { state.agents["?"]; }},
+      {"ALocalMapWithoutIsland", [](auto& state) { state.global.island_of.erase(kSmallMapB); }},
+      {"AnIslandOfNobody",
+       [](auto& state) {
+         state.global.islands[kNobody].id = kNobody;
+         state.global.islands[kNobody].local_maps = {kNobody};
+       }},
+      {"ARelaxedNobody",
+       [](auto& state) { state.global.islands.at(kSmallMapA).relaxed = {kNobody}; }},
+      {"AKeyframeThatNeverArrived",
+       [](auto& state) {
+         MapA(state).arrival.erase({kSmallMapA, 1});
+       }},
+      {"MoreSettledThanArrived", [](auto& state) { MapA(state).settled = 99; }},
+      {"AKeypointThatIsNotThere",
+       [](auto& state) {
+         MapA(state).foreign_observations[{kSmallMapA, 1}][99] = {kSmallMapB, 0};
+       }},
+      {"ALandmarkOfNobody",
+       [](auto& state) {
+         state.global.landmarks.Merge({kSmallMapA, 0}, {kNobody, 0});
+       }},
+      {"ALandmarkOfWhatWasRemoved",
+       [](auto& state) {
+         state.global.landmarks.Merge({kSmallMapA, 0}, {kSmallMapA, 3});
+       }},
+      {"AnOverlapOfTomorrow", [](auto& state) { state.next_overlap = 1; }},
+      {"AnOverlapOfNobody",
+       [](auto& state) {
+         state.global.overlaps.Change(1,
+                                      [](auto& entry) { entry.overlap.query.local_map = kNobody; });
+       }},
+      {"AnOverlapInNoState",
+       [](auto& state) {
+         state.global.overlaps.Change(
+             1, [](auto& entry) { entry.state = static_cast<OverlapState>(-1); });
+       }},
+      {"AQueryOfNobody",
+       [](auto& state) {
+         state.queries.Push({kNobody, 0}, {kNobody});
+       }},
+      {"ARejectedNothing",
+       [](auto& state) {
+         state.global.rejected[{{kSmallMapA, 0}, 99}] = {};
+       }},
+      {"APlacedNobody",
+       [](auto& state) {
+         state.global.keyframes[{kNobody, 0}] = {};
+       }},
+      {"ADisplacedNobody",
+       [](auto& state) {
+         state.FindIslandOf(kSmallMapA)->displaced.insert({kNobody, 0});
+       }},
+      {"ACameraOfNoSize",
+       [](auto& state) { MapA(state).cameras = {std::make_shared<const Camera>()}; }},
+      {"APointOfNaN",
+       [](auto& state) {
+         MapA(state).map.SetPosition(
+             {kSmallMapA, 0}, Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN()));
+       }},
+      {"AKeyframeOfNaN", [](auto& state) {
+         Rigid3d pose;
+         pose.translation.x() = std::numeric_limits<double>::quiet_NaN();
+         MapA(state).map.SetPose({kSmallMapA, 0}, pose);
+       }}};
 }
 
 class DamagedStateTest : public ::testing::TestWithParam<StateDamage> {};

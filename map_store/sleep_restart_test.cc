@@ -39,7 +39,7 @@ TEST_F(SleepRestartTest, WhatSleepsIsNotRead) {
   const MissionInfo after = *store_->GetMission(kMission);
   EXPECT_TRUE(after.asleep);
   EXPECT_EQ(after.keyframes, before.keyframes);
-  EXPECT_EQ(after.last_used_ns, before.last_used_ns);
+  EXPECT_EQ(after.profile.last_used_ns, before.profile.last_used_ns);
   EXPECT_EQ(FirstDifference(DumpLocal(kMission, *store_), local), "");
 }
 

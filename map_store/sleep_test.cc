@@ -79,7 +79,7 @@ TEST_F(SleepTest, FallsAsleepWhenItsTimeHasComeAndWakesAsItWas) {
   EXPECT_EQ(asleep.keyframes, awake.keyframes);
   EXPECT_EQ(asleep.map_points, awake.map_points);
   EXPECT_EQ(asleep.agents, 1u);
-  EXPECT_EQ(asleep.last_used_ns, awake.last_used_ns) << "who only looks is no user";
+  EXPECT_EQ(asleep.profile.last_used_ns, awake.profile.last_used_ns) << "who only looks is no user";
   EXPECT_GT(asleep.disk_bytes, 0u);
   ASSERT_EQ(store_->ListMissions({})->items.size(), 1u);
   EXPECT_TRUE(store_->ListMissions({})->items[0].asleep);

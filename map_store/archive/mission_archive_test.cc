@@ -16,6 +16,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
 #include "map_store/archive/state_archive.h"
+#include "map_store/archive/state_fields.h"
 #include "map_store/map_store.h"
 #include "map_store/rocks/journal_folder.h"
 #include "map_store/rocks/journal_keys.h"
@@ -161,6 +162,35 @@ TEST_F(MissionArchiveTest, AMissionThatIsThereIsNotOverwritten) {
   EXPECT_TRUE(absl::IsNotFound(store_->BackUpMission("nowhere").status()));
 }
 
+// Returns a state as programs before profiles wrote it: with another format number, and without a
+// profile at the end.
+std::string AsFormat6(const MissionState& of) {
+  std::string state = map_store::EncodeState(of);
+  const uint32_t format = 6;
+  std::memcpy(state.data(), &format, sizeof(format));
+  ArchiveWriter profile;
+  profile(of.profile);
+  state.resize(state.size() - profile.Take().size());
+  return state;
+}
+
+// Returns a backup as programs before profiles wrote it.
+std::string AsFormat8(const MissionState& of) {
+  std::vector<std::shared_ptr<const KeyframePayload>> keyframes;
+  for (const auto& [id, local_map] : of.local_maps) {
+    for (const auto& [keyframe_id, keyframe] : local_map.map.keyframes()) {
+      keyframes.push_back(keyframe.payload);
+    }
+  }
+  MissionBackup backup(AsFormat6(of), std::move(keyframes));
+  std::string file;
+  for (std::string piece = backup.Next(1 << 20); !piece.empty(); piece = backup.Next(1 << 20)) {
+    file += piece;
+  }
+  file[8] = 8;
+  return file;
+}
+
 // Returns a state as programs before anchors wrote it: with another format number, its points
 // placed in their islands, and without anchors at the end.
 std::string AsFormat4(const MissionState& of) {
@@ -168,11 +198,12 @@ std::string AsFormat4(const MissionState& of) {
   for (auto& [id, placed] : in_islands.global.points) {
     placed.position_in_anchor = map_store::FindPlaced(id, of.global)->PositionInIsland();
   }
-  std::string state = map_store::EncodeState(in_islands);
+  std::string state = AsFormat6(in_islands);
   const uint32_t format = 4;
   std::memcpy(state.data(), &format, sizeof(format));
-  // The anchors take their number, and twelve bytes each.
-  state.resize(state.size() - 8 - 12 * of.global.points.size());
+  // The anchors take their number, and twelve bytes each; that nothing has retired, eight bytes, and
+  // sixteen for each local map.
+  state.resize(state.size() - 8 - 12 * of.global.points.size() - 8 - 16 * of.order.size());
   return state;
 }
 
@@ -238,6 +269,41 @@ TEST_F(MissionArchiveTest, AStateFromBeforeAnchorsHasItsPointsWhereTheyWere) {
   }
 }
 
+TEST_F(MissionArchiveTest, AProfileGoesAlong) {
+  MissionProfile values;
+  values.description = "the old mine";
+  values.labels = {{"site", "3"}, {"none", ""}};
+  values.limits = {1, 2, 3, 4000};
+  values.agent_limits["alpha"].keyframes = 5;
+  values.retention_s = 6;
+  values.origin = GeoOrigin{7, 8, 9, 10};
+  using Field = ProfileField;
+  ASSERT_TRUE(store_
+                  ->UpdateMission("m", values,
+                                  {Field::kDescription, Field::kLabels, Field::kLimits,
+                                   Field::kAgentLimits, Field::kRetention, Field::kOrigin})
+                  .ok());
+  const auto read = Read(BackUp());
+  ASSERT_TRUE(read.ok()) << read.status();
+  values.created_ns = read->profile.created_ns;
+  values.last_used_ns = read->profile.last_used_ns;
+  EXPECT_EQ(read->profile, values);
+  EXPECT_GT(values.created_ns, 0);
+  EXPECT_GE(values.last_used_ns, values.created_ns);
+}
+
+TEST_F(MissionArchiveTest, ABackupFromBeforeProfilesIsReadAndHasNone) {
+  const auto state = *Read(BackUp());
+  EXPECT_GT(state.profile.created_ns, 0);
+  auto read = Read(AsFormat8(state));
+  ASSERT_TRUE(read.ok()) << read.status();
+  EXPECT_EQ(read->profile, MissionProfile());
+  ASSERT_TRUE(store_->RestoreMission("copy", *std::move(read)).ok());
+  EXPECT_EQ(DumpLocal("copy", *store_), DumpLocal("m", *store_));
+  // When it was made is not known, and is not made up.
+  EXPECT_EQ(store_->GetMission("copy")->profile.created_ns, 0);
+}
+
 TEST_F(MissionArchiveTest, DamageIsFoundWhereverItIs) {
   const std::string file = BackUp();
   const size_t step = file.size() / 400 + 1;
@@ -250,8 +316,8 @@ TEST_F(MissionArchiveTest, DamageIsFoundWhereverItIs) {
   EXPECT_TRUE(absl::IsDataLoss(Read(file + "x").status()));
   EXPECT_TRUE(absl::IsFailedPrecondition(Read("a picture of a cat").status()));
   std::string newer = file;
-  newer[8] = 9;
-  EXPECT_THAT(std::string(Read(newer).status().message()), HasSubstr("has format 9"));
+  newer[8] = 10;
+  EXPECT_THAT(std::string(Read(newer).status().message()), HasSubstr("has format 10"));
   EXPECT_TRUE(absl::IsResourceExhausted(Read(file, 1000, file.size() - 1).status()));
 }
 

@@ -78,10 +78,12 @@ void Fields(Archive& archive, T& agent) {
 namespace {
 
 // Format 3 has no recorded cameras, which follow everything else; in format 4 points are placed in
-// their islands and not in an anchor; in format 5 lenses have five numbers (value_fields.h).
+// their islands and not in an anchor; in format 5 lenses have five numbers (value_fields.h); up to
+// format 6 missions have no profile, and the store lets go of nothing.
 constexpr uint32_t kOldestStateFormat = 3;
 constexpr uint32_t kFirstWithAnchors = 5;
-constexpr uint32_t kStateFormat = 6;
+constexpr uint32_t kFirstWithProfile = 7;
+constexpr uint32_t kStateFormat = 7;
 
 absl::Status Unreadable(absl::string_view what) {
   return absl::DataLossError(absl::StrCat(what, " can't be read: its bytes are damaged"));
@@ -275,6 +277,16 @@ void GlobalFields(Archive& archive, State& state) {
           global.island_from_local, global.taken_back, global.kept_apart);
 }
 
+// Lists what follows everything else since the store lets go of keyframes and points.
+template <typename Archive, typename State>
+void RetiredFields(Archive& archive, State& state) {
+  archive(state.global.stand_ins);
+  for (const LocalMapId& id : state.order) {
+    auto& local_map = state.local_maps.at(id);
+    archive(local_map.retired_keyframes, local_map.faded_points);
+  }
+}
+
 // Anchors points of an older format, which are placed in their islands. Where no keyframe is placed
 // that sees a point, the point is not placed any more.
 void AnchorPoints(MissionState& state) {
@@ -441,7 +453,8 @@ std::string EncodeState(const MissionState& state) {
   for (const LocalMapId& id : state.order) writer(state.FindLocalMap(id)->recorded_cameras);
   std::vector<KeyframeId> anchors;
   for (const auto& [id, placed] : state.global.points) anchors.push_back(placed.anchor);
-  writer(anchors);
+  writer(anchors, state.profile);
+  RetiredFields(writer, state);
   return writer.Take();
 }
 
@@ -489,6 +502,10 @@ absl::StatusOr<MissionState> DecodeState(std::string_view bytes, const FeatureLo
     std::vector<KeyframeId> anchors;
     reader(anchors);
     RETURN_IF_ERROR(SetAnchors(anchors, state.global.points));
+  }
+  if (format >= kFirstWithProfile) {
+    reader(state.profile);
+    RetiredFields(reader, state);
   }
   if (!reader.done()) return Unreadable("a mission's snapshot");
   RETURN_IF_ERROR(ValidateState(state));

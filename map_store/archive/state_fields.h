@@ -163,6 +163,42 @@ template <typename Archive, MayBeConst<RetractRecord> T>
 void Fields(Archive& archive, T& record) {
   archive(record.overlap, record.keep_apart);
 }
+template <typename Archive, MayBeConst<StandIn> T>
+void Fields(Archive& archive, T& stand_in) {
+  archive(stand_in.keyframe, stand_in.keyframe_from_retired);
+}
+template <typename Archive, MayBeConst<RetiredKeyframe> T>
+void Fields(Archive& archive, T& retired) {
+  archive(retired.id, retired.parent, retired.parent_from_removed, retired.stand_in);
+}
+template <typename Archive, MayBeConst<RetireRecord> T>
+void Fields(Archive& archive, T& record) {
+  archive(record.retirement.keyframes, record.retirement.faded);
+}
+template <typename Archive, MayBeConst<GeoOrigin> T>
+void Fields(Archive& archive, T& origin) {
+  archive(origin.latitude_deg, origin.longitude_deg, origin.altitude_m, origin.heading_deg);
+}
+template <typename Archive, MayBeConst<MissionLimits> T>
+void Fields(Archive& archive, T& limits) {
+  archive(limits.keyframes, limits.memory_bytes, limits.disk_bytes, limits.uplink_bytes_per_second);
+}
+template <typename Archive, MayBeConst<MissionProfile> T>
+void Fields(Archive& archive, T& profile) {
+  archive(profile.description, profile.labels, profile.limits, profile.agent_limits,
+          profile.retention_s, profile.created_ns, profile.last_used_ns);
+  bool has_origin = profile.origin.has_value();
+  archive(has_origin);
+  if constexpr (Archive::kReads) {
+    profile.origin.reset();
+    if (has_origin) profile.origin.emplace();
+  }
+  if (has_origin) archive(*profile.origin);
+}
+template <typename Archive, MayBeConst<ProfileRecord> T>
+void Fields(Archive& archive, T& record) {
+  archive(record.profile);
+}
 template <typename Archive, MayBeConst<AdjustRecord> T>
 void Fields(Archive& archive, T& record) {
   if constexpr (Archive::kReads) {

@@ -2,6 +2,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "map_store/ingest/batch_validation.h"
+#include "map_store/ingest/mission_limits.h"
 #include "map_store/ingest/quota.h"
 #include "map_store/mission/mission_sessions.h"
 #include "map_store/mission/transfer_statistics.h"
@@ -39,13 +40,11 @@ absl::StatusOr<BatchIntake::Known> BatchIntake::Check(uint64_t session_id, const
     return absl::PermissionDeniedError(
         absl::StrCat("local map ", ToString(batch.local_map), " is another agent's"));
   }
-  const size_t local_maps = state.local_maps.size();
-  if (local_map == nullptr && local_maps >= strand_.options().max_local_maps_per_mission) {
-    return absl::ResourceExhaustedError(absl::StrCat("mission ", strand_.name(), " has ",
-                                                     local_maps, " local maps; that is the limit"));
-  }
+  if (local_map == nullptr) RETURN_IF_ERROR(CheckRoomForLocalMap(state, strand_.options()));
   ASSIGN_OR_RETURN(const Known known, CheckNumber(local_map, batch));
-  if (!known.has_value()) RETURN_IF_ERROR(CheckQuota(state, agent, batch, strand_.options()));
+  if (known.has_value()) return known;
+  RETURN_IF_ERROR(CheckQuota(state, agent, batch, strand_.options()));
+  RETURN_IF_ERROR(CheckKeyframeLimits(state, agent, batch));
   return known;
 }
 
@@ -56,6 +55,7 @@ absl::StatusOr<BatchIntake::Known> BatchIntake::CheckAndValidate(
   if (known.has_value()) return known;
   RETURN_IF_ERROR(
       ValidateBatch(strand_.state().FindLocalMap(batch.local_map), batch, strand_.options()));
+  RETURN_IF_ERROR(CheckMemoryLimit(strand_.state(), batch));
   return known;
 }
 
@@ -111,6 +111,15 @@ absl::Status BatchIntake::CheckMemory(const MapUpdateBatch& batch) const {
       2 * StoredBytes(batch));
 }
 
+absl::Status BatchIntake::CheckDisk(const MapUpdateBatch& batch) const {
+  const uint64_t limit =
+      strand_.WithState([](const MissionState& state) { return state.profile.limits.disk_bytes; });
+  // Finding out what is there reads the mission's folder.
+  if (limit == 0) return absl::OkStatus();
+  const uint64_t there = strand_.environment().journal->DiskBytes(strand_.name());
+  return CheckDiskLimit(strand_.name(), there, limit, batch);
+}
+
 absl::StatusOr<Acknowledgement> BatchIntake::Apply(uint64_t session_id, const std::string& agent,
                                                    const MapUpdateBatch& batch,
                                                    const BatchTransfer* measured) {
@@ -118,6 +127,7 @@ absl::StatusOr<Acknowledgement> BatchIntake::Apply(uint64_t session_id, const st
   ASSIGN_OR_RETURN(Known known, CheckAndValidate(session_id, agent, batch));
   if (!known.has_value()) {
     RETURN_IF_ERROR(CheckMemory(batch));
+    RETURN_IF_ERROR(CheckDisk(batch));
     const BatchWords words = ComputeWords(batch, strand_.environment().vocabulary);
     ASSIGN_OR_RETURN(known, ApplyInTurn(session_id, MakeRecord(agent, batch), words));
   }

@@ -51,7 +51,11 @@ void FusionExecutor::RunLane(FusionLane lane) {
     for (const std::weak_ptr<Mission>& listed : missions_()) {
       const std::shared_ptr<Mission> mission = listed.lock();
       if (mission == nullptr) continue;
-      const Turn turn = RunOne(*mission, lane);
+      Turn turn = RunOne(*mission, lane);
+      if (turn == Turn::kNothingToDo && lane == FusionLane::kGraph &&
+          mission->retiring().RunOne()) {
+        turn = Turn::kDone;
+      }
       did_something = did_something || turn == Turn::kDone;
       try_later = try_later || turn == Turn::kTryLater;
     }
@@ -67,7 +71,7 @@ void FusionExecutor::RunLane(FusionLane lane) {
 void FusionExecutor::RunUntilIdle(Mission& mission) {
   if (worker_ == nullptr) return;
   while (RunOne(mission, FusionLane::kGraph) == Turn::kDone ||
-         RunOne(mission, FusionLane::kAdjustment) == Turn::kDone) {
+         RunOne(mission, FusionLane::kAdjustment) == Turn::kDone || mission.retiring().RunOne()) {
   }
 }
 

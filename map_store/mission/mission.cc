@@ -17,6 +17,8 @@ MissionLoad MeasureLoad(const MissionState& state) {
   for (const auto& [id, local_map] : state.local_maps) {
     load.keyframes += local_map.map.keyframes().size();
     load.map_points += local_map.map.points().size();
+    load.retired_keyframes += local_map.retired_keyframes;
+    load.faded_points += local_map.faded_points;
   }
   load.memory_bytes = EstimateMemory(state);
   load.overlaps_queried = state.statistics.overlaps_queried;
@@ -30,15 +32,18 @@ MissionLoad MeasureLoad(const MissionState& state) {
 
 Mission::Mission(std::string name, MissionEnvironment environment)
     : strand_(std::move(name), std::move(environment)),
+      profile_(strand_),
       events_(strand_.environment().clock),
       sessions_(strand_, events_),
       batches_(strand_, sessions_.listeners(), events_),
       fusion_(strand_, events_, [this] { sessions_.listeners().CallAllBut(0); }),
+      retiring_(strand_, fusion_, [this] { sessions_.listeners().CallAllBut(0); }),
       snapshots_(strand_) {}
 
 MissionInfo Mission::Info() const {
   MissionInfo info = WithState(DescribeMission);
-  info.fusion_idle = fusion_.IsIdle();
+  info.fusion_idle = fusion_.IsIdle() && !retiring_.IsDue();
+  info.profile = profile_.Get();
   return info;
 }
 
@@ -53,13 +58,13 @@ MissionLoad Mission::Load() const {
   return load;
 }
 
+bool Mission::IsWatched() const {
+  return sessions_.listeners().has_of_map() || events_.listeners().has_of_map();
+}
+
 bool Mission::IsVacant() const {
   return strand_.appended() == 0 && !IsWatched() &&
          WithState([](const MissionState& state) { return state.local_maps.empty(); });
-}
-
-bool Mission::IsWatched() const {
-  return sessions_.listeners().has_of_map() || events_.listeners().has_of_map();
 }
 
 absl::Status Mission::CheckMaySleep() const {
@@ -74,7 +79,7 @@ absl::Status Mission::CheckMaySleep() const {
     return refuse("its journal is damaged, and only memory has all of it");
   }
   if (IsWatched()) return refuse("somebody watches it (WatchMap, WatchEvents)");
-  if (!fusion_.IsIdle()) return refuse("fusion has work to do");
+  if (!fusion_.IsIdle() || retiring_.IsDue()) return refuse("fusion has work to do");
   return absl::OkStatus();
 }
 

@@ -10,11 +10,13 @@
 #include "map_store/mission/event_book.h"
 #include "map_store/mission/fusion_coordinator.h"
 #include "map_store/mission/mission_load.h"
+#include "map_store/mission/mission_retiring.h"
 #include "map_store/mission/mission_sessions.h"
 #include "map_store/mission/mission_snapshots.h"
 #include "map_store/mission/mission_strand.h"
 #include "map_store/mission/mission_summary.h"
 #include "map_store/mission/picture_localization.h"
+#include "map_store/mission/profile_keeper.h"
 
 namespace corbslam::map_store {
 
@@ -30,7 +32,10 @@ class Mission {
   BatchIntake& batches() { return batches_; }
   FusionCoordinator& fusion() { return fusion_; }
   const FusionCoordinator& fusion() const { return fusion_; }
+  MissionRetiring& retiring() { return retiring_; }
   MissionSnapshots& snapshots() { return snapshots_; }
+  ProfileKeeper& profile() { return profile_; }
+  const ProfileKeeper& profile() const { return profile_; }
   Listeners& listeners() { return sessions_.listeners(); }
   EventBook& events() { return events_; }
   const EventBook& events() const { return events_; }
@@ -47,12 +52,12 @@ class Mission {
   }
   MissionLoad Load() const;
   MissionInfo Info() const;
+  // Returns whether somebody listens to its map or its events.
+  bool IsWatched() const;
   // Returns whether nothing was ever written of it and nobody watches it: without a session it need
   // not be kept.
   bool IsVacant() const;
 
-  // Returns whether somebody listens to what happens in it.
-  bool IsWatched() const;
   // Returns FAILED_PRECONDITION, with the reason, for a mission that has to stay in memory, whoever
   // uses it: it is watched, fusion has work to do, or only memory has all of it.
   absl::Status CheckMaySleep() const;
@@ -69,10 +74,12 @@ class Mission {
 
  private:
   MissionStrand strand_;
+  ProfileKeeper profile_;
   EventBook events_;
   MissionSessions sessions_;
   BatchIntake batches_;
   FusionCoordinator fusion_;
+  MissionRetiring retiring_;
   MissionSnapshots snapshots_;
 };
 

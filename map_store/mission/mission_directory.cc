@@ -26,7 +26,7 @@ void Sleeper::NoteAsleep(uint64_t disk_bytes) {
 
 absl::StatusOr<MissionDirectory::EntryPtr> MissionDirectory::Find(absl::string_view name) const {
   const auto it = entries_.find(std::string_view(name.data(), name.size()));
-  if (it == entries_.end() || it->second->stage == Stage::kBeingRestored) {
+  if (it == entries_.end() || it->second->stage == Stage::kBeingMade) {
     return NoSuchMission(name);
   }
   return it->second;
@@ -50,6 +50,10 @@ absl::Status MissionDirectory::CheckUsable(absl::string_view name, const Entry& 
   }
   if (entry.stage == Stage::kUnreadable) {
     return absl::DataLossError(SayDamage(name, entry.damage));
+  }
+  if (entry.is_expiring) {
+    return absl::UnavailableError(
+        absl::StrCat("mission ", name, " is being deleted, as its retention has passed"));
   }
   return absl::OkStatus();
 }
@@ -115,8 +119,8 @@ absl::StatusOr<MissionDirectory::Lease> MissionDirectory::UseOrMake(absl::string
       made->may_be_vacant = true;
       return LeaseOf(made);
     }
-    if (it->second->stage == Stage::kBeingRestored) {
-      return absl::UnavailableError(absl::StrCat("mission ", name, " is being restored"));
+    if (it->second->stage == Stage::kBeingMade) {
+      return absl::UnavailableError(absl::StrCat("mission ", name, " is being made"));
     }
     // One that nothing was written of must not go before this user has it.
     if (it->second->stage == Stage::kAwake) return LeaseOf(it->second);
@@ -156,7 +160,7 @@ void MissionDirectory::Release(const EntryPtr& entry) {
 }
 
 KnownMission MissionDirectory::Describe(const std::string& name, const Entry& entry) {
-  return {name, entry.mission, entry.sleeper, entry.damage, entry.last_used};
+  return {name, entry.mission, entry.sleeper, entry.damage, entry.last_used, entry.users > 0};
 }
 
 absl::StatusOr<KnownMission> MissionDirectory::Look(absl::string_view name) const {
@@ -170,7 +174,7 @@ std::vector<KnownMission> MissionDirectory::List(absl::string_view after, size_t
   absl::MutexLock lock(&mutex_);
   auto it = entries_.upper_bound(std::string_view(after.data(), after.size()));
   for (; it != entries_.end() && known.size() < count; ++it) {
-    if (it->second->stage == Stage::kBeingRestored) continue;
+    if (it->second->stage == Stage::kBeingMade) continue;
     known.push_back(Describe(it->first, *it->second));
   }
   return known;
@@ -207,7 +211,7 @@ void MissionDirectory::AddAsleep(const std::string& name, Sleeper sleeper) {
   absl::MutexLock lock(&mutex_);
   const EntryPtr& entry = Insert(name);
   entry->stage = Stage::kAsleep;
-  entry->last_used = absl::FromUnixNanos(sleeper.summary.info.last_used_ns);
+  entry->last_used = absl::FromUnixNanos(sleeper.summary.info.profile.last_used_ns);
   entry->sleeper = std::make_shared<const Sleeper>(std::move(sleeper));
 }
 
@@ -227,11 +231,11 @@ absl::Status MissionDirectory::Reserve(const std::string& name,
     return absl::AlreadyExistsError(absl::StrCat("there is a mission ", name, " already"));
   }
   RETURN_IF_ERROR(check_room(CountLocked()));
-  Insert(name)->stage = Stage::kBeingRestored;
+  Insert(name)->stage = Stage::kBeingMade;
   return absl::OkStatus();
 }
 
-void MissionDirectory::EndRestoring(const std::string& name, std::shared_ptr<Mission> mission) {
+void MissionDirectory::EndMaking(const std::string& name, std::shared_ptr<Mission> mission) {
   absl::MutexLock lock(&mutex_);
   if (mission == nullptr) {
     entries_.erase(name);
@@ -262,11 +266,25 @@ absl::StatusOr<std::shared_ptr<Mission>> MissionDirectory::BeginDeletion(absl::s
   return entry->mission;
 }
 
+std::optional<KnownMission> MissionDirectory::BeginExpiry(
+    absl::string_view name, absl::FunctionRef<bool(const KnownMission&)> is_due) {
+  absl::MutexLock lock(&mutex_);
+  const absl::StatusOr<EntryPtr> found = Find(name);
+  if (!found.ok()) return std::nullopt;
+  Entry& entry = **found;
+  const bool may_go = (entry.stage == Stage::kAwake || entry.stage == Stage::kAsleep) &&
+                      entry.users == 0 && !entry.being_deleted;
+  KnownMission known = Describe(std::string(name), entry);
+  if (!may_go || !is_due(known)) return std::nullopt;
+  entry.being_deleted = entry.is_expiring = true;
+  return known;
+}
+
 void MissionDirectory::EndDeletion(absl::string_view name, bool deleted) {
   absl::MutexLock lock(&mutex_);
   const absl::StatusOr<EntryPtr> entry = Find(name);
   if (!entry.ok()) return;
-  (*entry)->being_deleted = false;
+  (*entry)->being_deleted = (*entry)->is_expiring = false;
   if (deleted) Erase(*entry);
 }
 

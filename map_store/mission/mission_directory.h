@@ -8,6 +8,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -41,6 +42,7 @@ struct KnownMission {
   std::shared_ptr<const Sleeper> sleeper;
   absl::Status damage;
   absl::Time last_used;
+  bool is_used = false;  // Somebody holds a lease.
 };
 
 // Hands out missions and keeps count of their users: who holds a lease has the mission stay in
@@ -54,7 +56,8 @@ class MissionDirectory {
   using Load = std::function<absl::StatusOr<std::shared_ptr<Mission>>(const std::string& name,
                                                                       const Sleeper& sleeper)>;
   struct Counts {
-    size_t in_memory = 0;  // Those on their way there or back, and those damaged or restored, too.
+    size_t in_memory =
+        0;  // Those on their way there or back, and those damaged or being made, too.
     size_t asleep = 0;
   };
   using Make = absl::FunctionRef<absl::StatusOr<std::shared_ptr<Mission>>(const Counts&)>;
@@ -79,7 +82,7 @@ class MissionDirectory {
 
   // Those who only look: what they get may leave memory, and they are no users.
 
-  // Returns NOT_FOUND where there is none, or one that is being restored.
+  // Returns NOT_FOUND where there is none, or one that is being made.
   absl::StatusOr<KnownMission> Look(absl::string_view name) const ABSL_LOCKS_EXCLUDED(mutex_);
   // Returns those behind `after` in the order of names, `count` at most.
   std::vector<KnownMission> List(absl::string_view after, size_t count) const
@@ -92,13 +95,13 @@ class MissionDirectory {
   void Add(const std::string& name, std::shared_ptr<Mission> mission) ABSL_LOCKS_EXCLUDED(mutex_);
   void AddAsleep(const std::string& name, Sleeper sleeper) ABSL_LOCKS_EXCLUDED(mutex_);
   void AddUnreadable(const std::string& name, absl::Status damage) ABSL_LOCKS_EXCLUDED(mutex_);
-  // Keeps the name for a mission that is being restored. ALREADY_EXISTS or DATA_LOSS where there is
+  // Keeps the name for a mission that is being made. ALREADY_EXISTS or DATA_LOSS where there is
   // one; `check_room`, called with the lock held, has its say.
   absl::Status Reserve(const std::string& name,
                        absl::FunctionRef<absl::Status(const Counts&)> check_room)
       ABSL_LOCKS_EXCLUDED(mutex_);
   // Ends that: null gives the name up.
-  void EndRestoring(const std::string& name, std::shared_ptr<Mission> mission)
+  void EndMaking(const std::string& name, std::shared_ptr<Mission> mission)
       ABSL_LOCKS_EXCLUDED(mutex_);
 
   // Tells one life of a name from the next one.
@@ -108,6 +111,11 @@ class MissionDirectory {
   // if it is not. From here on it stays as it is until EndDeletion, which removes it if it is
   // deleted. NOT_FOUND if it is not that life any more.
   absl::StatusOr<std::shared_ptr<Mission>> BeginDeletion(absl::string_view name, const Life& life)
+      ABSL_LOCKS_EXCLUDED(mutex_);
+  // Does the same for a mission that nobody uses, if `is_due`, called with the lock held, says so:
+  // from here on nobody can use it (UNAVAILABLE). Returns none if it stays.
+  std::optional<KnownMission> BeginExpiry(absl::string_view name,
+                                          absl::FunctionRef<bool(const KnownMission&)> is_due)
       ABSL_LOCKS_EXCLUDED(mutex_);
   void EndDeletion(absl::string_view name, bool deleted) ABSL_LOCKS_EXCLUDED(mutex_);
 
@@ -129,7 +137,7 @@ class MissionDirectory {
   void EndSleep(const Unused& unused, Sleeper sleeper) ABSL_LOCKS_EXCLUDED(mutex_);
 
  private:
-  enum class Stage { kAwake, kFallingAsleep, kAsleep, kWaking, kUnreadable, kBeingRestored };
+  enum class Stage { kAwake, kFallingAsleep, kAsleep, kWaking, kUnreadable, kBeingMade };
   struct Entry {
     Stage stage = Stage::kAwake;
     std::shared_ptr<Mission> mission;        // kAwake, kFallingAsleep.
@@ -140,6 +148,7 @@ class MissionDirectory {
     // It was made for a robot that has not written anything yet, as far as anybody knew.
     bool may_be_vacant = false;
     bool being_deleted = false;
+    bool is_expiring = false;
     bool gone = false;  // It is not in the map any more.
     // What became of the last attempt to wake it, for those who waited for that.
     absl::Status wake_error;

@@ -34,6 +34,8 @@ struct ApplyAgain {
   }
   void operator()(const RederiveRecord& record) { Apply(record, state); }
   void operator()(const RetractRecord& record) { Apply(record, options, state); }
+  void operator()(const ProfileRecord& record) { Apply(record, state); }
+  void operator()(const RetireRecord& record) { Apply(record, state); }
 };
 
 BatchWords WordsOf(const JournalRecord& record, const Vocabulary* vocabulary) {

@@ -1,6 +1,7 @@
 #include "map_store/mission/mission_summary.h"
 
 #include "map_store/archive/archive.h"
+#include "map_store/archive/state_fields.h"
 
 namespace corbslam::map_store {
 
@@ -20,8 +21,7 @@ void Fields(Archive& archive, T& counts) {
 template <typename Archive, MayBeConst<MissionInfo> T>
 void Fields(Archive& archive, T& info) {
   archive(info.name, info.revision, info.agents, info.local_maps, info.islands, info.keyframes,
-          info.map_points, info.fusion_idle, info.waiting_queries, info.memory_bytes,
-          info.last_used_ns);
+          info.map_points, info.fusion_idle, info.waiting_queries, info.memory_bytes, info.profile);
 }
 
 template <typename Archive, MayBeConst<MissionLoad> T>

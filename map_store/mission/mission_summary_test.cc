@@ -19,7 +19,7 @@ MissionSummary MakeMissionSummary() {
   summary.info.fusion_idle = false;
   summary.info.waiting_queries = 5;
   summary.info.memory_bytes = 1 << 30;
-  summary.info.last_used_ns = 1'700'000'000'000'000'000;
+  summary.info.profile.last_used_ns = 1'700'000'000'000'000'000;
   summary.load.mission = "lab";
   summary.load.keyframes = 401;
   summary.load.overlaps_queried = 11;
@@ -36,7 +36,7 @@ TEST(MissionSummaryTest, ComesBackAsItWas) {
   EXPECT_EQ(read->info.name, "lab");
   EXPECT_EQ(read->info.map_points, 50000u);
   EXPECT_FALSE(read->info.fusion_idle);
-  EXPECT_EQ(read->info.last_used_ns, 1'700'000'000'000'000'000);
+  EXPECT_EQ(read->info.profile.last_used_ns, 1'700'000'000'000'000'000);
   EXPECT_EQ(read->load.keyframes, 401u);
   EXPECT_EQ(read->load.waiting.adjust, 3u);
   EXPECT_EQ(read->load.longest_write_s, 0.25);

@@ -111,7 +111,9 @@ absl::Status Sleepers::FallAsleep(const Unused& unused, bool in_haste,
 
 void Sleepers::PutAside(const Unused& unused) {
   Sleeper sleeper{unused.mission->Summarise(), unused.mission->events().GetPast()};
-  sleeper.summary.info.last_used_ns = absl::ToUnixNanos(unused.last_used);
+  if (int64_t& used_ns = sleeper.summary.info.profile.last_used_ns; used_ns == 0) {
+    used_ns = absl::ToUnixNanos(unused.last_used);
+  }
   const absl::Status status = journal_.PutAside(unused.name, EncodeSummary(sleeper.summary));
   LOG_IF(WARNING, !status.ok()) << "mission " << unused.name
                                 << " is asleep, but the next start will read it: " << status;

@@ -13,6 +13,7 @@
 
 #include "absl/time/time.h"
 #include "map_store/fusion/revision_plan.h"
+#include "map_store/retiring/retirement.h"
 #include "map_store/state/mission_state.h"
 #include "slam/exchange/map_update.h"
 #include "slam/exchange/overlap.h"
@@ -80,10 +81,22 @@ struct RetractRecord {
   bool keep_apart = false;
 };
 
+// Somebody made the mission, or changed what is set of it; or it was used. The whole profile as it
+// is from here on.
+struct ProfileRecord {
+  MissionProfile profile;
+};
+
+// The store let go of keyframes and points of closed local maps.
+struct RetireRecord {
+  Retirement retirement;
+};
+
 // Events that are no records (queries without candidates, workers' failures) are decided again
 // after a restart.
-using JournalRecord = std::variant<BatchRecord, QueryRecord, FuseRecord, FuseRefusedRecord,
-                                   AdjustRecord, RederiveRecord, RetractRecord>;
+using JournalRecord =
+    std::variant<BatchRecord, QueryRecord, FuseRecord, FuseRefusedRecord, AdjustRecord,
+                 RederiveRecord, RetractRecord, ProfileRecord, RetireRecord>;
 
 }  // namespace corbslam::map_store
 

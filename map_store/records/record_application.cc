@@ -12,6 +12,7 @@
 #include "map_store/ingest/batch_validation.h"
 #include "map_store/ingest/parked_references.h"
 #include "map_store/records/retraction.h"
+#include "map_store/retiring/retirement.h"
 #include "map_store/view/placement.h"
 #include "slam/util/status_macros.h"
 
@@ -23,6 +24,15 @@ bool IsSound(const Overlap& overlap, const QueryTask& task) {
          overlap.candidate_from_query.scale > 0 &&
          overlap.candidate_from_query.rotation.coeffs().allFinite() &&
          overlap.candidate_from_query.translation.allFinite() && IsCovariance(overlap.covariance);
+}
+
+// A mission that nobody made ahead begins with its first batch.
+void NoteUse(absl::Time time, MissionState& state) {
+  MissionProfile& profile = state.profile;
+  profile.last_used_ns = ToProfileTime(time);
+  if (profile.created_ns == 0 && state.local_maps.empty()) {
+    profile.created_ns = profile.last_used_ns;
+  }
 }
 
 // Adds an item and drops the oldest beyond a limit: statistics travel whole, in a message of 4 MiB.
@@ -48,6 +58,7 @@ BatchWords ComputeWords(const MapUpdateBatch& batch, const Vocabulary* vocabular
 void Apply(const BatchRecord& record, const BatchWords& words, const MapStoreOptions& options,
            MissionState& state) {
   LocalMapState* local_map = state.FindLocalMap(record.batch->local_map);
+  NoteUse(record.received_at, state);
   if (local_map == nullptr) {
     local_map = &AddLocalMap(state, record.batch->local_map, record.agent);
   }
@@ -145,6 +156,12 @@ void Apply(const RederiveRecord&, MissionState& state) { ForgetGlobalLayer(state
 void Apply(const RetractRecord& record, const MapStoreOptions& options, MissionState& state) {
   Retract(record, options, state);
 }
+
+void Apply(const RetireRecord& record, MissionState& state) {
+  ApplyRetirement(record.retirement, state);
+}
+
+void Apply(const ProfileRecord& record, MissionState& state) { state.profile = record.profile; }
 
 void LeaveToAdjustment(const std::vector<LocalMapId>& relaxed, MissionState& state,
                        Island& island) {
@@ -256,6 +273,13 @@ absl::Status CheckReplay(const JournalRecord& record, const MissionState& state)
   if (const auto* retract = std::get_if<RetractRecord>(&record)) {
     const absl::Status retractable = CheckRetractable(state, retract->overlap);
     return retractable.ok() ? retractable : absl::DataLossError(retractable.message());
+  }
+  if (const auto* retire = std::get_if<RetireRecord>(&record)) {
+    return CheckRetirement(retire->retirement, state);
+  }
+  if (const auto* profile = std::get_if<ProfileRecord>(&record)) {
+    const absl::Status valid = ValidateProfile(profile->profile);
+    return valid.ok() ? valid : absl::DataLossError(valid.message());
   }
   return CheckRefusal(std::get<FuseRefusedRecord>(record), state);
 }

@@ -3,6 +3,7 @@
 #include "absl/strings/str_cat.h"
 #include "map_store/ingest/batch_validation.h"
 #include "map_store/ingest/item_validation.h"
+#include "map_store/ingest/mission_limits.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::map_store {
@@ -16,8 +17,7 @@ absl::Status ValidateAmount(absl::string_view what, uint64_t amount, uint64_t li
 
 absl::Status ValidateAmounts(const MissionState& state, const MapStoreOptions& options) {
   RETURN_IF_ERROR(ValidateAmount("agents", state.agents.size(), options.max_agents_per_mission));
-  RETURN_IF_ERROR(
-      ValidateAmount("local maps", state.local_maps.size(), options.max_local_maps_per_mission));
+  RETURN_IF_ERROR(CheckLocalMaps(state, options));
   uint64_t bytes = 0;
   for (const auto& [id, local_map] : state.local_maps) {
     bytes += local_map.stored_bytes;

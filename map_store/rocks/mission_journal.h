@@ -77,6 +77,9 @@ class MissionJournal {
   absl::Status ReplaySnapshot(Position position, const Journal::Replay& replay) const;
   // Replays the records after `position`, and sets it to the last one's.
   absl::Status ReplayRecords(const Journal::Replay& replay, Position& position) const;
+  // Reads the format's number; an older one becomes the present one, unless nothing is written
+  // here.
+  absl::Status TakeFormat(const std::string& bytes, const std::string& place);
   absl::Status WriteFormat();
   absl::Status WriteChunks(const JournalSnapshot& snapshot);
   absl::Status WriteFeatures(const MissionState& state, Position position);

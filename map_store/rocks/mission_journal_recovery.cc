@@ -34,7 +34,7 @@ absl::Status MissionJournal::Load() {
   const std::string place = absl::StrCat("journal ", database_->directory());
   std::string bytes;
   rocksdb::Status found = database_->Get(map_store::FormatKey(), &bytes);
-  if (found.ok()) RETURN_IF_ERROR(Note(WithPlace(CheckFormat(bytes).status(), place)));
+  if (found.ok()) RETURN_IF_ERROR(TakeFormat(bytes, place));
   // The number was durable before the folder was a mission's.
   if (found.IsNotFound()) return Note(absl::DataLossError(place + ": its format is lost"));
   RETURN_IF_ERROR(ToReadStatus(found));
@@ -58,6 +58,13 @@ absl::Status MissionJournal::Load() {
   RETURN_IF_ERROR(Note(WithPlace(LoadRecords(header->snapshot_position), place)));
   RETURN_IF_ERROR(Note(WithPlace(CheckMark(), place)));
   return Note(WithPlace(LoadFeatures(), place));
+}
+
+absl::Status MissionJournal::TakeFormat(const std::string& bytes, const std::string& place) {
+  const absl::StatusOr<uint32_t> format = CheckFormat(bytes);
+  RETURN_IF_ERROR(Note(WithPlace(format.status(), place)));
+  if (*format == kJournalFormat || options_.only_read) return absl::OkStatus();
+  return WriteFormat();
 }
 
 absl::Status MissionJournal::CheckMark() {

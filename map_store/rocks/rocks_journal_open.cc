@@ -102,7 +102,9 @@ absl::Status RocksJournal::OpenGuard() {
   }
   if (!folder_.exists()) return MakeFolders(format.ok() ? *format : 0);
   // Once there is a folder of missions, the guard has nothing that could be lost.
-  return format.ok() && *format > kLastSharedFormat ? absl::OkStatus() : MakeGuard();
+  if (!format.ok() || *format <= kLastSharedFormat) return MakeGuard();
+  // Programs that read no newer format are kept out before the first mission has one.
+  return *format == kJournalFormat ? absl::OkStatus() : WriteGuard();
 }
 
 absl::Status RocksJournal::MakeFolders(uint32_t format) {

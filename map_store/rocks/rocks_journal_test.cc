@@ -493,6 +493,27 @@ TEST_F(RocksJournalTest, ADeletedMissionStaysDeleted) {
   EXPECT_EQ(store->GetMission(kMission)->keyframes, 2u);
 }
 
+TEST_F(RocksJournalTest, TheFormatBeforeBecomesThisOneSoThatOlderProgramsRefuseIt) {
+  const RocksJournalOptions options{.directory = Folder("store")};
+  auto store = Open(options);
+  Send(MakeBatches(), 0, 6, store.get());
+  const size_t keyframes = store->GetMission(kMission)->keyframes;
+  store.reset();
+  rocksdb::DB* raw = nullptr;
+  ASSERT_TRUE(rocksdb::DB::Open({}, options.directory, &raw).ok());
+  std::unique_ptr<rocksdb::DB> guard(raw);
+  ASSERT_TRUE(guard->Put({}, map_store::FormatKey(), std::string("\x0b\0\0\0", 4)).ok());
+  guard.reset();
+  store = Open(options);
+  EXPECT_EQ(store->GetMission(kMission)->keyframes, keyframes);
+  store.reset();
+  ASSERT_TRUE(rocksdb::DB::OpenForReadOnly({}, options.directory, &raw).ok());
+  guard.reset(raw);
+  std::string format;
+  ASSERT_TRUE(guard->Get({}, map_store::FormatKey(), &format).ok());
+  EXPECT_EQ(format, std::string("\x0c\0\0\0", 4));
+}
+
 // Makes of a journal what programs of older formats wrote: one database with all missions.
 void MakeShared(const std::string& folder, const std::string& format) {
   rocksdb::DB* raw = nullptr;
@@ -500,7 +521,7 @@ void MakeShared(const std::string& folder, const std::string& format) {
   const std::unique_ptr<rocksdb::DB> shared(raw);
   std::string before;
   ASSERT_TRUE(shared->Get({}, map_store::FormatKey(), &before).ok());
-  EXPECT_EQ(before, std::string("\x0b\0\0\0", 4));
+  EXPECT_EQ(before, std::string("\x0c\0\0\0", 4));
   ASSERT_TRUE(rocksdb::DB::OpenForReadOnly({}, MissionFolder(folder), &raw).ok());
   const std::unique_ptr<rocksdb::DB> own(raw);
   const std::unique_ptr<rocksdb::Iterator> it(own->NewIterator({}));
@@ -532,6 +553,78 @@ TEST_F(RocksJournalTest, AnOlderFormatIsReadAndBecomesTheNewOne) {
   EXPECT_EQ(TryOpen(options).status().code(), absl::StatusCode::kFailedPrecondition);
 }
 
+// Puts another format's number into a database, and returns the one that was there.
+std::string SwapFormat(const std::string& folder, const std::string& format) {
+  rocksdb::DB* raw = nullptr;
+  EXPECT_TRUE(rocksdb::DB::Open({}, folder, &raw).ok());
+  const std::unique_ptr<rocksdb::DB> database(raw);
+  std::string before;
+  EXPECT_TRUE(database->Get({}, map_store::FormatKey(), &before).ok());
+  EXPECT_TRUE(database->Put({}, map_store::FormatKey(), format).ok());
+  EXPECT_TRUE(database->Close().ok());
+  return before;
+}
+
+// A program before profiles left format 11, in the guard and in each mission.
+TEST_F(RocksJournalTest, AJournalWithoutProfilesBecomesOneThatOlderProgramsRefuse) {
+  const RocksJournalOptions options{.directory = Folder("store")};
+  auto store = Open(options);
+  Send(MakeBatches(), 0, 6, store.get());
+  const std::string local = DumpLocal(kMission, *store);
+  store.reset();
+  const std::string eleven("\x0b\0\0\0", 4);
+  const std::string twelve("\x0c\0\0\0", 4);
+  EXPECT_EQ(SwapFormat(options.directory, eleven), twelve);
+  EXPECT_EQ(SwapFormat(MissionFolder(options.directory), eleven), twelve);
+  store = Open(options);
+  ASSERT_NE(store, nullptr);
+  EXPECT_EQ(DumpLocal(kMission, *store), local);
+  MissionProfile values;
+  values.description = "set";
+  ASSERT_TRUE(store->UpdateMission(kMission, values, {ProfileField::kDescription}).ok());
+  store.reset();
+  EXPECT_EQ(SwapFormat(options.directory, twelve), twelve);
+  EXPECT_EQ(SwapFormat(MissionFolder(options.directory), twelve), twelve);
+  store = Open(options);
+  ASSERT_NE(store, nullptr);
+  EXPECT_EQ(store->GetMission(kMission)->profile.description, "set");
+  EXPECT_EQ(DumpLocal(kMission, *store), local);
+}
+
+TEST_F(RocksJournalTest, AMissionMadeAheadOutlivesAPowerCut) {
+  UnsyncedLossEnv env;
+  const RocksJournalOptions options{.directory = Folder("store"), .env = &env};
+  auto store = Open(options);
+  MissionProfile wanted;
+  wanted.limits.keyframes = 9;
+  ASSERT_TRUE(store->CreateMission("ahead", wanted).ok());
+  const MissionProfile made = store->GetMission("ahead")->profile;
+  env.CopyAfterPowerCut(options.directory, Folder("after"));
+  store = Open({.directory = Folder("after")});
+  ASSERT_NE(store, nullptr);
+  ASSERT_TRUE(store->GetMission("ahead").ok());
+  EXPECT_EQ(store->GetMission("ahead")->profile, made);
+  ASSERT_TRUE(store->UpdateMission("ahead", {}, {ProfileField::kLimits}).ok());
+  store.reset();
+  store = Open({.directory = Folder("after")});
+  ASSERT_NE(store, nullptr);
+  EXPECT_EQ(store->GetMission("ahead")->profile.limits.keyframes, 0u);
+}
+
+TEST_F(RocksJournalTest, AFullDiskMakesNoMission) {
+  UnsyncedLossEnv env;
+  const RocksJournalOptions options{.directory = Folder("store"), .env = &env};
+  auto store = Open(options);
+  env.SetFull(true);
+  EXPECT_FALSE(store->CreateMission("ahead", {}).ok());
+  EXPECT_TRUE(absl::IsNotFound(store->GetMission("ahead").status()));
+  env.SetFull(false);
+  EXPECT_TRUE(store->CreateMission("ahead", {}).ok());
+  store.reset();
+  store = Open(options);
+  EXPECT_TRUE(store->GetMission("ahead").ok());
+}
+
 TEST_F(RocksJournalTest, ANewerFormatAndASecondProcessAreRefusedByName) {
   const RocksJournalOptions options{.directory = Folder("store")};
   auto first = RocksJournal::Open(options);
@@ -545,11 +638,11 @@ TEST_F(RocksJournalTest, ANewerFormatAndASecondProcessAreRefusedByName) {
   rocksdb::DB* raw = nullptr;
   ASSERT_TRUE(rocksdb::DB::Open({}, options.directory, &raw).ok());
   const std::unique_ptr<rocksdb::DB> closing(raw);
-  ASSERT_TRUE(raw->Put({}, map_store::FormatKey(), std::string("\x0c\0\0\0", 4)).ok());
+  ASSERT_TRUE(raw->Put({}, map_store::FormatKey(), std::string("\x0d\0\0\0", 4)).ok());
   ASSERT_TRUE(raw->Close().ok());
   const auto newer = RocksJournal::Open(options);
   EXPECT_EQ(newer.status().code(), absl::StatusCode::kFailedPrecondition);
-  EXPECT_THAT(std::string(newer.status().message()), HasSubstr("has format 12"));
+  EXPECT_THAT(std::string(newer.status().message()), HasSubstr("has format 13"));
 
   const auto nowhere = RocksJournal::Open({.directory = "/proc/version/journal"});
   EXPECT_EQ(nowhere.status().code(), absl::StatusCode::kFailedPrecondition);

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "absl/time/time.h"
+#include "map_store/state/mission_profile.h"
 #include "slam/exchange/overlap.h"
 #include "slam/geometry/rigid3.h"
 #include "slam/map/keyframe.h"
@@ -64,8 +65,8 @@ struct MissionInfo {
   uint64_t memory_bytes = 0;
   uint64_t disk_bytes = 0;
   std::string damage;  // As Journal::Damage says it; empty: none.
-  // When a robot or a caller used it last, nanoseconds since 1970; who asks for this is none.
-  int64_t last_used_ns = 0;
+  // With when a robot or a caller used it last; who asks for this is none.
+  MissionProfile profile;
   // It is on the disk alone: the numbers above, but for `disk_bytes`, are those that it fell asleep
   // with.
   bool asleep = false;
@@ -110,6 +111,9 @@ struct LocalMapInfo {
   size_t tracked_frames = 0;
   size_t lost_frames = 0;
   size_t parked_references = 0;
+  // What the store itself let go of (LocalMapState).
+  uint64_t retired_keyframes = 0;
+  uint64_t faded_points = 0;
 };
 
 struct KeyframeInfo {

@@ -86,6 +86,7 @@ MissionInfo DescribeMission(const MissionState& state) {
   info.map_points = CountPoints(state);
   info.waiting_queries = state.queries.size();
   info.memory_bytes = EstimateMemory(state);
+  info.profile = state.profile;
   return info;
 }
 
@@ -115,6 +116,8 @@ LocalMapInfo DescribeLocalMap(const MissionState& state, const LocalMapState& lo
   info.tracked_frames = local_map.frames.size();
   info.lost_frames = local_map.lost_frames_ns.size();
   info.parked_references = local_map.CountParked();
+  info.retired_keyframes = local_map.retired_keyframes;
+  info.faded_points = local_map.faded_points;
   return info;
 }
 

@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include "services/convert/resource_names.h"
 #include "services/map_store_service/lookups_to_proto.h"
 #include "services/map_store_service/map_store_service.h"
@@ -9,22 +11,37 @@ namespace corbslam::services {
 
 using map_store::PageRequest;
 
+namespace {
+
+// Missions are asked for in lots of so many, and no further lot once the message has so many bytes:
+// labels and agents' limits of one may be a tenth of a megabyte, and no message has more than four.
+constexpr size_t kLot = 16;
+constexpr size_t kEnoughBytes = 1 << 20;
+
+}  // namespace
+
 grpc::ServerUnaryReactor* MapStoreService::ListMissions(grpc::CallbackServerContext* context,
                                                         const v1::ListMissionsRequest* request,
                                                         v1::ListMissionsResponse* response) {
   const ListFilter shows = options_.may_list != nullptr ? options_.may_list(*context) : nullptr;
   return AnswerOn(pool_, context, [this, shows, request, response]() -> absl::Status {
     ASSIGN_OR_RETURN(PageRequest page, ReadPage(*request));
-    // The page is full with a mission that is shown, so that its token names no other one.
+    size_t left = page.page_size;
+    // The page ends with a mission that is shown, so that its token names no other one.
+    bool may_end = false;
     do {
+      const bool is_enough = response->ByteSizeLong() >= kEnoughBytes;
+      page.page_size = is_enough ? 1 : std::min(left, kLot);
       ASSIGN_OR_RETURN(const auto found, store_.ListMissions(page));
       for (const auto& item : found.items) {
-        if (shows != nullptr && !shows(item.name)) continue;
+        may_end = shows == nullptr || shows(item.name);
+        if (!may_end) continue;
         ToProto(item, response->add_missions());
-        --page.page_size;
+        --left;
       }
       page.page_token = found.next_page_token;
-    } while (page.page_size > 0 && !page.page_token.empty());
+      may_end = may_end && (left == 0 || response->ByteSizeLong() >= kEnoughBytes);
+    } while (!may_end && !page.page_token.empty());
     response->set_next_page_token(page.page_token);
     return absl::OkStatus();
   });

@@ -32,18 +32,18 @@ using MapStoreMethods = v1::MapStore::WithRawCallbackMethod_Sync<v1::MapStore::W
                 v1::MapStore::WithCallbackMethod_RestoreMission<v1::MapStore::WithCallbackMethod_ListAgents<
                     v1::MapStore::WithCallbackMethod_ListLocalMaps<v1::MapStore::WithCallbackMethod_GetLocalMap<
                         v1::MapStore::WithCallbackMethod_ListKeyframes<v1::MapStore::WithCallbackMethod_GetKeyframe<
-                            v1::MapStore::WithCallbackMethod_GetStatistics<
-                                v1::MapStore::WithCallbackMethod_GetTrajectory<
-                                    v1::MapStore::WithCallbackMethod_ListOverlaps<
-                                        v1::MapStore::WithCallbackMethod_RetractOverlap<
-                                            v1::MapStore::WithCallbackMethod_RederiveGlobalLayer<
-                                                v1::MapStore::WithCallbackMethod_AskForExactPlaces<
-                                                    v1::MapStore::WithCallbackMethod_Localize<
-                                                        v1::MapStore::WithCallbackMethod_LocalizeStream<
-                                                            v1::MapStore::
-                                                                WithCallbackMethod_SleepMission<
+                            v1::MapStore::WithCallbackMethod_GetStatistics<v1::MapStore::WithCallbackMethod_GetTrajectory<
+                                v1::MapStore::WithCallbackMethod_ListOverlaps<
+                                    v1::MapStore::WithCallbackMethod_RetractOverlap<
+                                        v1::MapStore::WithCallbackMethod_RederiveGlobalLayer<
+                                            v1::MapStore::WithCallbackMethod_AskForExactPlaces<
+                                                v1::MapStore::WithCallbackMethod_Localize<
+                                                    v1::MapStore::WithCallbackMethod_LocalizeStream<
+                                                        v1::MapStore::WithCallbackMethod_CreateMission<
+                                                            v1::MapStore::WithCallbackMethod_UpdateMission<
+                                                                v1::MapStore::WithCallbackMethod_SleepMission<
                                                                     v1::MapStore::
-                                                                        Service>>>>>>>>>>>>>>>>>>>>>>>;
+                                                                        Service>>>>>>>>>>>>>>>>>>>>>>>>>;
 
 // Returns OK if the caller may open a session as this agent of this mission.
 using SessionCheck = std::function<absl::Status(
@@ -137,6 +137,12 @@ class MapStoreService : public MapStoreMethods {
   grpc::ServerUnaryReactor* GetMission(grpc::CallbackServerContext* context,
                                        const v1::GetMissionRequest* request,
                                        v1::Mission* response) override;
+  grpc::ServerUnaryReactor* CreateMission(grpc::CallbackServerContext* context,
+                                          const v1::CreateMissionRequest* request,
+                                          v1::Mission* response) override;
+  grpc::ServerUnaryReactor* UpdateMission(grpc::CallbackServerContext* context,
+                                          const v1::UpdateMissionRequest* request,
+                                          v1::Mission* response) override;
   grpc::ServerUnaryReactor* DeleteMission(grpc::CallbackServerContext* context,
                                           const v1::DeleteMissionRequest* request,
                                           v1::DeleteMissionResponse* response) override;

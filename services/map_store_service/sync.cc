@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -23,6 +24,9 @@ namespace {
 
 // The next message of an agent is not read while so many replies wait to be sent to it.
 constexpr size_t kMaxReplies = 64;
+
+// A stream is not read for longer at a time: a limit that was raised meanwhile counts soon.
+constexpr absl::Duration kLongestHold = absl::Seconds(10);
 
 constexpr char kBroken[] = "the stream broke: the robot's process or its link is gone";
 
@@ -63,7 +67,7 @@ void SyncReactor::Refuse(const absl::Status& status) {
 void SyncReactor::OnOverdue(const absl::Status& overdue) {
   Note([this, &overdue]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
     // Otherwise the message came in time, and waits for a thread.
-    if (!has_request_ && !read_to_end_ && !end_) end_ = overdue;
+    if (!has_request_ && !read_to_end_ && !wants_read_ && !end_) end_ = overdue;
   });
 }
 
@@ -101,6 +105,7 @@ SyncJob SyncReactor::NextJob() const {
   if (end_) return writing_ ? SyncJob::kNone : SyncJob::kFinish;
   if (waits_for_mission_) return SyncJob::kNone;
   if (has_request_ && replies_.size() < kMaxReplies) return SyncJob::kRequest;
+  if (wants_read_ && !is_held_) return SyncJob::kRead;
   if (read_to_end_ && !has_request_) return writing_ ? SyncJob::kNone : SyncJob::kFinish;
   if (shareable_ && !paced_ && replies_.empty()) return SyncJob::kShare;
   return SyncJob::kNone;
@@ -116,6 +121,8 @@ void SyncReactor::DoJob(SyncJob job) {
       return WriteReply();
     case SyncJob::kRequest:
       return HandleRequest();
+    case SyncJob::kRead:
+      return Read();
     case SyncJob::kShare:
       return Share();
     case SyncJob::kFinish:
@@ -160,18 +167,44 @@ void SyncReactor::HandleRequest() {
     status = WaitUntilAwake(status);
     if (status.ok()) return;
   }
+  const bool is_batch = asked_->has_batch();
   asked_.reset();
   if (session_id_) {
     for (SyncObserver* observer : observers_) observer->OnReceived(who_, asked_bytes_);
   }
   if (!status.ok()) return End(status);
+  if (session_id_ && is_batch) store_.PaceUplink(*session_id_, asked_bytes_);
   std::shared_ptr<const void> held;
+  absl::MutexLock lock(&mutex_);
+  has_request_ = false;
+  wants_read_ = true;
+  held.swap(mission_);
+}
+
+void SyncReactor::Read() {
+  const absl::Duration wait =
+      session_id_ ? store_.PaceUplink(*session_id_, 0) : absl::ZeroDuration();
+  if (wait > absl::ZeroDuration()) {
+    // The robot is not to blame for a part that is not read.
+    timer_.Disarm();
+    {
+      // The flag is set before the timer can ring.
+      absl::MutexLock lock(&mutex_);
+      is_held_ = true;
+    }
+    uplink_timer_.Arm(std::min(wait, kLongestHold), [this] { OnUplinkPaid(); });
+    return;
+  }
+  if (!awaited_.empty()) timer_.Arm(limits_.part_timeout_s, awaited_);
   {
     absl::MutexLock lock(&mutex_);
-    has_request_ = false;
-    held.swap(mission_);
+    wants_read_ = false;
   }
   StartRead(&request_);
+}
+
+void SyncReactor::OnUplinkPaid() {
+  Note([this]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { is_held_ = false; });
 }
 
 absl::Status SyncReactor::WaitUntilAwake(const absl::Status& error) {
@@ -260,9 +293,10 @@ absl::Status SyncReactor::Apply(const v1::MapUpdateBatch& part) {
   ASSIGN_OR_RETURN(const std::optional<MapUpdateBatch> batch,
                    assembler_.Add(part, received_cameras_));
   if (!batch) {
-    timer_.Arm(limits_.part_timeout_s, absl::StrCat("the next part of batch ", part.number()));
+    awaited_ = absl::StrCat("the next part of batch ", part.number());
     return absl::OkStatus();
   }
+  awaited_.clear();
   timer_.Disarm();
   ASSIGN_OR_RETURN(const Acknowledgement stored, ApplyWhole(*batch));
   ticket_->ReleaseAll();

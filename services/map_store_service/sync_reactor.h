@@ -32,10 +32,11 @@
 
 namespace corbslam::services {
 
-enum class SyncJob { kNone, kWrite, kFinish, kRequest, kShare };
+enum class SyncJob { kNone, kWrite, kFinish, kRequest, kRead, kShare };
 
-// Reads the next message when the one before was applied, and asks for the next shared update when
-// the one before was written and the budget of the agent's link has paid for it. Owns itself.
+// Reads the next message when the one before was applied and the agent may send more, and asks for
+// the next shared update when the one before was written and the budget of the agent's link has
+// paid for it. Owns itself.
 class SyncReactor : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>,
                     private StreamTask<SyncJob> {
  public:
@@ -68,6 +69,10 @@ class SyncReactor : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteB
 
   void WriteReply();
   void HandleRequest();
+  // Reads the next message; where the limit of the agent's uplink is spent, a timer wakes the
+  // stream when it is not any more, or to look again.
+  void Read();
+  void OnUplinkPaid();
   // Has the request handled again once its mission is awake; returns the error if it never will be.
   absl::Status WaitUntilAwake(const absl::Status& error);
   absl::Status ReadRequest(v1::SyncRequest& request);
@@ -109,11 +114,15 @@ class SyncReactor : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteB
   CameraBook sent_cameras_;
   BatchAssembler assembler_;
   map_store::BatchTransfer transfer_;
+  std::string awaited_;  // The next part of an unfinished batch; empty: none is awaited.
   SharePacer pacer_;
   // True: what the agent itself says, too, changes what it is to be told.
   bool moves_what_is_shared_ = false;
 
   bool has_request_ ABSL_GUARDED_BY(mutex_) = false;
+  // The next message is to be read, but, if the second is true, not before a timer has rung.
+  bool wants_read_ ABSL_GUARDED_BY(mutex_) = false;
+  bool is_held_ ABSL_GUARDED_BY(mutex_) = false;
   // True: the request waits for its mission, which is held once it is awake.
   bool waits_for_mission_ ABSL_GUARDED_BY(mutex_) = false;
   std::shared_ptr<const void> mission_ ABSL_GUARDED_BY(mutex_);
@@ -129,6 +138,7 @@ class SyncReactor : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteB
 
   // Declared last, so that they end while the rest is there.
   WakeTimer budget_timer_;
+  WakeTimer uplink_timer_;
   ReadTimer timer_{[this](const absl::Status& overdue) { OnOverdue(overdue); }};
 };
 

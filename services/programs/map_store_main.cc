@@ -12,6 +12,7 @@
 #include "fusion_worker/local_fusion_worker.h"
 #include "map_store/map_store.h"
 #include "map_store/rocks/rocks_journal.h"
+#include "services/convert/resource_names.h"
 #include "services/map_store_service/map_store_service.h"
 #include "services/programs/checks.h"
 #include "services/programs/default_vocabulary.h"
@@ -56,6 +57,7 @@ struct Flags {
   uint64_t min_free_mb = RocksJournalOptions().min_free_bytes >> 20;
   // Nullopt: DefaultMemoryBudget().
   std::optional<uint64_t> memory_budget_bytes;
+  bool keep_everything = false;
   MapStoreOptions store;
   MapStoreServiceOptions service;
   SecurityOptions security;
@@ -130,6 +132,7 @@ absl::Status Run(Flags flags) {
   RETURN_IF_ERROR(CheckMemoryBudget(flags.memory_budget_bytes.value_or(0)));
   flags.store.memory_budget_bytes = flags.memory_budget_bytes.value_or(DefaultMemoryBudget());
   LOG(INFO) << "memory budget: " << (flags.store.memory_budget_bytes >> 20) << " MiB";
+  flags.store.retire = !flags.keep_everything;
   flags.store.fusion_threads = std::max(1, static_cast<int>(flags.workers.size()));
   RETURN_IF_ERROR(flags.store.Validate());
   RETURN_IF_ERROR(flags.service.streams.Validate());
@@ -143,6 +146,10 @@ absl::Status Run(Flags flags) {
   ASSIGN_OR_RETURN(std::unique_ptr<Journal> journal, OpenJournal(flags));
   MapStore store(flags.store, vocabulary, observers->Watch(std::move(journal)),
                  observers->Watch(worker.get()));
+  store.SetExpiryListener(
+      [auditor = security.server.auditor](const std::string& mission, const std::string& why) {
+        if (auditor != nullptr) auditor->OnOwnDoing("mission_expired", MissionName(mission), why);
+      });
   RETURN_IF_ERROR(store.Recover());
   MapStoreServiceOptions service_options = flags.service;
   SetChecks(security.access, service_options);
@@ -202,6 +209,9 @@ void AddFlags(CLI::App& app, Flags& flags) {
   app.add_option("--cull-target", flags.store.cull_target,
                  "Keyframes of an island beyond which the most redundant are culled; 0: none")
       ->capture_default_str();
+  app.add_flag("--keep-everything", flags.keep_everything,
+               "Keep also keyframes of closed sessions that others stand in for, and points that "
+               "have vanished");
   app.add_option("--max-shared-keyframes", flags.store.max_shared_keyframes,
                  "Others' keyframes that one agent is sent at most")
       ->capture_default_str();

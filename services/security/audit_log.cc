@@ -47,15 +47,19 @@ std::string ResourceOfSession(const grpc::ByteBuffer& message) {
   return absl::StrCat(request.open().mission(), "/agents/", request.open().agent());
 }
 
-// Returns the field by which our requests name what they are about.
+// Returns the field by which our requests name what they are about, be it within a resource that
+// they bring along.
 std::string ResourceOfRequest(const google::protobuf::Message& request) {
+  using Field = google::protobuf::FieldDescriptor;
   for (const char* name : {"name", "parent", "mission"}) {
-    const google::protobuf::FieldDescriptor* field = request.GetDescriptor()->FindFieldByName(name);
-    if (field == nullptr || field->is_repeated() ||
-        field->cpp_type() != google::protobuf::FieldDescriptor::CPPTYPE_STRING) {
-      continue;
+    const Field* field = request.GetDescriptor()->FindFieldByName(name);
+    if (field == nullptr || field->is_repeated()) continue;
+    if (field->cpp_type() == Field::CPPTYPE_STRING) {
+      return request.GetReflection()->GetString(request, field);
     }
-    return request.GetReflection()->GetString(request, field);
+    if (field->cpp_type() == Field::CPPTYPE_MESSAGE) {
+      return ResourceOfRequest(request.GetReflection()->GetMessage(request, field));
+    }
   }
   return "";
 }
@@ -143,6 +147,19 @@ void AuditLog::OnEnded(const EndedCall& call) {
                      call.resource,
                      answer};
   return refusal ? WriteRefusal(*refusal, line) : Write(line);
+}
+
+void AuditLog::OnOwnDoing(absl::string_view event, absl::string_view resource,
+                          absl::string_view why) {
+  if (options_.file.empty()) return;
+  const absl::Time now = absl::Now();
+  const Json json = {{"time", absl::FormatTime("%Y-%m-%dT%H:%M:%E3SZ", now, absl::UTCTimeZone())},
+                     {"event", std::string(event)},
+                     {"resource", Shortened(resource)},
+                     {"message", Shortened(why)}};
+  absl::MutexLock lock(&mutex_);
+  SayWhatWasLeftOut(now);
+  WriteText(json.dump(-1, ' ', /*ensure_ascii=*/true, Json::error_handler_t::replace));
 }
 
 void AuditLog::OnTurnedAway(absl::string_view method, const Evidence& evidence,

@@ -66,6 +66,8 @@ class AuditLog : public CallAuditor {
   std::string OnAsked(absl::string_view method, const grpc::ServerContextBase& context,
                       const void* message) override;
   void OnEnded(const EndedCall& call) override;
+  void OnOwnDoing(absl::string_view event, absl::string_view resource,
+                  absl::string_view why) override ABSL_LOCKS_EXCLUDED(mutex_);
   // The call gate refused a call. It is not told the caller's address.
   void OnTurnedAway(absl::string_view method, const Evidence& evidence,
                     absl::string_view user_agent, const absl::Status& status);

@@ -101,6 +101,17 @@ TEST_F(AuditLogTest, SaysWhoWasRefusedWhat) {
   EXPECT_EQ(lines[0]["user_agent"], "grpc-c++/1.51.1");
 }
 
+TEST_F(AuditLogTest, SaysWhatTheServerDidByItself) {
+  Open()->OnOwnDoing("mission_expired", "missions/lab", "nobody has used it");
+  const std::vector<json> lines = Lines();
+  ASSERT_EQ(lines.size(), 1u);
+  EXPECT_EQ(lines[0]["event"], "mission_expired");
+  EXPECT_EQ(lines[0]["resource"], "missions/lab");
+  EXPECT_EQ(lines[0]["message"], "nobody has used it");
+  EXPECT_TRUE(lines[0].contains("time"));
+  EXPECT_FALSE(lines[0].contains("identity"));
+}
+
 TEST_F(AuditLogTest, WhatCallersSayIsOneLineWhateverItIs) {
   constexpr char kHostile[] = "\"}\n{\"event\":\"administered\", \x1b[2J\0\xff\xe2\x80\xa8";
   const std::string hostile =

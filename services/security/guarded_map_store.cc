@@ -139,6 +139,20 @@ grpc::ServerUnaryReactor* GuardedMapStore::GetMission(grpc::CallbackServerContex
   return status.ok() ? service_.GetMission(context, request, response) : Refuse(context, status);
 }
 
+grpc::ServerUnaryReactor* GuardedMapStore::CreateMission(grpc::CallbackServerContext* context,
+                                                         const v1::CreateMissionRequest* request,
+                                                         v1::Mission* response) {
+  const absl::Status status = Check(*context, Action::kAdminister, request->mission().name());
+  return status.ok() ? service_.CreateMission(context, request, response) : Refuse(context, status);
+}
+
+grpc::ServerUnaryReactor* GuardedMapStore::UpdateMission(grpc::CallbackServerContext* context,
+                                                         const v1::UpdateMissionRequest* request,
+                                                         v1::Mission* response) {
+  const absl::Status status = Check(*context, Action::kAdminister, request->mission().name());
+  return status.ok() ? service_.UpdateMission(context, request, response) : Refuse(context, status);
+}
+
 grpc::ServerUnaryReactor* GuardedMapStore::DeleteMission(grpc::CallbackServerContext* context,
                                                          const v1::DeleteMissionRequest* request,
                                                          v1::DeleteMissionResponse* response) {

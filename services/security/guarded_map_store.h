@@ -66,6 +66,12 @@ class GuardedMapStore : public MapStoreMethods {
   grpc::ServerUnaryReactor* GetMission(grpc::CallbackServerContext* context,
                                        const v1::GetMissionRequest* request,
                                        v1::Mission* response) override;
+  grpc::ServerUnaryReactor* CreateMission(grpc::CallbackServerContext* context,
+                                          const v1::CreateMissionRequest* request,
+                                          v1::Mission* response) override;
+  grpc::ServerUnaryReactor* UpdateMission(grpc::CallbackServerContext* context,
+                                          const v1::UpdateMissionRequest* request,
+                                          v1::Mission* response) override;
   grpc::ServerUnaryReactor* DeleteMission(grpc::CallbackServerContext* context,
                                           const v1::DeleteMissionRequest* request,
                                           v1::DeleteMissionResponse* response) override;

@@ -139,6 +139,24 @@ class SecureServiceTest : public ::testing::Test {
     return FromGrpcStatus(
         v1::MapStore::NewStub(channel)->DeleteMission(&context, request, &response));
   }
+  static absl::Status CreateMission(const std::shared_ptr<grpc::Channel>& channel,
+                                    const std::string& mission) {
+    grpc::ClientContext context;
+    v1::CreateMissionRequest request;
+    request.mutable_mission()->set_name(absl::StrCat("missions/", mission));
+    v1::Mission response;
+    return FromGrpcStatus(
+        v1::MapStore::NewStub(channel)->CreateMission(&context, request, &response));
+  }
+  static absl::Status UpdateMission(const std::shared_ptr<grpc::Channel>& channel) {
+    grpc::ClientContext context;
+    v1::UpdateMissionRequest request;
+    request.mutable_mission()->set_name("missions/lab");
+    request.mutable_update_mask()->add_paths("description");
+    v1::Mission response;
+    return FromGrpcStatus(
+        v1::MapStore::NewStub(channel)->UpdateMission(&context, request, &response));
+  }
   // Opens a session of the agent that sends one batch, and returns how it ends: OK when the batch
   // is acknowledged.
   static absl::Status Upload(const std::shared_ptr<grpc::Channel>& channel,
@@ -207,6 +225,19 @@ TEST_F(SecureServiceTest, OnlyAnOperatorDeletes) {
   EXPECT_TRUE(GetMission(ConnectAs("viewer")).ok());
   EXPECT_TRUE(DeleteMission(ConnectAs("operator")).ok());
   EXPECT_EQ(GetMission(ConnectAs("viewer")).code(), absl::StatusCode::kNotFound);
+}
+
+TEST_F(SecureServiceTest, OnlyAnOperatorMakesAndChangesMissions) {
+  for (const char* name : {"viewer", "alpha", "store"}) {
+    EXPECT_THAT(CreateMission(ConnectAs(name), "lab"), IsStatus(kDenied, "may not administer"));
+    EXPECT_THAT(UpdateMission(ConnectAs(name)), IsStatus(kDenied, "may not administer"));
+  }
+  EXPECT_EQ(store_->GetMission("lab").status().code(), absl::StatusCode::kNotFound);
+  const auto of_lab = Connect(WithToken("missions/lab/operators/olga", absl::Hours(1)));
+  EXPECT_THAT(CreateMission(of_lab, "field"), IsStatus(kDenied, "may not administer"));
+  EXPECT_TRUE(CreateMission(of_lab, "lab").ok());
+  EXPECT_TRUE(UpdateMission(of_lab).ok());
+  EXPECT_TRUE(CreateMission(ConnectAs("operator"), "field").ok());
 }
 
 TEST_F(SecureServiceTest, WhoShowsNothingIsTurnedAway) {
@@ -387,6 +418,8 @@ TEST_F(SecureServiceTest, TheAuditLogSaysWhoDidWhat) {
   EXPECT_FALSE(GetMission(Connect(Stranger())).ok());
   EXPECT_FALSE(DeleteMission(ConnectAs("viewer")).ok());
   EXPECT_TRUE(DeleteMission(ConnectAs("operator")).ok());
+  EXPECT_TRUE(CreateMission(ConnectAs("operator"), "lab").ok());
+  EXPECT_TRUE(UpdateMission(ConnectAs("operator")).ok());
   server_.reset();
 
   const auto asked = LinesOf(options.audit_file, "session_asked");
@@ -396,7 +429,11 @@ TEST_F(SecureServiceTest, TheAuditLogSaysWhoDidWhat) {
   EXPECT_TRUE(absl::StartsWith(asked[0]["peer"].get<std::string>(), "ipv4:127.0.0.1:"));
   EXPECT_EQ(LinesOf(options.audit_file, "session_ended").size(), 1u);
   const auto administered = LinesOf(options.audit_file, "administered");
-  ASSERT_EQ(administered.size(), 1u);
+  ASSERT_EQ(administered.size(), 3u);
+  EXPECT_EQ(administered[1]["call"], "corbslam.v1.MapStore/CreateMission");
+  EXPECT_EQ(administered[1]["resource"], "missions/lab");
+  EXPECT_EQ(administered[2]["call"], "corbslam.v1.MapStore/UpdateMission");
+  EXPECT_EQ(administered[2]["resource"], "missions/lab");
   EXPECT_EQ(administered[0]["identity"], "missions/-/operators/operator");
   EXPECT_EQ(administered[0]["call"], "corbslam.v1.MapStore/DeleteMission");
   EXPECT_EQ(administered[0]["resource"], "missions/lab");

@@ -32,6 +32,11 @@ class CallAuditor {
                               const void* message) = 0;
   // Called once for each call that ends with a status of ours: not where a connection breaks.
   virtual void OnEnded(const EndedCall& call) = 0;
+  // The server did by itself what callers do otherwise, such as deleting a mission.
+  virtual void OnOwnDoing(absl::string_view event, absl::string_view resource,
+                          absl::string_view why) {
+    (void)event, (void)resource, (void)why;
+  }
 };
 
 // Returns interceptors for grpc::ServerBuilder::experimental().SetInterceptorCreators, which own

@@ -22,6 +22,12 @@ void AddContents(const MissionLoad& load, Families& families) {
   families.Gauge("corbslam_mission_map_points",
                  "Points of all local maps; a landmark counts once for each robot's point of it.",
                  Number(load.map_points), mission);
+  families.Gauge("corbslam_mission_retired_keyframes",
+                 "Keyframes of closed local maps that the store let go of.",
+                 Number(load.retired_keyframes), mission);
+  families.Gauge("corbslam_mission_faded_points",
+                 "Points that the store let go of because later sessions did not see them.",
+                 Number(load.faded_points), mission);
   families.Gauge("corbslam_mission_local_maps", "Local maps.", Number(load.local_maps), mission);
   families.Gauge("corbslam_mission_islands", "Islands: sets of local maps fused into one frame.",
                  Number(load.islands), mission);

@@ -14,6 +14,7 @@
 #include "absl/status/statusor.h"
 #include "services/security/security_options.h"
 #include "services/tool/commands/commands.h"
+#include "services/tool/mission/mission_settings.h"
 
 namespace corbslam::services {
 
@@ -23,6 +24,7 @@ struct MissionArguments {
   std::string mission;
   std::string file;
   bool json = false;
+  MissionSettings settings;  // Of `create` and `set`.
   // `export` alone has the four fields below.
   std::string format;
   std::string agent;
@@ -44,7 +46,9 @@ CLI::App* AddMissionAction(CLI::App& mission, const char* name, const char* what
 void AddMissionFlag(CLI::App& action, MissionArguments& arguments);
 void AddJsonFlag(CLI::App& action, MissionArguments& arguments);
 
-// These add `mission show` and `mission export`.
+// These add `mission create` and `mission set`; `mission show`; and `mission export`.
+void AddSettingActions(CLI::App& mission, const std::shared_ptr<MissionArguments>& arguments,
+                       Command& chosen);
 void AddShowAction(CLI::App& mission, const std::shared_ptr<MissionArguments>& arguments,
                    Command& chosen);
 void AddExportAction(CLI::App& mission, const std::shared_ptr<MissionArguments>& arguments,

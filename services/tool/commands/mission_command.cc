@@ -74,12 +74,14 @@ absl::Status Delete(const MissionArguments& arguments) {
 void AddMissionCommand(CLI::App& app, Command& chosen) {
   auto arguments = std::make_shared<MissionArguments>();
   CLI::App* mission = app.add_subcommand(
-      "mission", "List, show, export, back up, restore, put to sleep and delete missions");
+      "mission",
+      "List, show, create, set up, export, back up, restore, put to sleep and delete missions");
   mission->require_subcommand(1);
   CLI::App* list = AddMissionAction(*mission, "list", "The missions of a map store", &ListMissions,
                                     arguments, chosen);
   AddJsonFlag(*list, *arguments);
   AddShowAction(*mission, arguments, chosen);
+  AddSettingActions(*mission, arguments, chosen);
   AddExportAction(*mission, arguments, chosen);
   CLI::App* backup = AddMissionAction(*mission, "backup",
                                       "Write a mission to one file, for another store, while it "

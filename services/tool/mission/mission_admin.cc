@@ -36,6 +36,34 @@ absl::StatusOr<std::vector<v1::Mission>> MissionAdmin::List() {
   return missions;
 }
 
+absl::StatusOr<v1::Mission> MissionAdmin::Get(const std::string& mission) {
+  grpc::ClientContext context;
+  SetDeadline(context);
+  v1::GetMissionRequest request;
+  request.set_name(MissionName(mission));
+  v1::Mission found;
+  RETURN_IF_ERROR(ToStatus(stub_->GetMission(&context, request, &found), "GetMission"));
+  return found;
+}
+
+absl::StatusOr<v1::Mission> MissionAdmin::Create(const v1::Mission& mission) {
+  grpc::ClientContext context;
+  SetDeadline(context);
+  v1::CreateMissionRequest request;
+  *request.mutable_mission() = mission;
+  v1::Mission made;
+  RETURN_IF_ERROR(ToStatus(stub_->CreateMission(&context, request, &made), "CreateMission"));
+  return made;
+}
+
+absl::StatusOr<v1::Mission> MissionAdmin::Update(const v1::UpdateMissionRequest& request) {
+  grpc::ClientContext context;
+  SetDeadline(context);
+  v1::Mission changed;
+  RETURN_IF_ERROR(ToStatus(stub_->UpdateMission(&context, request, &changed), "UpdateMission"));
+  return changed;
+}
+
 absl::Status MissionAdmin::ReadBackup(
     const std::string& mission, const std::function<absl::Status(const std::string& piece)>& sink) {
   grpc::ClientContext context;

@@ -26,6 +26,9 @@ class MissionAdmin {
   explicit MissionAdmin(const std::shared_ptr<grpc::Channel>& channel);
 
   absl::StatusOr<std::vector<v1::Mission>> List();
+  absl::StatusOr<v1::Mission> Get(const std::string& mission);
+  absl::StatusOr<v1::Mission> Create(const v1::Mission& mission);
+  absl::StatusOr<v1::Mission> Update(const v1::UpdateMissionRequest& request);
   // Writes the mission to a file, durably, and returns its size in bytes. ALREADY_EXISTS if there
   // is a file of that name. A file under this name is always whole.
   absl::StatusOr<uint64_t> BackUp(const std::string& mission, const std::string& path,

@@ -16,6 +16,7 @@
 #include "services/programs/default_vocabulary.h"
 #include "services/server/server.h"
 #include "services/testing/test_path.h"
+#include "services/tool/mission/mission_settings.h"
 
 namespace corbslam::services {
 
@@ -76,6 +77,22 @@ TEST_F(MissionAdminTest, BacksUpDeletesAndRestores) {
   EXPECT_EQ(restored->keyframes(), 2u);
   ASSERT_EQ(admin_->List()->size(), 1u);
   EXPECT_EQ(admin_->List()->front().name(), "missions/m2");
+}
+
+TEST_F(MissionAdminTest, MakesAndChangesMissions) {
+  v1::Mission wanted;
+  wanted.set_name("missions/n");
+  wanted.set_description("ahead");
+  const auto made = admin_->Create(wanted);
+  ASSERT_TRUE(made.ok()) << made.status();
+  EXPECT_EQ(made->description(), "ahead");
+  EXPECT_TRUE(absl::IsAlreadyExists(admin_->Create(wanted).status()));
+  const auto update = MakeUpdate({.max_keyframes = 7}, *admin_->Get("n"));
+  ASSERT_TRUE(update.ok()) << update.status();
+  ASSERT_TRUE(admin_->Update(*update).ok());
+  EXPECT_EQ(admin_->Get("n")->limits().keyframes(), 7u);
+  EXPECT_EQ(admin_->Get("n")->description(), "ahead");
+  EXPECT_TRUE(absl::IsNotFound(admin_->Get("nowhere").status()));
 }
 
 TEST_F(MissionAdminTest, LeavesNoHalfFile) {

@@ -1,3 +1,6 @@
+#include <map>
+#include <string>
+
 #include "services/convert/geometry.h"
 #include "services/tool/mission/mission_json.h"
 #include "services/tool/mission/mission_summary.h"
@@ -42,6 +45,8 @@ Json ToJson(const v1::LocalMap& local_map, const std::string& short_name) {
           {"closed", local_map.closed()},
           {"keyframes", local_map.keyframes()},
           {"map_points", local_map.map_points()},
+          {"retired_keyframes", local_map.retired_keyframes()},
+          {"faded_map_points", local_map.faded_map_points()},
           {"tracked_frames", local_map.tracked_frames()},
           {"lost_frames", local_map.lost_frames()}};
 }
@@ -60,26 +65,60 @@ Json ToJson(const std::pair<std::string, std::string>& names, const PairOverlaps
           {"verdicts", verdicts}};
 }
 
+Json ToJson(const v1::MissionLimits& limits) {
+  return {{"keyframes", limits.keyframes()},
+          {"memory_bytes", limits.memory_bytes()},
+          {"disk_bytes", limits.disk_bytes()},
+          {"uplink_bytes_per_second", limits.uplink_bytes_per_second()}};
+}
+
+// Adds what is set of the mission. A protobuf map has no order, so that a map is made of it.
+void AddSettings(const v1::Mission& mission, Json& json) {
+  json["description"] = mission.description();
+  json["labels"] = Json::object();
+  for (const auto& [key, value] :
+       std::map<std::string, std::string>(mission.labels().begin(), mission.labels().end())) {
+    json["labels"][key] = value;
+  }
+  json["limits"] = ToJson(mission.limits());
+  json["agent_limits"] = Json::object();
+  for (const auto& [agent, limits] : std::map<std::string, v1::MissionLimits>(
+           mission.agent_limits().begin(), mission.agent_limits().end())) {
+    json["agent_limits"][agent] = ToJson(limits);
+  }
+  json["retention_s"] = mission.retention_s();
+  json["origin"] = nullptr;
+  if (mission.has_origin()) {
+    json["origin"] = {{"latitude_deg", mission.origin().latitude_deg()},
+                      {"longitude_deg", mission.origin().longitude_deg()},
+                      {"altitude_m", mission.origin().altitude_m()},
+                      {"heading_deg", mission.origin().heading_deg()}};
+  }
+  json["created_ns"] = mission.created_ns();
+  json["last_used_ns"] = mission.last_used_ns();
+}
+
 }  // namespace
 
 nlohmann::ordered_json ToJson(const v1::Mission& mission) {
-  return {{"name", mission.name()},
-          {"revision", mission.revision()},
-          {"agents", mission.agents()},
-          {"local_maps", mission.local_maps()},
-          {"islands", mission.islands()},
-          {"keyframes", mission.keyframes()},
-          {"map_points", mission.map_points()},
-          {"fusion_idle", mission.fusion_idle()},
-          {"waiting_queries", mission.waiting_queries()},
-          {"lacks_fusion_worker", mission.lacks_fusion_worker()},
-          {"worker_away_since_ns", mission.worker_away_since_ns()},
-          {"worker_error", mission.worker_error()},
-          {"memory_bytes", mission.memory_bytes()},
-          {"disk_bytes", mission.disk_bytes()},
-          {"damage", mission.damage()},
-          {"asleep", mission.asleep()},
-          {"last_used_ns", mission.last_used_ns()}};
+  Json json = {{"name", mission.name()},
+               {"revision", mission.revision()},
+               {"agents", mission.agents()},
+               {"local_maps", mission.local_maps()},
+               {"islands", mission.islands()},
+               {"keyframes", mission.keyframes()},
+               {"map_points", mission.map_points()},
+               {"fusion_idle", mission.fusion_idle()},
+               {"waiting_queries", mission.waiting_queries()},
+               {"lacks_fusion_worker", mission.lacks_fusion_worker()},
+               {"worker_away_since_ns", mission.worker_away_since_ns()},
+               {"worker_error", mission.worker_error()},
+               {"memory_bytes", mission.memory_bytes()},
+               {"disk_bytes", mission.disk_bytes()},
+               {"damage", mission.damage()},
+               {"asleep", mission.asleep()}};
+  AddSettings(mission, json);
+  return json;
 }
 
 nlohmann::ordered_json ToJson(const MissionSummary& summary) {

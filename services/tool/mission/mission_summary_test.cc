@@ -103,6 +103,17 @@ TEST(MissionSummaryTest, SaysWhatAMissionCostsAndWhatIsDamaged) {
   EXPECT_THAT(FormatMissions({summary.mission}), HasSubstr("damaged: see `corbslam mission show`"));
 }
 
+TEST(MissionSummaryTest, SaysWhatTheStoreLetGoOf) {
+  MissionSummary summary = MakeSummary();
+  EXPECT_EQ(FormatSummary(summary).find("let go"), std::string::npos);
+  summary.local_maps[0].set_retired_keyframes(7);
+  summary.local_maps[0].set_faded_map_points(1);
+  summary.local_maps[1].set_retired_keyframes(2);
+  EXPECT_THAT(FormatSummary(summary),
+              HasSubstr("the store let go of 9 keyframes that others stand in for and 1 point "));
+  EXPECT_EQ(ToJson(summary)["local_maps"][0]["retired_keyframes"], 7);
+}
+
 constexpr char kNoWords[] = "no two keyframes share enough words";
 
 void AddUncompared(int query, int against, uint64_t waiting, uint64_t failed,

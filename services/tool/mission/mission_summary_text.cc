@@ -7,6 +7,7 @@
 #include "absl/time/time.h"
 #include "services/convert/geometry.h"
 #include "services/convert/resource_names.h"
+#include "services/tool/mission/mission_settings.h"
 #include "services/tool/mission/mission_summary.h"
 #include "services/tool/mission/summary_pairs.h"
 
@@ -50,8 +51,8 @@ std::string FormatMission(const v1::Mission& mission) {
       Count(mission.keyframes(), "keyframe"), ", ", Count(mission.map_points(), "map point"),
       "; revision ", mission.revision(), ", fusion ", DescribeFusion(mission), "; about ",
       Mib(mission.memory_bytes()), " MiB in memory, ", Mib(mission.disk_bytes()), " MiB on disk\n",
-      mission.asleep() ? "It was asleep until now\n" : "", FormatDamage(mission),
-      FormatWorkers(mission));
+      mission.asleep() ? "It was asleep until now\n" : "", FormatSettings(mission),
+      FormatDamage(mission), FormatWorkers(mission));
 }
 
 std::string DescribeState(const v1::Mission& mission) {
@@ -116,6 +117,19 @@ std::string FormatLocalMaps(const MissionSummary& summary) {
                           local_map.map_points(), local_map.closed() ? "yes" : "no");
   }
   return text;
+}
+
+// Says what the store itself let go of; nothing if that is nothing.
+std::string FormatRetired(const MissionSummary& summary) {
+  uint64_t keyframes = 0;
+  uint64_t points = 0;
+  for (const v1::LocalMap& local_map : summary.local_maps) {
+    keyframes += local_map.retired_keyframes();
+    points += local_map.faded_map_points();
+  }
+  if (keyframes + points == 0) return "";
+  return absl::StrCat("of closed local maps the store let go of ", Count(keyframes, "keyframe"),
+                      " that others stand in for and ", Count(points, "point"), " that vanished\n");
 }
 
 // Says what was never compared, which tells nothing of the places.
@@ -221,7 +235,7 @@ std::string FormatMissions(const std::vector<v1::Mission>& missions) {
 
 std::string FormatSummary(const MissionSummary& summary) {
   return absl::StrCat(FormatMission(summary.mission), FormatRobots(summary),
-                      FormatLocalMaps(summary), FormatOverlaps(summary));
+                      FormatLocalMaps(summary), FormatRetired(summary), FormatOverlaps(summary));
 }
 
 }  // namespace corbslam::services

@@ -1,0 +1,123 @@
+#include "map_store/ingest/mission_limits.h"
+
+#include <algorithm>
+
+#include "absl/strings/str_cat.h"
+#include "map_store/ingest/quota.h"
+#include "map_store/view/memory_estimate.h"
+#include "slam/util/status_macros.h"
+
+namespace corbslam::map_store {
+namespace {
+
+// What is held against a limit.
+struct Amount {
+  std::string whose;
+  std::string limit_name;  // As the mission's message has it.
+  absl::string_view unit;
+  uint64_t there = 0;
+  uint64_t more = 0;
+  uint64_t limit = 0;  // 0: there is none.
+};
+
+absl::Status Check(const Amount& amount, const MapUpdateBatch& batch) {
+  if (amount.limit == 0) return absl::OkStatus();
+  if (amount.there <= amount.limit && amount.more <= amount.limit - amount.there) {
+    return absl::OkStatus();
+  }
+  return absl::ResourceExhaustedError(
+      absl::StrCat(amount.whose, " has ", amount.there, " ", amount.unit, "; batch ", batch.number,
+                   " of local map ", ToString(batch.local_map), " has ", amount.more,
+                   " more; the limit ", amount.limit_name, " of the mission is ", amount.limit,
+                   " (`corbslam mission set` changes it)"));
+}
+
+uint64_t CountNewKeyframes(const LocalMapState* local_map, const MapUpdateBatch& batch) {
+  return static_cast<uint64_t>(
+      std::ranges::count_if(batch.full_keyframes, [local_map](const FullKeyframe& keyframe) {
+        // The batch is not validated yet.
+        return keyframe.payload != nullptr &&
+               (local_map == nullptr || !local_map->arrival.contains(keyframe.payload->id));
+      }));
+}
+
+}  // namespace
+
+absl::Status CheckKeyframeLimits(const MissionState& state, const std::string& agent,
+                                 const MapUpdateBatch& batch) {
+  const MissionProfile& profile = state.profile;
+  const auto own = profile.agent_limits.find(agent);
+  const uint64_t own_limit = own == profile.agent_limits.end() ? 0 : own->second.keyframes;
+  if (profile.limits.keyframes == 0 && own_limit == 0) return absl::OkStatus();
+  const uint64_t more = CountNewKeyframes(state.FindLocalMap(batch.local_map), batch);
+  if (more == 0) return absl::OkStatus();
+  uint64_t of_mission = 0;
+  uint64_t of_agent = 0;
+  for (const auto& [id, local_map] : state.local_maps) {
+    const size_t keyframes = local_map.map.keyframes().size();
+    of_mission += keyframes;
+    if (local_map.agent == agent) of_agent += keyframes;
+  }
+  RETURN_IF_ERROR(Check(
+      {absl::StrCat("agent ", agent, " of mission ", state.name),
+       absl::StrCat("agent_limits[", agent, "].keyframes"), "keyframes", of_agent, more, own_limit},
+      batch));
+  return Check({absl::StrCat("mission ", state.name), "limits.keyframes", "keyframes", of_mission,
+                more, profile.limits.keyframes},
+               batch);
+}
+
+absl::Status CheckMemoryLimit(const MissionState& state, const MapUpdateBatch& batch) {
+  const uint64_t limit = state.profile.limits.memory_bytes;
+  const bool adds = !batch.full_keyframes.empty() || !batch.full_points.empty();
+  if (limit == 0 || !adds) return absl::OkStatus();
+  return Check({absl::StrCat("mission ", state.name), "limits.memory_bytes", "bytes in memory",
+                EstimateMemory(state), 2 * StoredBytes(batch), limit},
+               batch);
+}
+
+absl::Status CheckDiskLimit(const std::string& mission, uint64_t disk_bytes, uint64_t limit_bytes,
+                            const MapUpdateBatch& batch) {
+  return Check({absl::StrCat("mission ", mission), "limits.disk_bytes", "bytes on disk", disk_bytes,
+                StoredBytes(batch), limit_bytes},
+               batch);
+}
+
+size_t CountLimitedLocalMaps(const MissionState& state) {
+  return static_cast<size_t>(std::ranges::count_if(state.local_maps, [&state](const auto& item) {
+    const Island* island = state.FindIslandOf(item.first);
+    const bool is_joined = island != nullptr && island->local_maps.size() > 1;
+    return !item.second.closed || !is_joined;
+  }));
+}
+
+namespace {
+
+// Checks with so many local maps more.
+absl::Status CheckLocalMapsAnd(size_t more, const MissionState& state,
+                               const MapStoreOptions& options) {
+  const size_t all = state.local_maps.size();
+  if (all + more > kMaxLocalMapsInAll) {
+    return absl::ResourceExhaustedError(absl::StrCat("mission ", state.name, " has ", all,
+                                                     " local maps; no mission has more than ",
+                                                     kMaxLocalMapsInAll, ": begin another one"));
+  }
+  const size_t counted = CountLimitedLocalMaps(state);
+  if (counted + more <= options.max_local_maps_per_mission) return absl::OkStatus();
+  return absl::ResourceExhaustedError(
+      absl::StrCat("mission ", state.name, " has ", counted,
+                   " local maps that are open, or were not joined ", "with another one, of ", all,
+                   "; the limit is ", options.max_local_maps_per_mission, " (--max-local-maps)"));
+}
+
+}  // namespace
+
+absl::Status CheckRoomForLocalMap(const MissionState& state, const MapStoreOptions& options) {
+  return CheckLocalMapsAnd(1, state, options);
+}
+
+absl::Status CheckLocalMaps(const MissionState& state, const MapStoreOptions& options) {
+  return CheckLocalMapsAnd(0, state, options);
+}
+
+}  // namespace corbslam::map_store
