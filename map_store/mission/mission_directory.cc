@@ -122,6 +122,8 @@ absl::StatusOr<MissionDirectory::Lease> MissionDirectory::UseOrMake(absl::string
     if (it->second->stage == Stage::kBeingMade) {
       return absl::UnavailableError(absl::StrCat("mission ", name, " is being made"));
     }
+    // One that nothing was written of must not go before this user has it.
+    if (it->second->stage == Stage::kAwake) return LeaseOf(it->second);
   }
   return Use(name);
 }

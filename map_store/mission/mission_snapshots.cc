@@ -93,7 +93,10 @@ absl::Status MissionSnapshots::Write(Beginning& beginning, const std::function<b
 }
 
 absl::StatusOr<bool> MissionSnapshots::Keep(const std::function<bool()>& goes_on) {
+  // Whoever only asks is in nobody's way.
+  if (!strand_.environment().journal->WantsSnapshot(strand_.name())) return false;
   absl::MutexLock one(&mutex_);
+  if (strand_.IsDeleted()) return false;
   if (!strand_.environment().journal->WantsSnapshot(strand_.name())) return false;
   Beginning beginning;
   {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "map_store/view/damage_words.h"
 #include "slam/util/resident_memory.h"
 #include "slam/util/status_macros.h"
 #include "slam/util/thread_priority.h"
@@ -15,6 +16,8 @@ namespace {
 
 constexpr int kSleeperStepsLower = 10;
 constexpr absl::Duration kBetweenLooks = absl::Seconds(1);
+// What somebody asks for every few seconds is not to be read each time.
+constexpr absl::Duration kLeastRest = absl::Seconds(10);
 // A snapshot that can't be written costs as much with each attempt.
 constexpr absl::Duration kAfterFailedSnapshot = absl::Minutes(1);
 
@@ -48,7 +51,7 @@ void Sleepers::Run() {
 
 absl::Status Sleepers::PutToSleep(absl::string_view name) {
   ASSIGN_OR_RETURN(const KnownMission known, directory_.Look(name));
-  RETURN_IF_ERROR(known.damage);
+  if (!known.damage.ok()) return absl::DataLossError(SayDamage(name, known.damage));
   if (known.mission == nullptr) return absl::OkStatus();
   return FallAsleep({known.name, known.mission, known.last_used}, /*in_haste=*/false,
                     [] { return true; });
@@ -70,6 +73,7 @@ size_t Sleepers::PutUnusedToSleep() {
 
 bool Sleepers::MakeRoom(bool in_haste) {
   for (const Unused& unused : directory_.ListUnused()) {
+    if (!in_haste && clock_() - unused.last_used < kLeastRest) break;
     if (!MayTry(unused)) continue;
     if (FallAsleep(unused, in_haste, [this] { return !signal_.stopped(); }).ok()) return true;
   }
@@ -98,6 +102,9 @@ absl::Status Sleepers::FallAsleep(const Unused& unused, bool in_haste,
     directory_.CancelSleep(unused);
     return IsUsed(unused.name);
   }
+  // A snapshot that had begun reads the journal, and a mission that is aside would be opened by
+  // that.
+  unused.mission->snapshots().WaitForEnd();
   PutAside(unused);
   return absl::OkStatus();
 }

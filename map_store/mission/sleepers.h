@@ -50,7 +50,8 @@ class Sleepers {
   // Puts those to sleep whose time has come. Returns how many fell asleep.
   size_t PutUnusedToSleep();
   // Puts the mission to sleep that has not been used for longest, of those that may sleep; in
-  // haste, because somebody waits, without tidying up its files. Returns false if there is none.
+  // haste, because somebody waits, without tidying up its files, and even if it was used a moment
+  // ago. Returns false if there is none.
   bool MakeRoom(bool in_haste);
   // Writes summaries of all missions that may sleep, so that the next start need not read them. The
   // store ends: nobody uses it any more. Missions that need a snapshot first are left out once

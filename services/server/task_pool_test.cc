@@ -6,8 +6,10 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <memory>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "absl/synchronization/blocking_counter.h"
@@ -26,6 +28,24 @@ TEST(TaskPoolTest, TasksBeginInOrderAndAllAreRunBeforeItEnds) {
     for (int i = 0; i < 3; ++i) pool.Schedule([&ran, i] { ran.push_back(i); });
   }
   EXPECT_THAT(ran, ElementsAre(0, 1, 2));
+}
+
+TEST(TaskPoolTest, PutsOffWhatItsDeferrerKnows) {
+  TaskPool pool(1);
+  const absl::Status missing = absl::NotFoundError("missing");
+  const absl::Status late = absl::UnavailableError("late");
+  EXPECT_EQ(pool.Defer(late, [](const auto&) {}), late) << "nobody knows what to wait for";
+  TaskPool::Again kept;
+  pool.SetDeferrer([&](const absl::Status& error, TaskPool::Again again) {
+    if (!absl::IsUnavailable(error)) return error;
+    kept = std::move(again);
+    return absl::OkStatus();
+  });
+  EXPECT_EQ(pool.Defer(missing, [](const auto&) {}), missing);
+  bool came = false;
+  EXPECT_TRUE(pool.Defer(late, [&came](const auto& ready) { came = ready.ok(); }).ok());
+  kept(std::make_shared<int>(0));
+  EXPECT_TRUE(came);
 }
 
 // Holds a pool of one thread of each kind; the thread of look-ups is busy until it is let go.

@@ -59,6 +59,7 @@ TEST_F(MissionCollectorTest, SaysWhatTheStoresStatisticsSay) {
   EXPECT_GT(Value("corbslam_mission_memory_bytes"), 10'000);
   EXPECT_EQ(Value("corbslam_mission_disk_bytes"), 0) << "its journal is in memory";
   EXPECT_EQ(ValueOf(collector_.Collect(), "corbslam_missions_damaged", {}), 0);
+  EXPECT_EQ(ValueOf(collector_.Collect(), "corbslam_missions_asleep", {}), 0);
   EXPECT_EQ(Value("corbslam_mission_islands"), 1);
   EXPECT_EQ(Value("corbslam_mission_local_maps"), 2);
   EXPECT_EQ(Value("corbslam_mission_agents"), 2);
