@@ -53,6 +53,7 @@ set(CPACK_DEBIAN_PUSH_PACKAGE_SECTION libs)
 set(CPACK_DEBIAN_PUSH_PACKAGE_CONTROL_EXTRA "${CMAKE_SOURCE_DIR}/deploy/debian/push/triggers")
 # Live cameras (docs/live.md).
 set(CPACK_DEBIAN_ROBOT_PACKAGE_RECOMMENDS "gstreamer1.0-plugins-base, gstreamer1.0-plugins-good")
+set(CPACK_DEBIAN_ROBOT_PACKAGE_SUGGESTS "libaravis-0.8-0")
 set(CPACK_DEBIAN_COMMON_PACKAGE_SUGGESTS "corbslam-server, corbslam-robot")
 set(CPACK_DEBIAN_SERVER_PACKAGE_CONTROL_EXTRA
     "${CMAKE_SOURCE_DIR}/deploy/debian/server/conffiles"

@@ -2,7 +2,6 @@
 
 #include <glog/logging.h>
 
-#include <algorithm>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -11,7 +10,10 @@
 #include "map_store/mission/memory_budget.h"
 #include "map_store/mission/memory_returner.h"
 #include "map_store/mission/mission.h"
+#include "map_store/mission/mission_directory.h"
 #include "map_store/mission/mission_tender.h"
+#include "map_store/mission/mission_waker.h"
+#include "map_store/mission/sleepers.h"
 #include "map_store/mission/snapshot_keeper.h"
 #include "map_store/records/restored_state.h"
 #include "map_store/view/damage_words.h"
@@ -19,6 +21,19 @@
 #include "slam/util/status_macros.h"
 
 namespace corbslam::map_store {
+namespace {
+
+absl::Status CheckRoom(const MissionDirectory::Counts& counts, const MapStoreOptions& options) {
+  if (counts.asleep >= options.max_missions_asleep) {
+    return absl::ResourceExhaustedError(
+        absl::StrCat(counts.asleep, " missions that are asleep; that is the limit"));
+  }
+  if (counts.in_memory < options.max_missions) return absl::OkStatus();
+  return absl::ResourceExhaustedError(
+      absl::StrCat(counts.in_memory, " missions; that is the limit"));
+}
+
+}  // namespace
 
 MapStore::MapStore(const MapStoreOptions& options, std::shared_ptr<const Vocabulary> vocabulary,
                    std::unique_ptr<Journal> journal, FusionWorker* worker, Clock clock)
@@ -32,13 +47,13 @@ MapStore::MapStore(const MapStoreOptions& options, std::shared_ptr<const Vocabul
           std::make_unique<FusionExecutor>(worker, absl::Milliseconds(options.retry_ms), clock_)),
       snapshots_(std::make_unique<SnapshotKeeper>(clock_)),
       tender_(std::make_unique<MissionTender>([this] { TendMissions(); })) {
+  directory_ = std::make_unique<MissionDirectory>(
+      clock_, [this](const std::string& name, const Sleeper& sleeper) {
+        return LoadSleeper(name, sleeper);
+      });
+  StartSleep();
   if (options_.deterministic) return;
-  const auto list_missions = [this] {
-    std::vector<std::shared_ptr<Mission>> missions;
-    absl::MutexLock lock(&mutex_);
-    for (const auto& [name, mission] : missions_) missions.push_back(mission);
-    return missions;
-  };
+  const auto list_missions = [this] { return directory_->ListAwake(); };
   executor_->Start(list_missions, options_.fusion_threads);
   snapshots_->Start(list_missions, [this] { memory_returner_->Wake(); });
   memory_returner_->Start();
@@ -49,6 +64,7 @@ MapStore::~MapStore() {
   tender_->Stop();
   snapshots_->Stop();
   executor_->Stop();
+  EndSleep();
 }
 
 void MapStore::Wake() {
@@ -57,31 +73,27 @@ void MapStore::Wake() {
 }
 
 absl::StatusOr<std::shared_ptr<Mission>> MapStore::FindMission(absl::string_view name) const {
-  absl::StatusOr<std::shared_ptr<Mission>> mission = FindUnused(name);
+  absl::StatusOr<std::shared_ptr<Mission>> mission =
+      options_.wake_in_background ? directory_->UseAwake(name) : directory_->Use(name);
   if (mission.ok()) (*mission)->profile().NoteUse();
   return mission;
-}
-
-absl::StatusOr<std::shared_ptr<Mission>> MapStore::FindUnused(absl::string_view name) const {
-  absl::MutexLock lock(&mutex_);
-  const auto it = missions_.find(std::string(name));
-  if (it != missions_.end()) return it->second;
-  RETURN_IF_ERROR(CheckReadable(name));
-  return absl::NotFoundError(absl::StrCat("there is no mission ", name));
 }
 
 absl::Status MapStore::Recover() {
   ASSIGN_OR_RETURN(const std::vector<std::string> names, journal_->ListMissions());
   for (const std::string& name : names) {
+    if (AddSleeper(name)) continue;
     std::shared_ptr<Mission> mission = MakeMission(name);
     const absl::Status recovered = mission->Recover();
     LOG_IF(ERROR, !recovered.ok()) << SayDamage(name, recovered);
     if (!recovered.ok() && !absl::IsDataLoss(recovered)) return recovered;
-    absl::MutexLock lock(&mutex_);
     if (recovered.ok()) {
-      missions_[name] = std::move(mission);
+      directory_->Add(name, std::move(mission));
     } else {
-      unreadable_[name] = recovered;
+      directory_->AddUnreadable(name, recovered);
+    }
+    while (sleeps_by_itself() && memory_->IsShort() && sleepers_->MakeRoom(/*in_haste=*/true)) {
+      ReturnFreeMemory();
     }
   }
   Wake();
@@ -92,44 +104,29 @@ absl::StatusOr<uint64_t> MapStore::EnterMission(const std::string& name, const s
   if (const absl::Status damage = journal_->Damage(name); !damage.ok()) {
     return absl::DataLossError(SayDamage(name, damage));
   }
+  const auto make =
+      [&](const MissionDirectory::Counts& counts) -> absl::StatusOr<std::shared_ptr<Mission>> {
+    RETURN_IF_ERROR(CheckRoom(counts, options_));
+    return MakeMission(name);
+  };
+  absl::StatusOr<std::shared_ptr<Mission>> found = FindMission(name);
+  if (absl::IsNotFound(found.status())) found = directory_->UseOrMake(name, make);
+  ASSIGN_OR_RETURN(std::shared_ptr<Mission> mission, std::move(found));
   absl::MutexLock lock(&mutex_);
-  RETURN_IF_ERROR(CheckReadable(name));
-  auto mission = missions_.find(name);
-  if (mission == missions_.end()) {
-    if (making_.contains(name)) {
-      return absl::UnavailableError(absl::StrCat("mission ", name, " is being made"));
-    }
-    RETURN_IF_ERROR(CheckRoomForMission());
-    mission = missions_.emplace(name, MakeMission(name)).first;
-  }
-  if (expiring_.contains(name)) {
-    return absl::UnavailableError(
-        absl::StrCat("mission ", name, " is being deleted, as its retention has passed"));
-  }
-  mission->second->profile().NoteUse();
+  mission->profile().NoteUse();
   const uint64_t session_id = next_session_++;
-  sessions_[session_id] = {agent, mission->second};
+  sessions_[session_id] = {agent, std::move(mission)};
   return session_id;
 }
 
 void MapStore::LeaveMission(uint64_t session_id) {
+  Session left;
   absl::MutexLock lock(&mutex_);
   const auto it = sessions_.find(session_id);
   if (it == sessions_.end()) return;
-  const std::shared_ptr<Mission> mission = std::move(it->second.mission);
-  mission->profile().NoteUse();
+  left = std::move(it->second);
+  left.mission->profile().NoteUse();
   sessions_.erase(it);
-  const bool is_in_use =
-      std::any_of(sessions_.begin(), sessions_.end(),
-                  [&mission](const auto& session) { return session.second.mission == mission; });
-  if (is_in_use || !mission->IsVacant()) return;
-  std::erase_if(missions_, [&mission](const auto& entry) { return entry.second == mission; });
-}
-
-absl::Status MapStore::CheckRoomForMission() const {
-  const size_t count = missions_.size() + unreadable_.size() + making_.size();
-  if (count < options_.max_missions) return absl::OkStatus();
-  return absl::ResourceExhaustedError(absl::StrCat(count, " missions; that is the limit"));
 }
 
 std::shared_ptr<Mission> MapStore::MakeMission(const std::string& name) {
@@ -231,7 +228,7 @@ absl::StatusOr<std::vector<uint64_t>> MapStore::RetractOverlap(absl::string_view
 
 absl::StatusOr<bool> MapStore::IsFusionIdle(absl::string_view mission_name) const {
   ASSIGN_OR_RETURN(const std::shared_ptr<Mission> mission, FindMission(mission_name));
-  return mission->fusion().IsIdle();
+  return mission->fusion().IsIdle() && !mission->retiring().IsDue();
 }
 
 absl::Status MapStore::WaitUntilFusionIdle(absl::string_view mission_name,
@@ -243,32 +240,23 @@ absl::Status MapStore::WaitUntilFusionIdle(absl::string_view mission_name,
 }
 
 absl::Status MapStore::DeleteMission(absl::string_view mission_name) {
-  {
-    absl::MutexLock deleting(&deletion_mutex_);
-    ASSIGN_OR_RETURN(const bool is_deleted, DeleteUnreadable(mission_name));
-    if (is_deleted) return absl::OkStatus();
-  }
-  ASSIGN_OR_RETURN(const std::shared_ptr<Mission> mission, FindUnused(mission_name));
+  ASSIGN_OR_RETURN(const MissionDirectory::Life life, directory_->FindLife(mission_name));
   // A caller that waited for another one's deletion must not delete the mission that has got the
   // name since.
   absl::MutexLock deleting(&deletion_mutex_);
-  ASSIGN_OR_RETURN(const std::shared_ptr<Mission> still, FindUnused(mission_name));
-  if (still != mission) {
-    return absl::NotFoundError(absl::StrCat("mission ", mission_name, " is deleted"));
-  }
-  return Forget(std::string(mission_name), mission);
+  ASSIGN_OR_RETURN(const std::shared_ptr<Mission> mission,
+                   directory_->BeginDeletion(mission_name, life));
+  return EndLife(mission_name, mission);
 }
 
-absl::Status MapStore::Forget(const std::string& name, const std::shared_ptr<Mission>& mission) {
+absl::Status MapStore::EndLife(absl::string_view name, const std::shared_ptr<Mission>& mission) {
   // From here on nothing is appended to the journal, so that what is deleted stays deleted.
-  mission->Delete();
-  RETURN_IF_ERROR(journal_->DeleteMission(name));
-  {
-    absl::MutexLock lock(&mutex_);
-    missions_.erase(name);
-  }
+  if (mission != nullptr) mission->Delete();
+  const absl::Status deleted = journal_->DeleteMission(name);
+  directory_->EndDeletion(name, deleted.ok());
+  RETURN_IF_ERROR(deleted);
   // Watchers are called, and find that the mission has gone.
-  mission->CallListeners();
+  if (mission != nullptr) mission->CallListeners();
   return absl::OkStatus();
 }
 
@@ -283,6 +271,12 @@ MissionRestorer MapStore::StartRestoring() const {
   return MissionRestorer(options_.max_backup_bytes, [this](uint64_t bytes) {
     return memory_->Check("a backup's piece", bytes);
   });
+}
+
+absl::Status MapStore::ReserveName(const std::string& name) {
+  MakeRoomForMissions(1);
+  return directory_->Reserve(
+      name, [this](const MissionDirectory::Counts& counts) { return CheckRoom(counts, options_); });
 }
 
 absl::Status MapStore::RestoreMission(const std::string& name, MissionState state) {
@@ -300,7 +294,7 @@ absl::Status MapStore::RestoreMission(const std::string& name, MissionState stat
   } else {
     mission.reset();
   }
-  TakeMade(name, std::move(mission));
+  directory_->EndMaking(name, std::move(mission));
   Wake();
   return status;
 }

@@ -4,12 +4,12 @@
 #ifndef CORBSLAM_MAP_STORE_MAP_STORE_H_
 #define CORBSLAM_MAP_STORE_MAP_STORE_H_
 
+#include <atomic>
 #include <cstdint>
 #include <functional>
 #include <map>
 #include <memory>
 #include <optional>
-#include <set>
 #include <string>
 #include <vector>
 
@@ -36,13 +36,18 @@
 
 namespace corbslam::map_store {
 
+struct KnownMission;
 struct MissionLoad;
+struct Sleeper;
 
 class FusionExecutor;
 class MemoryBudget;
 class MemoryReturner;
 class Mission;
+class MissionDirectory;
 class MissionTender;
+class MissionWaker;
+class Sleepers;
 class SnapshotKeeper;
 
 // The store of all missions. It is thread-safe. Listeners are called without any lock of the store
@@ -177,6 +182,32 @@ class MapStore {
   // Deletes the mission and fences the sessions in it. What it took of the disk is free when the
   // function returns, what it took of memory a moment later.
   absl::Status DeleteMission(absl::string_view mission);
+
+  // Missions that nobody uses leave memory (MapStoreOptions::sleep_after_s): ListMissions,
+  // GetMission and ListLoads answer from what they fell asleep with, and whatever else needs one
+  // reads it first, which takes as long as at the start. It then returns DATA_LOSS for one that
+  // turns out to be damaged, and RESOURCE_EXHAUSTED where memory has no room for it.
+
+  // Puts the mission to sleep now. FAILED_PRECONDITION, with the reason, where it has to stay in
+  // memory: it is used or watched, fusion has work to do, or there is no journal.
+  absl::Status SleepMission(absl::string_view mission);
+  // Puts those to sleep whose time has come, here and now; for deterministic mode. Returns their
+  // number.
+  size_t SleepUnused();
+  // Calls `then` once the mission is awake (MissionWaker::WhenAwake), for a caller that got
+  // AsleepError's (MapStoreOptions::wake_in_background). RESOURCE_EXHAUSTED: too many wait.
+  absl::Status WhenAwake(
+      const std::string& mission,
+      std::function<void(const absl::StatusOr<std::shared_ptr<const void>>& awake)> then);
+  struct Sleep {
+    size_t asleep = 0;  // Missions that sleep now.
+    // How often one fell asleep, and was read again, and seconds that reading took all together.
+    uint64_t fallen_asleep = 0;
+    uint64_t woken = 0;
+    double waking_s = 0;
+  };
+  Sleep sleep() const;
+
   // Returns the mission as it is now, to be written to a file while the mission goes on.
   absl::StatusOr<MissionBackup> BackUpMission(absl::string_view mission) const;
   // Returns where a backup's pieces go; the restorer takes no more than the options' limit.
@@ -248,22 +279,16 @@ class MapStore {
     std::shared_ptr<Mission> mission;
   };
 
-  // Finds the mission, for somebody who uses it.
+  // Returns the mission, for somebody who uses it: it stays in memory for as long as the caller
+  // holds it.
   absl::StatusOr<std::shared_ptr<Mission>> FindMission(absl::string_view name) const;
-  // Finds it for who asks only whether it is there, or what the list of missions says of it.
-  absl::StatusOr<std::shared_ptr<Mission>> FindUnused(absl::string_view name) const;
-  // Keeps a new mission's name free of others until TakeMade, which puts the mission in its place;
-  // null: there is none.
-  absl::Status ReserveName(const std::string& name) ABSL_LOCKS_EXCLUDED(mutex_);
-  void TakeMade(const std::string& name, std::shared_ptr<Mission> mission)
-      ABSL_LOCKS_EXCLUDED(mutex_);
-  // Returns whether a robot is connected, or somebody watches.
-  bool IsOccupied(const Mission& mission) const ABSL_SHARED_LOCKS_REQUIRED(mutex_);
+  // Keeps a new mission's name free of others until MissionDirectory::EndMaking.
+  absl::Status ReserveName(const std::string& name);
   // Deletes the mission, if its retention has passed still.
-  void Expire(const std::string& name, const std::shared_ptr<Mission>& mission)
-      ABSL_LOCKS_EXCLUDED(deletion_mutex_, mutex_);
-  // Deletes it for good.
-  absl::Status Forget(const std::string& name, const std::shared_ptr<Mission>& mission)
+  void Expire(const std::string& name) ABSL_LOCKS_EXCLUDED(deletion_mutex_, mutex_);
+  // Deletes it for good, after MissionDirectory::BeginDeletion; `mission` is null if it is on the
+  // disk alone.
+  absl::Status EndLife(absl::string_view name, const std::shared_ptr<Mission>& mission)
       ABSL_EXCLUSIVE_LOCKS_REQUIRED(deletion_mutex_) ABSL_LOCKS_EXCLUDED(mutex_);
   // Registers a session in the mission, which is made if there is none. Returns the session's id.
   absl::StatusOr<uint64_t> EnterMission(const std::string& name, const std::string& agent);
@@ -272,17 +297,21 @@ class MapStore {
   // Wakes the fusion threads and the snapshot keeper, which may have work now.
   void Wake();
   std::shared_ptr<Mission> MakeMission(const std::string& name);
-  // Returns DATA_LOSS, with what to do, for a mission that could not be read.
-  absl::Status CheckReadable(absl::string_view name) const ABSL_SHARED_LOCKS_REQUIRED(mutex_);
-  std::optional<MissionInfo> DescribeUnreadable(absl::string_view name) const
-      ABSL_LOCKS_EXCLUDED(mutex_);
+  // Describes a mission that could not be read.
   MissionInfo InfoOfUnreadable(const std::string& name, const absl::Status& damage) const;
-  // Deletes it if it could not be read; returns whether that is so.
-  absl::StatusOr<bool> DeleteUnreadable(absl::string_view name) ABSL_LOCKS_EXCLUDED(mutex_)
-      ABSL_EXCLUSIVE_LOCKS_REQUIRED(deletion_mutex_);
-  absl::Status CheckRoomForMission() const ABSL_SHARED_LOCKS_REQUIRED(mutex_);
   absl::StatusOr<Session> FindSession(uint64_t session_id) const;
-  MissionInfo Describe(const Mission& mission) const;
+  MissionInfo Describe(const KnownMission& known) const;
+  // Reads a mission that was asleep.
+  absl::StatusOr<std::shared_ptr<Mission>> LoadSleeper(const std::string& name,
+                                                       const Sleeper& sleeper);
+  // Has the mission sleep from the start on, if the journal has a summary of it and fusion has
+  // nothing to do; returns whether that is so.
+  bool AddSleeper(const std::string& name);
+  // Makes room in memory for so many more missions, if there is one that may sleep.
+  void MakeRoomForMissions(size_t coming);
+  bool sleeps_by_itself() const { return options_.sleep_after_s > 0; }
+  void StartSleep();
+  void EndSleep();
 
   const MapStoreOptions options_;
   const std::shared_ptr<const Vocabulary> vocabulary_;
@@ -294,17 +323,16 @@ class MapStore {
   std::unique_ptr<SnapshotKeeper> snapshots_;
   const std::unique_ptr<MissionTender> tender_;
 
+  // Holds all missions.
+  std::unique_ptr<MissionDirectory> directory_;
+  std::unique_ptr<Sleepers> sleepers_;
+  std::unique_ptr<MissionWaker> waker_;
+  std::atomic<uint64_t> woken_ = 0;
+  std::atomic<int64_t> waking_ns_ = 0;
+
   // A deletion holds this lock from its beginning to its end.
-  absl::Mutex deletion_mutex_ ABSL_ACQUIRED_BEFORE(mutex_);
+  absl::Mutex deletion_mutex_;
   mutable absl::Mutex mutex_;
-  std::map<std::string, std::shared_ptr<Mission>, std::less<>> missions_ ABSL_GUARDED_BY(mutex_);
-  // Missions that could not be read, and why.
-  std::map<std::string, absl::Status, std::less<>> unreadable_ ABSL_GUARDED_BY(mutex_);
-  // Names of missions that are being made or restored, and of those that are deleted because nobody
-  // uses them.
-  std::set<std::string, std::less<>> making_ ABSL_GUARDED_BY(mutex_);
-  std::set<std::string, std::less<>> expiring_ ABSL_GUARDED_BY(mutex_);
-  ExpiryListener expiry_listener_ ABSL_GUARDED_BY(mutex_);
   std::map<uint64_t, Session> sessions_ ABSL_GUARDED_BY(mutex_);
   uint64_t next_session_ ABSL_GUARDED_BY(mutex_) = 1;
 };

@@ -10,6 +10,7 @@
 #include "absl/strings/str_split.h"
 #include "map_store/map_store.h"
 #include "map_store/mission/mission.h"
+#include "map_store/mission/mission_directory.h"
 #include "map_store/view/answers.h"
 #include "map_store/view/page_tokens.h"
 #include "slam/util/status_macros.h"
@@ -17,13 +18,6 @@
 namespace corbslam::map_store {
 
 namespace {
-
-// A mission, or why it could not be read.
-struct ListedMission {
-  std::string name;
-  std::shared_ptr<Mission> mission;
-  absl::Status damage;
-};
 
 // Reads the number in a page's key; it is 0 for an empty key, that of the first page.
 absl::StatusOr<uint64_t> ParseKey(absl::string_view key) {
@@ -81,26 +75,11 @@ std::vector<KeyframeId> KeyframesAfter(const MissionState& state, const Keyframe
 absl::StatusOr<Page<MissionInfo>> MapStore::ListMissions(const PageRequest& request) const {
   ASSIGN_OR_RETURN(const PageStart start,
                    ReadPageStart(request, options_.max_page_size, "missions"));
-  std::vector<ListedMission> missions;
-  {
-    absl::MutexLock lock(&mutex_);
-    for (auto it = missions_.upper_bound(start.after);
-         it != missions_.end() && missions.size() <= start.size; ++it) {
-      missions.push_back({it->first, it->second, absl::OkStatus()});
-    }
-    for (auto it = unreadable_.upper_bound(start.after); it != unreadable_.end(); ++it) {
-      missions.push_back({it->first, nullptr, it->second});
-    }
-  }
-  std::ranges::sort(missions, {}, &ListedMission::name);
-  missions.resize(std::min(missions.size(), start.size + 1));
+  std::vector<KnownMission> missions = directory_->List(start.after, start.size + 1);
   Page<MissionInfo> page;
   page.next_page_token =
-      EndPage(start, missions, [](const ListedMission& listed) { return listed.name; });
-  for (const ListedMission& listed : missions) {
-    page.items.push_back(listed.mission == nullptr ? InfoOfUnreadable(listed.name, listed.damage)
-                                                   : Describe(*listed.mission));
-  }
+      EndPage(start, missions, [](const KnownMission& known) { return known.name; });
+  for (const KnownMission& known : missions) page.items.push_back(Describe(known));
   return page;
 }
 

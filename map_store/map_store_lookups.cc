@@ -6,9 +6,8 @@
 #include "map_store/map_store.h"
 #include "map_store/mission/fusion_executor.h"
 #include "map_store/mission/mission.h"
-#include "map_store/mission/mission_load.h"
+#include "map_store/mission/mission_directory.h"
 #include "map_store/view/answers.h"
-#include "map_store/view/damage_words.h"
 #include "map_store/view/trajectory.h"
 #include "slam/util/status_macros.h"
 
@@ -18,21 +17,9 @@ bool MapStore::has_worker() const { return executor_->has_worker(); }
 
 std::optional<WorkerOutage> MapStore::worker_outage() const { return executor_->worker_outage(); }
 
-MissionInfo MapStore::Describe(const Mission& mission) const {
-  MissionInfo info = mission.Info();
-  info.has_worker = has_worker();
-  info.worker_outage = worker_outage();
-  info.disk_bytes = journal_->DiskBytes(info.name);
-  info.damage = SayDamage(info.name, journal_->Damage(info.name));
-  return info;
-}
-
 absl::StatusOr<MissionInfo> MapStore::GetMission(absl::string_view mission_name) const {
-  if (const auto unreadable = DescribeUnreadable(mission_name); unreadable.has_value()) {
-    return *unreadable;
-  }
-  ASSIGN_OR_RETURN(const std::shared_ptr<Mission> mission, FindUnused(mission_name));
-  return Describe(*mission);
+  ASSIGN_OR_RETURN(const KnownMission known, directory_->Look(mission_name));
+  return Describe(known);
 }
 
 absl::StatusOr<LocalMapInfo> MapStore::GetLocalMap(absl::string_view mission_name,
@@ -59,17 +46,6 @@ absl::StatusOr<KeyframeInfo> MapStore::GetKeyframe(absl::string_view mission_nam
 absl::StatusOr<MissionStatistics> MapStore::GetStatistics(absl::string_view mission_name) const {
   ASSIGN_OR_RETURN(const std::shared_ptr<Mission> mission, FindMission(mission_name));
   return mission->WithState(DescribeStatistics);
-}
-
-std::vector<MissionLoad> MapStore::ListLoads() const {
-  std::vector<std::shared_ptr<Mission>> missions;
-  {
-    absl::MutexLock lock(&mutex_);
-    for (const auto& [name, mission] : missions_) missions.push_back(mission);
-  }
-  std::vector<MissionLoad> loads;
-  for (const auto& mission : missions) loads.push_back(mission->Load());
-  return loads;
 }
 
 absl::StatusOr<std::vector<AgentTrajectory>> MapStore::GetTrajectory(absl::string_view mission_name,
@@ -120,8 +96,8 @@ absl::StatusOr<uint64_t> MapStore::AddMapListener(absl::string_view mission_name
 }
 
 void MapStore::RemoveMapListener(absl::string_view mission_name, uint64_t token) {
-  const auto mission = FindUnused(mission_name);
-  if (mission.ok()) (*mission)->listeners().RemoveOfMap(token);
+  const std::shared_ptr<Mission> mission = directory_->UseIfAwake(mission_name);
+  if (mission != nullptr) mission->listeners().RemoveOfMap(token);
 }
 
 absl::StatusOr<std::vector<MapChanges>> MapStore::ReplayMap(
@@ -145,8 +121,8 @@ absl::StatusOr<uint64_t> MapStore::AddEventListener(absl::string_view mission_na
 }
 
 void MapStore::RemoveEventListener(absl::string_view mission_name, uint64_t token) {
-  const auto mission = FindUnused(mission_name);
-  if (mission.ok()) (*mission)->events().listeners().RemoveOfMap(token);
+  const std::shared_ptr<Mission> mission = directory_->UseIfAwake(mission_name);
+  if (mission != nullptr) mission->events().listeners().RemoveOfMap(token);
 }
 
 }  // namespace corbslam::map_store

@@ -2,34 +2,38 @@
 // deletes those that nobody uses any more.
 #include <glog/logging.h>
 
-#include <algorithm>
-#include <set>
+#include <limits>
+#include <optional>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "map_store/ingest/batch_validation.h"
 #include "map_store/map_store.h"
 #include "map_store/mission/mission.h"
+#include "map_store/mission/mission_directory.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::map_store {
+namespace {
 
-absl::Status MapStore::ReserveName(const std::string& name) {
-  absl::MutexLock lock(&mutex_);
-  if (missions_.contains(name) || making_.contains(name)) {
-    return absl::AlreadyExistsError(absl::StrCat("there is a mission ", name, " already"));
+MissionProfile ProfileOf(const KnownMission& known) {
+  if (known.mission != nullptr) return known.mission->profile().Get();
+  return known.sleeper != nullptr ? known.sleeper->summary.info.profile : MissionProfile();
+}
+
+// Returns whether the mission's retention has passed.
+bool IsOutdated(const KnownMission& known, absl::Time now) {
+  if (known.mission != nullptr) {
+    return !known.mission->IsWatched() && known.mission->profile().IsOutdated();
   }
-  RETURN_IF_ERROR(CheckReadable(name));
-  RETURN_IF_ERROR(CheckRoomForMission());
-  making_.insert(name);
-  return absl::OkStatus();
+  const MissionProfile profile = ProfileOf(known);
+  if (profile.retention_s == 0 || profile.last_used_ns == 0) return false;
+  const absl::Duration unused = now - absl::FromUnixNanos(profile.last_used_ns);
+  // Before it fell asleep the store may have been killed, and known of its last use too little.
+  return unused >= absl::Seconds(profile.retention_s) + ProfileKeeper::kBetweenUses;
 }
 
-void MapStore::TakeMade(const std::string& name, std::shared_ptr<Mission> mission) {
-  absl::MutexLock lock(&mutex_);
-  making_.erase(name);
-  if (mission != nullptr) missions_[name] = std::move(mission);
-}
+}  // namespace
 
 absl::Status MapStore::CreateMission(const std::string& name, const MissionProfile& profile) {
   RETURN_IF_ERROR(map_store::ValidateName("mission", name));
@@ -44,7 +48,7 @@ absl::Status MapStore::CreateMission(const std::string& name, const MissionProfi
                                    << "the next start: " << removed;
     mission.reset();
   }
-  TakeMade(name, std::move(mission));
+  directory_->EndMaking(name, std::move(mission));
   return begun;
 }
 
@@ -65,51 +69,37 @@ void MapStore::SetExpiryListener(ExpiryListener listener) {
   expiry_listener_ = std::move(listener);
 }
 
-bool MapStore::IsOccupied(const Mission& mission) const {
-  return mission.IsWatched() ||
-         std::any_of(sessions_.begin(), sessions_.end(), [&mission](const auto& session) {
-           return session.second.mission.get() == &mission;
-         });
-}
-
 void MapStore::TendMissions() {
-  std::vector<std::pair<std::string, std::shared_ptr<Mission>>> missions;
-  std::set<const Mission*> occupied;
-  {
-    absl::MutexLock lock(&mutex_);
-    missions.assign(missions_.begin(), missions_.end());
-    for (const auto& [id, session] : sessions_) occupied.insert(session.mission.get());
-  }
-  for (const auto& [name, mission] : missions) {
-    if (occupied.contains(mission.get()) || mission->IsWatched()) mission->profile().NoteUse();
-    // The journal itself says what is wrong with it; the next time is soon enough.
-    mission->profile().KeepUse().IgnoreError();
-    if (mission->profile().IsOutdated()) Expire(name, mission);
+  for (const KnownMission& known : directory_->List("", std::numeric_limits<size_t>::max())) {
+    if (known.mission != nullptr) {
+      ProfileKeeper& profile = known.mission->profile();
+      if (known.is_used || known.mission->IsWatched()) profile.NoteUse();
+      // The journal itself says what is wrong with it; the next time is soon enough.
+      profile.KeepUse().IgnoreError();
+    }
+    if (IsOutdated(known, clock_())) Expire(known.name);
   }
 }
 
-void MapStore::Expire(const std::string& name, const std::shared_ptr<Mission>& mission) {
+void MapStore::Expire(const std::string& name) {
   // What is damaged is for people to look at first.
   if (!journal_->Damage(name).ok()) return;
-  ExpiryListener listener;
+  MissionProfile profile;
   absl::Status deleted;
   {
     absl::MutexLock deleting(&deletion_mutex_);
-    {
-      absl::MutexLock lock(&mutex_);
-      const auto it = missions_.find(name);
-      // A robot may have come since; from here on none can.
-      const bool is_due = it != missions_.end() && it->second == mission && !IsOccupied(*mission) &&
-                          mission->profile().IsOutdated();
-      if (!is_due) return;
-      expiring_.insert(name);
-      listener = expiry_listener_;
-    }
-    deleted = Forget(name, mission);
-    absl::MutexLock lock(&mutex_);
-    expiring_.erase(name);
+    // A robot may have come since; from here on none can.
+    const std::optional<KnownMission> known = directory_->BeginExpiry(
+        name, [this](const KnownMission& now) { return IsOutdated(now, clock_()); });
+    if (!known.has_value()) return;
+    profile = ProfileOf(*known);
+    deleted = EndLife(name, known->mission);
   }
-  const MissionProfile profile = mission->profile().Get();
+  ExpiryListener listener;
+  {
+    absl::MutexLock lock(&mutex_);
+    listener = expiry_listener_;
+  }
   const std::string why =
       absl::StrCat("nobody has used it since ",
                    absl::FormatTime("%Y-%m-%dT%H:%M:%SZ", absl::FromUnixNanos(profile.last_used_ns),

@@ -35,6 +35,10 @@ absl::Status MapStoreOptions::Validate() const {
     status.Update(
         absl::InvalidArgumentError(absl::StrCat("cull_share is ", cull_share, ", must be 0 to 1")));
   }
+  if (!(retire_share > 0 && retire_share <= 1)) {
+    status.Update(absl::InvalidArgumentError(
+        absl::StrCat("retire_share is ", retire_share, ", must be above 0 and at most 1")));
+  }
   status.Update(CheckPositive("adjust_threads", adjust_threads));
   status.Update(CheckPositive("fusion_threads", fusion_threads));
   status.Update(CheckPositive("max_attempts", max_attempts));
@@ -42,6 +46,7 @@ absl::Status MapStoreOptions::Validate() const {
   status.Update(CheckPositive("max_page_size", static_cast<double>(max_page_size)));
   for (const auto& [field, limit] : std::initializer_list<std::pair<absl::string_view, uint64_t>>{
            {"max_missions", max_missions},
+           {"max_missions_asleep", max_missions_asleep},
            {"max_agents_per_mission", max_agents_per_mission},
            {"max_local_maps_per_mission", max_local_maps_per_mission},
            {"max_keypoints_per_keyframe", max_keypoints_per_keyframe},
@@ -57,6 +62,12 @@ absl::Status MapStoreOptions::Validate() const {
     status.Update(CheckPositive(field, static_cast<double>(limit)));
   }
   status.Update(CheckPositive("max_parked_s", max_parked_s));
+  for (const auto& [field, seconds] : std::initializer_list<std::pair<absl::string_view, double>>{
+           {"sleep_after_s", sleep_after_s}, {"end_s", end_s}}) {
+    if (seconds >= 0) continue;
+    status.Update(
+        absl::InvalidArgumentError(absl::StrCat(field, " is ", seconds, ", must be at least 0")));
+  }
   if (min_shared_words_ratio < 0 || min_shared_words_ratio > 1) {
     status.Update(absl::InvalidArgumentError(
         absl::StrCat("min_shared_words_ratio is ", min_shared_words_ratio, ", must be 0 to 1")));

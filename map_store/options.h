@@ -57,6 +57,11 @@ struct MapStoreOptions {
   // `cull_target` of an island (0: any number stays). Their owners keep them.
   double cull_share = 0;
   size_t cull_target = 0;
+  // Whether the store lets go of keyframes that others stand in for, and of points that have
+  // vanished, of local maps that are closed and joined (docs/adr/0033-what-stays-of-a-session.md);
+  // and the share of its landmarks that others see by which a keyframe goes.
+  bool retire = false;
+  double retire_share = 0.9;
   // Local motion of a placed keyframe relative to its parent that calls for a refresh.
   double local_motion_px = 1.0;
   // Foreign keyframes that one agent is sent at most; it is sent the nearest ones.
@@ -74,7 +79,18 @@ struct MapStoreOptions {
   // when there are threads: the thread waits `retry_ms` and tries again.
   int max_attempts = 3;
   int retry_ms = 1000;
+  // Missions in memory, and those that are asleep.
   size_t max_missions = 1000;
+  size_t max_missions_asleep = 100000;
+  // A mission that nobody has used for so many seconds leaves memory; 0: none ever does, unless
+  // somebody asks for it. Without a journal none can.
+  double sleep_after_s = 0;
+  // A call that needs a mission which is asleep returns AsleepError (map_store/view/asleep_words.h)
+  // at once, for who can come again when it is awake. False: the call waits.
+  bool wake_in_background = false;
+  // Seconds at an orderly end for snapshots of missions that would otherwise be read at the next
+  // start.
+  double end_s = 5;
   size_t max_agents_per_mission = 1000;
   size_t max_local_maps_per_mission = 1000;
   size_t max_keypoints_per_keyframe = 20000;

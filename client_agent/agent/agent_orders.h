@@ -2,6 +2,7 @@
 #ifndef CORBSLAM_CLIENT_AGENT_AGENT_AGENT_ORDERS_H_
 #define CORBSLAM_CLIENT_AGENT_AGENT_AGENT_ORDERS_H_
 
+#include <functional>
 #include <optional>
 #include <utility>
 
@@ -29,9 +30,17 @@ class AgentOrders {
     camera_ = camera;
   }
 
-  void PauseMapping(bool paused) {
+  // FAILED_PRECONDITION for a pause before a new local map that was ordered has its first keyframe:
+  // it would stay empty, and the robot would be tracked in nothing.
+  absl::Status PauseMapping(bool paused) {
     absl::MutexLock lock(&mutex_);
+    if (paused && map_is_empty_) {
+      return absl::FailedPreconditionError(
+          "the new local map that was ordered has no keyframe yet and would stay empty: pause "
+          "mapping once the robot is tracked in it");
+    }
     next_.mapping_paused = paused;
+    return absl::OkStatus();
   }
   bool mapping_paused() const {
     absl::MutexLock lock(&mutex_);
@@ -46,6 +55,7 @@ class AgentOrders {
           "mapping is paused, and a new local map would stay empty: resume mapping first");
     }
     next_.open_local_map = true;
+    map_is_empty_ = true;
     return absl::OkStatus();
   }
 
@@ -57,17 +67,42 @@ class AgentOrders {
     return absl::OkStatus();
   }
 
+  // The agent says that a frame was tracked: the local map is not empty.
+  void NoteTracked() {
+    absl::MutexLock lock(&mutex_);
+    if (!next_.open_local_map) map_is_empty_ = false;
+  }
+
+  // From now on `listener` is told by Take, on its thread, of all that differs from the frame
+  // before. Null: nobody is.
+  void SetListener(std::function<void(const OrdersForFrame&)> listener) {
+    absl::MutexLock lock(&mutex_);
+    listener_ = std::move(listener);
+  }
+
   // Returns what is to be done now; the next call has only what came since.
   OrdersForFrame Take() {
-    absl::MutexLock lock(&mutex_);
-    const bool paused = next_.mapping_paused;
-    return std::exchange(next_, {.mapping_paused = paused});
+    OrdersForFrame taken;
+    std::function<void(const OrdersForFrame&)> tell;
+    {
+      absl::MutexLock lock(&mutex_);
+      const bool paused = next_.mapping_paused;
+      taken = std::exchange(next_, {.mapping_paused = paused});
+      const bool is_news = taken.open_local_map || taken.mask.has_value() || paused != was_paused_;
+      was_paused_ = paused;
+      if (is_news) tell = listener_;
+    }
+    if (tell != nullptr) tell(taken);
+    return taken;
   }
 
  private:
   mutable absl::Mutex mutex_;
   Camera camera_ ABSL_GUARDED_BY(mutex_);
   OrdersForFrame next_ ABSL_GUARDED_BY(mutex_);
+  bool map_is_empty_ ABSL_GUARDED_BY(mutex_) = false;  // Since a new one was ordered.
+  bool was_paused_ ABSL_GUARDED_BY(mutex_) = false;    // At the last Take.
+  std::function<void(const OrdersForFrame&)> listener_ ABSL_GUARDED_BY(mutex_);
 };
 
 }  // namespace corbslam::client_agent

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <string>
+#include <vector>
 
 namespace corbslam::client_agent {
 namespace {
@@ -16,25 +17,63 @@ TEST(AgentOrdersTest, EachOrderIsTakenOnceAndThePauseStays) {
   EXPECT_FALSE(orders.Take().open_local_map);
   ASSERT_TRUE(orders.OpenLocalMap().ok());
   ASSERT_TRUE(orders.SetMask(cv::Mat::zeros(48, 64, CV_8UC1)).ok());
-  orders.PauseMapping(true);
 
   const OrdersForFrame first = orders.Take();
   EXPECT_TRUE(first.open_local_map);
-  EXPECT_TRUE(first.mapping_paused);
+  EXPECT_FALSE(first.mapping_paused);
   ASSERT_TRUE(first.mask.has_value());
   EXPECT_EQ(first.mask->cols, 64);
 
+  orders.NoteTracked();
+  ASSERT_TRUE(orders.PauseMapping(true).ok());
   const OrdersForFrame second = orders.Take();
   EXPECT_FALSE(second.open_local_map);
   EXPECT_FALSE(second.mask.has_value());
   EXPECT_TRUE(second.mapping_paused);
-  orders.PauseMapping(false);
+  EXPECT_TRUE(orders.Take().mapping_paused);
+  ASSERT_TRUE(orders.PauseMapping(false).ok());
   EXPECT_FALSE(orders.Take().mapping_paused);
+}
+
+TEST(AgentOrdersTest, MappingIsNotPausedInAMapThatIsEmpty) {
+  AgentOrders orders;
+  ASSERT_TRUE(orders.OpenLocalMap().ok());
+  EXPECT_TRUE(absl::IsFailedPrecondition(orders.PauseMapping(true))) << "before a frame";
+  // A frame that was on its way when the order came is of the map before.
+  orders.NoteTracked();
+  EXPECT_TRUE(absl::IsFailedPrecondition(orders.PauseMapping(true)));
+  EXPECT_TRUE(orders.Take().open_local_map);
+  EXPECT_TRUE(absl::IsFailedPrecondition(orders.PauseMapping(true))) << "nothing is tracked yet";
+  EXPECT_TRUE(orders.PauseMapping(false).ok());
+  EXPECT_FALSE(orders.Take().mapping_paused);
+  orders.NoteTracked();
+  EXPECT_TRUE(orders.PauseMapping(true).ok());
+  EXPECT_TRUE(orders.Take().mapping_paused);
+}
+
+TEST(AgentOrdersTest, TheListenerHearsWhatIsNew) {
+  AgentOrders orders;
+  orders.SetCamera({.width_px = 64, .height_px = 48});
+  std::vector<OrdersForFrame> heard;
+  orders.SetListener([&](const OrdersForFrame& taken) { heard.push_back(taken); });
+  orders.Take();
+  EXPECT_TRUE(heard.empty());
+  ASSERT_TRUE(orders.PauseMapping(true).ok());
+  orders.Take();
+  orders.Take();
+  ASSERT_EQ(heard.size(), 1u);
+  EXPECT_TRUE(heard[0].mapping_paused);
+  ASSERT_TRUE(orders.PauseMapping(false).ok());
+  ASSERT_TRUE(orders.OpenLocalMap().ok());
+  ASSERT_TRUE(orders.SetMask(cv::Mat()).ok());
+  orders.Take();
+  ASSERT_EQ(heard.size(), 2u);
+  EXPECT_TRUE(!heard[1].mapping_paused && heard[1].open_local_map && heard[1].mask.has_value());
 }
 
 TEST(AgentOrdersTest, NoMapOpensWhileMappingIsPaused) {
   AgentOrders orders;
-  orders.PauseMapping(true);
+  ASSERT_TRUE(orders.PauseMapping(true).ok());
   EXPECT_TRUE(absl::IsFailedPrecondition(orders.OpenLocalMap()));
   EXPECT_FALSE(orders.Take().open_local_map);
 }

@@ -173,8 +173,7 @@ absl::StatusOr<TrackingResult> SingleAgent::Track(const SensorImages& images) {
   smooth_pose_.Add(result);
   Record(result, absl::ToDoubleMilliseconds(absl::Now() - start));
   AskForPlace(result);
-  const bool paused = options_.orders != nullptr && options_.orders->mapping_paused();
-  if (!paused && (current().tracker().IsLostForGood() || link_->NeedsNewLocalMap())) {
+  if (!mapping_paused_ && (current().tracker().IsLostForGood() || link_->NeedsNewLocalMap())) {
     BeginLocalMap();
   }
   HandOverIfFull(result);
@@ -226,7 +225,8 @@ void SingleAgent::FollowOrders() {
   // AgentOrders has judged the mask.
   if (orders.mask.has_value()) sensor_->SetMask(*orders.mask).IgnoreError();
   if (orders.open_local_map) BeginLocalMap();
-  current().tracker().PauseMapping(orders.mapping_paused);
+  mapping_paused_ = orders.mapping_paused;
+  current().tracker().PauseMapping(mapping_paused_);
 }
 
 void SingleAgent::BeginLocalMap() {
@@ -277,6 +277,7 @@ void SingleAgent::Record(const TrackingResult& result, double tracking_ms) {
       foreign_points_matched_ += result.foreign_points_matched;
     }
   }
+  if (tracked && options_.orders != nullptr) options_.orders->NoteTracked();
   if (tracked) {
     link_->AddTrackedFrame({result.timestamp_ns, result.reference, result.reference_from_camera});
   } else {

@@ -83,6 +83,7 @@ class SingleAgent : public Agent {
   std::shared_ptr<LocalMapSession> current_session_;
   SmoothPose smooth_pose_;
   bool warned_of_late_link_ = false;
+  bool mapping_paused_ = false;  // By the orders for the newest frame.
   SampleLog tracking_ms_;
   SampleLog local_ba_ms_;
 

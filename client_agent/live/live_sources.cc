@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/string_view.h"
 #include "client_agent/live/push/push_source.h"
 #include "client_agent/source/source_kinds.h"
 #ifdef CORBSLAM_HAS_GSTREAMER
@@ -34,12 +35,24 @@ constexpr KnownSource kSources[] = {
      "libgstreamer-plugins-base1.0-dev when it is built, gstreamer1.0-plugins-base when it runs"},
     {"v4l2", "v4l2:/dev/video0,/dev/video1", "live: USB and CSI cameras of Linux",
      "the same, and gstreamer1.0-plugins-good"},
+    {"aravis", "aravis:NAME, aravis:NAME,NAME, aravis:any",
+     "live: GigE Vision and USB3 Vision cameras, by the names that arv-tool-0.8 lists",
+     "the same, and libaravis-0.8-0"},
     {"openni2", "openni2:any, openni2:URI, openni2:FILE.oni",
      "live: RGB-D cameras of OpenNI 2, and their recordings",
      "libopenni2-dev when it is built, libopenni2-0 when it runs"},
     {"push", "push:SOCKET",
      "live: what a driver program on this machine pushes (docs/push.md, corbslam/push.h)", ""},
     {"sim", "sim:WORLD", "a simulator in the camera's place", "the program simulated_agent"}};
+
+// Returns whether this machine has what a kind that the program knows begins with.
+bool IsOnThisMachine([[maybe_unused]] absl::string_view kind) {
+#ifdef CORBSLAM_HAS_GSTREAMER
+  return IsGstSourceHere(kind);
+#else
+  return true;
+#endif
+}
 
 }  // namespace
 
@@ -60,6 +73,8 @@ std::string ListSources() {
     absl::StrAppend(&text, source.usage, ": ", source.plays);
     if (std::find(here.begin(), here.end(), source.name) == here.end()) {
       absl::StrAppend(&text, "; not here, it needs ", source.needs);
+    } else if (!IsOnThisMachine(source.name)) {
+      absl::StrAppend(&text, "; not on this machine, it needs ", source.needs);
     }
     absl::StrAppend(&text, "\n");
   }

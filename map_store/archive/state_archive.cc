@@ -78,8 +78,8 @@ void Fields(Archive& archive, T& agent) {
 namespace {
 
 // Format 3 has no recorded cameras, which follow everything else; in format 4 points are placed in
-// their islands and not in an anchor; in format 5 lenses have five numbers (value_fields.h); format
-// 6 has no profile, which follows everything else.
+// their islands and not in an anchor; in format 5 lenses have five numbers (value_fields.h); up to
+// format 6 missions have no profile, and the store lets go of nothing.
 constexpr uint32_t kOldestStateFormat = 3;
 constexpr uint32_t kFirstWithAnchors = 5;
 constexpr uint32_t kFirstWithProfile = 7;
@@ -277,6 +277,16 @@ void GlobalFields(Archive& archive, State& state) {
           global.island_from_local, global.taken_back, global.kept_apart);
 }
 
+// Lists what follows everything else since the store lets go of keyframes and points.
+template <typename Archive, typename State>
+void RetiredFields(Archive& archive, State& state) {
+  archive(state.global.stand_ins);
+  for (const LocalMapId& id : state.order) {
+    auto& local_map = state.local_maps.at(id);
+    archive(local_map.retired_keyframes, local_map.faded_points);
+  }
+}
+
 // Anchors points of an older format, which are placed in their islands. Where no keyframe is placed
 // that sees a point, the point is not placed any more.
 void AnchorPoints(MissionState& state) {
@@ -444,6 +454,7 @@ std::string EncodeState(const MissionState& state) {
   std::vector<KeyframeId> anchors;
   for (const auto& [id, placed] : state.global.points) anchors.push_back(placed.anchor);
   writer(anchors, state.profile);
+  RetiredFields(writer, state);
   return writer.Take();
 }
 
@@ -492,7 +503,10 @@ absl::StatusOr<MissionState> DecodeState(std::string_view bytes, const FeatureLo
     reader(anchors);
     RETURN_IF_ERROR(SetAnchors(anchors, state.global.points));
   }
-  if (format >= kFirstWithProfile) reader(state.profile);
+  if (format >= kFirstWithProfile) {
+    reader(state.profile);
+    RetiredFields(reader, state);
+  }
   if (!reader.done()) return Unreadable("a mission's snapshot");
   RETURN_IF_ERROR(ValidateState(state));
   IndexPoints(state);

@@ -163,6 +163,18 @@ template <typename Archive, MayBeConst<RetractRecord> T>
 void Fields(Archive& archive, T& record) {
   archive(record.overlap, record.keep_apart);
 }
+template <typename Archive, MayBeConst<StandIn> T>
+void Fields(Archive& archive, T& stand_in) {
+  archive(stand_in.keyframe, stand_in.keyframe_from_retired);
+}
+template <typename Archive, MayBeConst<RetiredKeyframe> T>
+void Fields(Archive& archive, T& retired) {
+  archive(retired.id, retired.parent, retired.parent_from_removed, retired.stand_in);
+}
+template <typename Archive, MayBeConst<RetireRecord> T>
+void Fields(Archive& archive, T& record) {
+  archive(record.retirement.keyframes, record.retirement.faded);
+}
 template <typename Archive, MayBeConst<GeoOrigin> T>
 void Fields(Archive& archive, T& origin) {
   archive(origin.latitude_deg, origin.longitude_deg, origin.altitude_m, origin.heading_deg);

@@ -1,9 +1,22 @@
 #include "map_store/mission/event_book.h"
 
 #include <algorithm>
+#include <cstddef>
 #include <utility>
 
 namespace corbslam::map_store {
+
+EventBook::Past EventBook::GetPast() const {
+  absl::MutexLock lock(&mutex_);
+  const size_t kept = std::min(events_.size(), kKeptAsleep);
+  return {last_number_, {events_.end() - static_cast<std::ptrdiff_t>(kept), events_.end()}};
+}
+
+void EventBook::GoOnFrom(Past past) {
+  absl::MutexLock lock(&mutex_);
+  last_number_ = past.last_number;
+  events_ = std::move(past.events);
+}
 
 void EventBook::Note(uint64_t revision, MissionEvent::What what) {
   MissionEvent event;

@@ -26,6 +26,18 @@ class EventBook {
 
   explicit EventBook(std::function<absl::Time()> clock) : clock_(std::move(clock)) {}
 
+  // What is kept of a book whose mission is asleep.
+  struct Past {
+    uint64_t last_number = 0;
+    std::deque<MissionEvent> events;
+  };
+  // How many events that are.
+  static constexpr size_t kKeptAsleep = 100;
+
+  Past GetPast() const;
+  // Goes on from there; called before all else.
+  void GoOnFrom(Past past);
+
   // Notes what has happened; `revision` is the mission's then. It costs next to nothing, and waits
   // for nobody.
   void Note(uint64_t revision, MissionEvent::What what);

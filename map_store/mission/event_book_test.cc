@@ -36,6 +36,24 @@ TEST(EventBookTest, TellsOneEventAfterTheOther) {
   EXPECT_FALSE(book.After(2).has_value());
 }
 
+TEST(EventBookTest, GoesOnFromItsPast) {
+  EventBook book(&absl::Now);
+  const uint64_t all = EventBook::kKeptAsleep + 5;
+  for (uint64_t i = 1; i <= all; ++i) {
+    book.Note(0, MissionEvent::AgentJoined{std::to_string(i)});
+  }
+  EventBook later(&absl::Now);
+  later.GoOnFrom(book.GetPast());
+  EXPECT_EQ(AgentOf(*later.After(0)), "6");
+  EXPECT_EQ(later.After(0)->missed, 5u);
+  EXPECT_FALSE(later.After(all).has_value());
+  later.Note(0, MissionEvent::AgentJoined{"new"});
+  EXPECT_EQ(later.After(all)->number, all + 1);
+  EventBook empty(&absl::Now);
+  empty.GoOnFrom(EventBook(&absl::Now).GetPast());
+  EXPECT_FALSE(empty.After(0).has_value());
+}
+
 TEST(EventBookTest, SaysHowManyItHasForgotten) {
   EventBook book(&absl::Now);
   const uint64_t all = EventBook::kKept + 5;

@@ -258,6 +258,11 @@ bool FusionCoordinator::IsIdle() const {
   return IsIdleLocked();
 }
 
+bool FusionCoordinator::HasWork() const {
+  absl::ReaderMutexLock lock(&strand_.mutex());
+  return !DecideActions(Summarise(), Limits()).empty();
+}
+
 bool FusionCoordinator::WaitUntilIdle(absl::Time deadline) const {
   absl::MutexLock lock(&strand_.mutex());
   while (!IsIdleLocked()) {

@@ -58,6 +58,8 @@ class FusionCoordinator {
   absl::StatusOr<std::vector<uint64_t>> RetractOverlap(uint64_t overlap, bool keep_apart);
 
   bool IsIdle() const;
+  // Returns whether there would be something to do, had the store a worker.
+  bool HasWork() const;
   bool WaitUntilIdle(absl::Time deadline) const;
   // Counts the requests that wait for workers, and those that workers have.
   FusionRequestCounts CountWaiting() const;

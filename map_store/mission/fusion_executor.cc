@@ -17,7 +17,9 @@ void FusionExecutor::Start(ListMissions missions, int threads_per_lane) {
 void FusionExecutor::Stop() {
   signal_.Stop();
   if (threads_.empty()) return;
-  for (const std::shared_ptr<Mission>& mission : missions_()) mission->fusion().CancelJobs();
+  for (const std::weak_ptr<Mission>& listed : missions_()) {
+    if (const auto mission = listed.lock()) mission->fusion().CancelJobs();
+  }
   for (std::thread& thread : threads_) thread.join();
   threads_.clear();
 }
@@ -46,8 +48,14 @@ void FusionExecutor::RunLane(FusionLane lane) {
     bool try_later = false;
     bool did_something = false;
     // In each round a mission's turn comes after one request of each other mission.
-    for (const std::shared_ptr<Mission>& mission : missions_()) {
-      const Turn turn = RunOne(*mission, lane);
+    for (const std::weak_ptr<Mission>& listed : missions_()) {
+      const std::shared_ptr<Mission> mission = listed.lock();
+      if (mission == nullptr) continue;
+      Turn turn = RunOne(*mission, lane);
+      if (turn == Turn::kNothingToDo && lane == FusionLane::kGraph &&
+          mission->retiring().RunOne()) {
+        turn = Turn::kDone;
+      }
       did_something = did_something || turn == Turn::kDone;
       try_later = try_later || turn == Turn::kTryLater;
     }
@@ -63,7 +71,7 @@ void FusionExecutor::RunLane(FusionLane lane) {
 void FusionExecutor::RunUntilIdle(Mission& mission) {
   if (worker_ == nullptr) return;
   while (RunOne(mission, FusionLane::kGraph) == Turn::kDone ||
-         RunOne(mission, FusionLane::kAdjustment) == Turn::kDone) {
+         RunOne(mission, FusionLane::kAdjustment) == Turn::kDone || mission.retiring().RunOne()) {
   }
 }
 

@@ -22,7 +22,8 @@ namespace corbslam::map_store {
 // Runs the lanes of all missions. Thread-safe.
 class FusionExecutor {
  public:
-  using ListMissions = std::function<std::vector<std::shared_ptr<Mission>>()>;
+  // Lists missions for one round, which does not keep them in memory.
+  using ListMissions = std::function<std::vector<std::weak_ptr<Mission>>()>;
 
   // `worker` (not owned, may be null) must outlive it.
   FusionExecutor(FusionWorker* worker, absl::Duration retry_after,

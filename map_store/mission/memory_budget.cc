@@ -11,6 +11,8 @@ namespace {
 
 // Giving memory back looks at all of the heap, so that it is not done more often.
 constexpr absl::Duration kBetweenTrims = absl::Seconds(10);
+// The budget is short when less than one part of so many is left.
+constexpr uint64_t kShortShare = 8;
 
 }  // namespace
 
@@ -20,14 +22,30 @@ MemoryBudget::MemoryBudget(uint64_t limit_bytes, std::function<uint64_t()> resid
       resident_bytes_(std::move(resident_bytes)),
       clock_(std::move(clock)) {}
 
+bool MemoryBudget::Fits(uint64_t bytes) const {
+  const uint64_t resident = resident_bytes_();
+  return resident <= limit_bytes_ && bytes <= limit_bytes_ - resident;
+}
+
+bool MemoryBudget::IsShort() const {
+  return limit_bytes_ != 0 && resident_bytes_() > limit_bytes_ - limit_bytes_ / kShortShare;
+}
+
+bool MemoryBudget::MakeRoomFor(uint64_t bytes) {
+  if (make_room_ == nullptr) return false;
+  absl::MutexLock lock(&making_room_);
+  while (!Fits(bytes)) {
+    if (!make_room_()) return false;
+    malloc_trim(0);
+  }
+  return true;
+}
+
 absl::Status MemoryBudget::Check(absl::string_view what, uint64_t bytes) {
-  if (limit_bytes_ == 0) return absl::OkStatus();
-  uint64_t resident = resident_bytes_();
-  const auto fits = [&] { return resident <= limit_bytes_ && bytes <= limit_bytes_ - resident; };
-  if (fits()) return absl::OkStatus();
+  if (limit_bytes_ == 0 || Fits(bytes)) return absl::OkStatus();
   Trim();
-  resident = resident_bytes_();
-  if (fits()) return absl::OkStatus();
+  if (Fits(bytes) || MakeRoomFor(bytes)) return absl::OkStatus();
+  const uint64_t resident = resident_bytes_();
   ++refused_;
   return absl::ResourceExhaustedError(
       absl::StrCat("the map store has ", resident >> 20, " MiB in memory of a budget of ",

@@ -6,6 +6,7 @@
 #include <atomic>
 #include <cstdint>
 #include <functional>
+#include <utility>
 
 #include "absl/base/thread_annotations.h"
 #include "absl/status/status.h"
@@ -24,22 +25,33 @@ class MemoryBudget {
   MemoryBudget(uint64_t limit_bytes, std::function<uint64_t()> resident_bytes,
                std::function<absl::Time()> clock);
 
+  // Gives memory back that can be had again, and returns whether that is so; nobody calls it while
+  // it runs. Called before all else.
+  void SetRoomMaker(std::function<bool()> make_room) { make_room_ = std::move(make_room); }
+
   // Returns RESOURCE_EXHAUSTED, with the memory in use and the limit, where `what` does not fit
   // with `bytes` more.
   absl::Status Check(absl::string_view what, uint64_t bytes);
 
   uint64_t limit_bytes() const { return limit_bytes_; }
+  // Returns whether so little is left that it is time to make room, before anything is refused.
+  bool IsShort() const;
   // Returns the number of checks that ended with an error.
   uint64_t refused() const { return refused_; }
 
  private:
+  bool Fits(uint64_t bytes) const;
+  // Makes room until `bytes` fit; returns whether they do.
+  bool MakeRoomFor(uint64_t bytes) ABSL_LOCKS_EXCLUDED(making_room_);
   // Has the allocator give back what is free, unless that was done a moment ago.
   void Trim() ABSL_LOCKS_EXCLUDED(mutex_);
 
   const uint64_t limit_bytes_;
   const std::function<uint64_t()> resident_bytes_;
   const std::function<absl::Time()> clock_;
+  std::function<bool()> make_room_;
   std::atomic<uint64_t> refused_ = 0;
+  absl::Mutex making_room_;
   absl::Mutex mutex_;
   absl::Time next_trim_ ABSL_GUARDED_BY(mutex_) = absl::InfinitePast();
 };

@@ -38,6 +38,27 @@ TEST(MemoryBudgetTest, NoLimitTakesAll) {
   EXPECT_TRUE(budget.Check("a batch", ~uint64_t{0}).ok());
 }
 
+TEST(MemoryBudgetTest, MakesRoomBeforeItRefuses) {
+  uint64_t resident = 120 * kMiB;
+  MemoryBudget budget(
+      100 * kMiB, [&] { return resident; }, &absl::Now);
+  int asleep = 0;
+  budget.SetRoomMaker([&] {
+    if (asleep == 3) return false;
+    ++asleep;
+    resident -= 10 * kMiB;
+    return true;
+  });
+  EXPECT_TRUE(budget.IsShort());
+  EXPECT_TRUE(budget.Check("a batch", 5 * kMiB).ok());
+  EXPECT_EQ(asleep, 3) << "no more than it takes";
+  EXPECT_TRUE(budget.IsShort()) << "less than an eighth is left";
+  EXPECT_FALSE(budget.Check("a batch", 20 * kMiB).ok());
+  EXPECT_EQ(budget.refused(), 1u);
+  resident = 80 * kMiB;
+  EXPECT_FALSE(budget.IsShort());
+}
+
 class FullStore : public ::corbslam::testing::TwoRobots {
  protected:
   static MapStoreOptions Options(uint64_t budget) {

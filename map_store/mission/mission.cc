@@ -1,5 +1,6 @@
 #include "map_store/mission/mission.h"
 
+#include "absl/strings/str_cat.h"
 #include "map_store/view/answers.h"
 #include "map_store/view/memory_estimate.h"
 
@@ -16,6 +17,8 @@ MissionLoad MeasureLoad(const MissionState& state) {
   for (const auto& [id, local_map] : state.local_maps) {
     load.keyframes += local_map.map.keyframes().size();
     load.map_points += local_map.map.points().size();
+    load.retired_keyframes += local_map.retired_keyframes;
+    load.faded_points += local_map.faded_points;
   }
   load.memory_bytes = EstimateMemory(state);
   load.overlaps_queried = state.statistics.overlaps_queried;
@@ -34,11 +37,12 @@ Mission::Mission(std::string name, MissionEnvironment environment)
       sessions_(strand_, events_),
       batches_(strand_, sessions_.listeners(), events_),
       fusion_(strand_, events_, [this] { sessions_.listeners().CallAllBut(0); }),
+      retiring_(strand_, fusion_, [this] { sessions_.listeners().CallAllBut(0); }),
       snapshots_(strand_) {}
 
 MissionInfo Mission::Info() const {
   MissionInfo info = WithState(DescribeMission);
-  info.fusion_idle = fusion_.IsIdle();
+  info.fusion_idle = fusion_.IsIdle() && !retiring_.IsDue();
   info.profile = profile_.Get();
   return info;
 }
@@ -61,6 +65,38 @@ bool Mission::IsWatched() const {
 bool Mission::IsVacant() const {
   return strand_.appended() == 0 && !IsWatched() &&
          WithState([](const MissionState& state) { return state.local_maps.empty(); });
+}
+
+absl::Status Mission::CheckMaySleep() const {
+  const Journal& journal = *strand_.environment().journal;
+  const auto refuse = [this](absl::string_view why) {
+    return absl::FailedPreconditionError(
+        absl::StrCat("mission ", strand_.name(), " stays in memory: ", why));
+  };
+  if (!journal.KeepsRecords()) return refuse("the store has no journal (--data-dir)");
+  if (strand_.IsDeleted()) return refuse("it is being deleted");
+  if (!journal.Damage(strand_.name()).ok()) {
+    return refuse("its journal is damaged, and only memory has all of it");
+  }
+  if (IsWatched()) return refuse("somebody watches it (WatchMap, WatchEvents)");
+  if (!fusion_.IsIdle() || retiring_.IsDue()) return refuse("fusion has work to do");
+  return absl::OkStatus();
+}
+
+bool Mission::Retire(uint64_t changes) {
+  absl::MutexLock turn(&strand_.turn());
+  if (!CheckMaySleep().ok()) return false;
+  const auto unchanged = [&] {
+    absl::ReaderMutexLock lock(&strand_.mutex());
+    return strand_.changes() == changes;
+  };
+  if (!unchanged()) return false;
+  strand_.MarkDeleted();
+  return true;
+}
+
+MissionSummary Mission::Summarise() const {
+  return {.info = Info(), .load = Load(), .work_left = fusion_.HasWork()};
 }
 
 void Mission::Delete() {

@@ -10,9 +10,11 @@
 #include "map_store/mission/event_book.h"
 #include "map_store/mission/fusion_coordinator.h"
 #include "map_store/mission/mission_load.h"
+#include "map_store/mission/mission_retiring.h"
 #include "map_store/mission/mission_sessions.h"
 #include "map_store/mission/mission_snapshots.h"
 #include "map_store/mission/mission_strand.h"
+#include "map_store/mission/mission_summary.h"
 #include "map_store/mission/picture_localization.h"
 #include "map_store/mission/profile_keeper.h"
 
@@ -30,6 +32,7 @@ class Mission {
   BatchIntake& batches() { return batches_; }
   FusionCoordinator& fusion() { return fusion_; }
   const FusionCoordinator& fusion() const { return fusion_; }
+  MissionRetiring& retiring() { return retiring_; }
   MissionSnapshots& snapshots() { return snapshots_; }
   ProfileKeeper& profile() { return profile_; }
   const ProfileKeeper& profile() const { return profile_; }
@@ -55,6 +58,15 @@ class Mission {
   // not be kept.
   bool IsVacant() const;
 
+  // Returns FAILED_PRECONDITION, with the reason, for a mission that has to stay in memory, whoever
+  // uses it: it is watched, fusion has work to do, or only memory has all of it.
+  absl::Status CheckMaySleep() const;
+  // Ends the use of this object, as the mission goes on on the disk alone, if nothing has changed
+  // since `changes` (MissionStrand::changes) and nothing keeps it awake; returns whether. The
+  // caller sees to it that nobody uses it.
+  bool Retire(uint64_t changes);
+  MissionSummary Summarise() const;
+
   // Ends everything: sessions are fenced, jobs cancelled, nothing is written any more.
   void Delete();
   // Calls all who listen: they find out what has become of the mission.
@@ -67,6 +79,7 @@ class Mission {
   MissionSessions sessions_;
   BatchIntake batches_;
   FusionCoordinator fusion_;
+  MissionRetiring retiring_;
   MissionSnapshots snapshots_;
 };
 

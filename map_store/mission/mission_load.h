@@ -30,6 +30,9 @@ struct MissionLoad {
   size_t keyframes = 0;
   // Number of points of all local maps: a landmark counts as often as there are points of it.
   size_t map_points = 0;
+  // What the store itself let go of (LocalMapState).
+  uint64_t retired_keyframes = 0;
+  uint64_t faded_points = 0;
   // About how much memory its map takes, and what it takes of the journal's disk.
   uint64_t memory_bytes = 0;
   uint64_t disk_bytes = 0;

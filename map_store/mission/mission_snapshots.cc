@@ -51,6 +51,7 @@ struct MissionSnapshots::Beginning {
   ReplayProgress progress;
   UnrecordedState unrecorded;
   std::map<LocalMapId, Extent> extents;
+  uint64_t changes = 0;
 };
 
 MissionSnapshots::Beginning MissionSnapshots::Begin() const {
@@ -60,10 +61,11 @@ MissionSnapshots::Beginning MissionSnapshots::Begin() const {
   beginning.progress = ProgressOf(strand_.state());
   beginning.unrecorded = CopyUnrecorded(strand_.state());
   beginning.extents = Measure(strand_.state());
+  beginning.changes = strand_.changes();
   return beginning;
 }
 
-absl::StatusOr<MissionState> MissionSnapshots::Replay(Beginning beginning,
+absl::StatusOr<MissionState> MissionSnapshots::Replay(Beginning& beginning,
                                                       const std::function<bool()>& goes_on,
                                                       const StateVisitor& visit) const {
   ASSIGN_OR_RETURN(MissionState state, strand_.ReplayUntil(beginning.position, goes_on, visit));
@@ -75,23 +77,53 @@ absl::StatusOr<MissionState> MissionSnapshots::Replay(Beginning beginning,
   return state;
 }
 
+absl::Status MissionSnapshots::Write(Beginning& beginning, const std::function<bool()>& goes_on) {
+  const ReturnsFreeMemory after;
+  ASSIGN_OR_RETURN(const MissionState state, Replay(beginning, goes_on));
+  JournalSnapshot snapshot = TakeSnapshot(state);
+  snapshot.position = beginning.position;
+  if (snapshot.position == 0) {
+    return absl::FailedPreconditionError(
+        absl::StrCat("nothing of mission ", strand_.name(), " is in the journal"));
+  }
+  if (strand_.IsDeleted()) return absl::CancelledError("no snapshot any more");
+  RETURN_IF_ERROR(strand_.environment().journal->WriteSnapshot(strand_.name(), snapshot));
+  kept_changes_ = beginning.changes;
+  return absl::OkStatus();
+}
+
 absl::StatusOr<bool> MissionSnapshots::Keep(const std::function<bool()>& goes_on) {
   absl::MutexLock one(&mutex_);
-  Journal& journal = *strand_.environment().journal;
-  if (!journal.WantsSnapshot(strand_.name())) return false;
+  if (!strand_.environment().journal->WantsSnapshot(strand_.name())) return false;
   Beginning beginning;
   {
     absl::MutexLock turn(&strand_.turn());
     beginning = Begin();
   }
-  const Journal::Position position = beginning.position;
-  const ReturnsFreeMemory after;
-  ASSIGN_OR_RETURN(const MissionState state, Replay(std::move(beginning), goes_on));
-  JournalSnapshot snapshot = TakeSnapshot(state);
-  snapshot.position = position;
-  if (strand_.IsDeleted()) return absl::CancelledError("no snapshot any more");
-  RETURN_IF_ERROR(journal.WriteSnapshot(strand_.name(), snapshot));
+  RETURN_IF_ERROR(Write(beginning, goes_on));
   return true;
+}
+
+absl::StatusOr<uint64_t> MissionSnapshots::KeepAll(const std::function<bool()>& goes_on) {
+  // Whoever has the lock may wait for memory that only the caller can make free.
+  if (!mutex_.TryLock()) {
+    return absl::AbortedError(absl::StrCat("mission ", strand_.name(), " is being replayed"));
+  }
+  const absl::StatusOr<uint64_t> kept = KeepAllLocked(goes_on);
+  mutex_.Unlock();
+  return kept;
+}
+
+absl::StatusOr<uint64_t> MissionSnapshots::KeepAllLocked(const std::function<bool()>& goes_on) {
+  Beginning beginning;
+  {
+    absl::MutexLock turn(&strand_.turn());
+    beginning = Begin();
+  }
+  if (beginning.changes == kept_changes_) return beginning.changes;
+  if (!goes_on()) return absl::CancelledError("nobody waits for the snapshot");
+  RETURN_IF_ERROR(Write(beginning, goes_on));
+  return kept_changes_;
 }
 
 absl::StatusOr<MissionBackup> MissionSnapshots::BackUp() {
@@ -109,7 +141,7 @@ absl::StatusOr<MissionBackup> MissionSnapshots::BackUp() {
     keyframes = strand_.WithState(&ListPayloads);
   }
   const ReturnsFreeMemory after;
-  ASSIGN_OR_RETURN(const MissionState state, Replay(std::move(beginning), [] { return true; }));
+  ASSIGN_OR_RETURN(const MissionState state, Replay(beginning, [] { return true; }));
   return MissionBackup(EncodeState(state), std::move(keyframes));
 }
 
@@ -135,8 +167,8 @@ absl::StatusOr<std::vector<MapChanges>> MissionSnapshots::TellPast(
   }
   const ReturnsFreeMemory after;
   MapReplay past(options, beginning.progress, check_memory);
-  const absl::StatusOr<MissionState> state = Replay(
-      std::move(beginning), goes_on, [&past](const MissionState& then) { return past.Look(then); });
+  const absl::StatusOr<MissionState> state =
+      Replay(beginning, goes_on, [&past](const MissionState& then) { return past.Look(then); });
   // The replay's own words of what has ended it would name the journal's folder.
   RETURN_IF_ERROR(past.status());
   if (strand_.IsDeleted()) return strand_.Deleted();

@@ -35,6 +35,7 @@ struct ApplyAgain {
   void operator()(const RederiveRecord& record) { Apply(record, state); }
   void operator()(const RetractRecord& record) { Apply(record, options, state); }
   void operator()(const ProfileRecord& record) { Apply(record, state); }
+  void operator()(const RetireRecord& record) { Apply(record, state); }
 };
 
 BatchWords WordsOf(const JournalRecord& record, const Vocabulary* vocabulary) {
@@ -93,7 +94,7 @@ void MissionStrand::Begin(MissionState state) {
   state_ = std::move(state);
 }
 
-absl::StatusOr<MissionState> MissionStrand::ReplayUntil(Journal::Position position,
+absl::StatusOr<MissionState> MissionStrand::ReplayUntil(Journal::Position& position,
                                                         const std::function<bool()>& goes_on,
                                                         const StateVisitor& visit) const {
   MissionState state;
@@ -114,7 +115,7 @@ absl::StatusOr<MissionState> MissionStrand::ReplayUntil(Journal::Position positi
     DropFeatures(record, state);
     return show();
   };
-  RETURN_IF_ERROR(environment_.journal->Recover(name_, replay).status());
+  ASSIGN_OR_RETURN(position, environment_.journal->Recover(name_, replay));
   return state;
 }
 

@@ -56,10 +56,11 @@ class MissionStrand {
   absl::Status Recover() ABSL_LOCKS_EXCLUDED(mutex_);
   // Takes over a state from elsewhere, which the journal has already; called before anything else.
   void Restore(MissionState state) ABSL_LOCKS_EXCLUDED(mutex_);
-  // Returns what the mission was after a record, from the journal, without features. CANCELLED once
-  // the mission is deleted or `goes_on`, which is called often, says no. `visit`, if not null, is
-  // shown the journal's snapshot and then the state after each record; its errors end the replay.
-  absl::StatusOr<MissionState> ReplayUntil(Journal::Position position,
+  // Returns what the mission was after the record at `position`, from the journal, without
+  // features, and sets `position` to the last one that is there. CANCELLED once the mission is
+  // deleted or `goes_on`, which is called often, says no. `visit`, if not null, is shown the
+  // journal's snapshot and then the state after each record; its errors end the replay.
+  absl::StatusOr<MissionState> ReplayUntil(Journal::Position& position,
                                            const std::function<bool()>& goes_on,
                                            const StateVisitor& visit = nullptr) const
       ABSL_LOCKS_EXCLUDED(mutex_);
@@ -72,7 +73,12 @@ class MissionStrand {
   // that this has woken, which then waits until another one comes.
   absl::Mutex& gate() const ABSL_LOCK_RETURNED(gate_) { return gate_; }
   const MissionState& state() const ABSL_SHARED_LOCKS_REQUIRED(mutex_) { return state_; }
-  MissionState& mutable_state() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { return state_; }
+  MissionState& mutable_state() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
+    ++changes_;
+    return state_;
+  }
+  // Returns how often somebody was about to change the state since it was read or made.
+  uint64_t changes() const ABSL_SHARED_LOCKS_REQUIRED(mutex_) { return changes_; }
   // Returns the state to whoever has the turn and reads much: only writers change local maps and
   // what was fused of them. Agents, queries, overlaps and the islands' flags need the lock.
   const MissionState& state_in_turn() const
@@ -125,6 +131,7 @@ class MissionStrand {
   std::atomic<Journal::Position> appended_ = 0;
   mutable absl::Mutex mutex_;
   MissionState state_ ABSL_GUARDED_BY(mutex_);
+  uint64_t changes_ ABSL_GUARDED_BY(mutex_) = 0;
   bool deleted_ ABSL_GUARDED_BY(mutex_) = false;
   // Only who holds the state's lock for writing changes these.
   std::atomic<int64_t> written_ns_ = 0;

@@ -32,7 +32,9 @@ void SnapshotKeeper::Run() {
   absl::Time next_try = absl::InfinitePast();
   for (uint64_t seen = 0; signal_.Wait(seen);) {
     if (clock_() < next_try) continue;
-    for (const std::shared_ptr<Mission>& mission : missions_()) {
+    for (const std::weak_ptr<Mission>& listed : missions_()) {
+      const std::shared_ptr<Mission> mission = listed.lock();
+      if (mission == nullptr) continue;
       const absl::StatusOr<bool> kept =
           mission->snapshots().Keep([this] { return !signal_.stopped(); });
       if (kept.ok() && *kept) when_written_();

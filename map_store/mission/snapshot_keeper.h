@@ -17,7 +17,8 @@ namespace corbslam::map_store {
 // Writes one snapshot at a time, of whichever mission wants one. Thread-safe.
 class SnapshotKeeper {
  public:
-  using ListMissions = std::function<std::vector<std::shared_ptr<Mission>>()>;
+  // Lists missions for one round, which does not keep them in memory.
+  using ListMissions = std::function<std::vector<std::weak_ptr<Mission>>()>;
 
   explicit SnapshotKeeper(std::function<absl::Time()> clock) : clock_(std::move(clock)) {}
   ~SnapshotKeeper() { Stop(); }

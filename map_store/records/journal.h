@@ -82,6 +82,23 @@ class Journal {
   // The deletion is durable when this returns.
   virtual absl::Status DeleteMission(absl::string_view mission) = 0;
 
+  // A mission that is put aside takes no memory and no open files. Recover brings it back, and
+  // nothing else does but DeleteMission: until then all that would write returns UNAVAILABLE. The
+  // caller does these three for one mission one at a time.
+
+  // Gives back to the disk what the mission needs no more, so that it lies aside without.
+  virtual void TidyUp(absl::string_view) {}
+  // Puts the mission aside, and keeps `summary`, bytes of the caller's, durably beside it, for as
+  // long as nothing opens the mission again. An error: it is aside, and no summary is kept.
+  virtual absl::Status PutAside(absl::string_view, absl::string_view summary) {
+    (void)summary;
+    return absl::OkStatus();
+  }
+  // Returns the summary of a mission that is aside. NOT_FOUND: the mission is not aside.
+  virtual absl::StatusOr<std::string> ReadSummary(absl::string_view mission) const {
+    return absl::NotFoundError(std::string(mission));
+  }
+
   // Returns OK if the journal takes records now, else the error that Append would give. After a
   // failed write the journal finds out by trying, so that somebody should call this now and then.
   virtual absl::Status CheckWritable() = 0;

@@ -13,6 +13,7 @@
 
 #include "absl/time/time.h"
 #include "map_store/fusion/revision_plan.h"
+#include "map_store/retiring/retirement.h"
 #include "map_store/state/mission_state.h"
 #include "slam/exchange/map_update.h"
 #include "slam/exchange/overlap.h"
@@ -86,10 +87,16 @@ struct ProfileRecord {
   MissionProfile profile;
 };
 
+// The store let go of keyframes and points of closed local maps.
+struct RetireRecord {
+  Retirement retirement;
+};
+
 // Events that are no records (queries without candidates, workers' failures) are decided again
 // after a restart.
-using JournalRecord = std::variant<BatchRecord, QueryRecord, FuseRecord, FuseRefusedRecord,
-                                   AdjustRecord, RederiveRecord, RetractRecord, ProfileRecord>;
+using JournalRecord =
+    std::variant<BatchRecord, QueryRecord, FuseRecord, FuseRefusedRecord, AdjustRecord,
+                 RederiveRecord, RetractRecord, ProfileRecord, RetireRecord>;
 
 }  // namespace corbslam::map_store
 

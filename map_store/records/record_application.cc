@@ -12,6 +12,7 @@
 #include "map_store/ingest/batch_validation.h"
 #include "map_store/ingest/parked_references.h"
 #include "map_store/records/retraction.h"
+#include "map_store/retiring/retirement.h"
 #include "map_store/view/placement.h"
 #include "slam/util/status_macros.h"
 
@@ -156,6 +157,10 @@ void Apply(const RetractRecord& record, const MapStoreOptions& options, MissionS
   Retract(record, options, state);
 }
 
+void Apply(const RetireRecord& record, MissionState& state) {
+  ApplyRetirement(record.retirement, state);
+}
+
 void Apply(const ProfileRecord& record, MissionState& state) { state.profile = record.profile; }
 
 void LeaveToAdjustment(const std::vector<LocalMapId>& relaxed, MissionState& state,
@@ -268,6 +273,9 @@ absl::Status CheckReplay(const JournalRecord& record, const MissionState& state)
   if (const auto* retract = std::get_if<RetractRecord>(&record)) {
     const absl::Status retractable = CheckRetractable(state, retract->overlap);
     return retractable.ok() ? retractable : absl::DataLossError(retractable.message());
+  }
+  if (const auto* retire = std::get_if<RetireRecord>(&record)) {
+    return CheckRetirement(retire->retirement, state);
   }
   if (const auto* profile = std::get_if<ProfileRecord>(&record)) {
     const absl::Status valid = ValidateProfile(profile->profile);

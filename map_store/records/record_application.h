@@ -31,6 +31,7 @@ void Apply(const FuseRefusedRecord& record, MissionState& state);
 void Apply(const AdjustRecord& record, RevisionLayers& layers, MissionState& state);
 void Apply(const RederiveRecord& record, MissionState& state);
 void Apply(const RetractRecord& record, const MapStoreOptions& options, MissionState& state);
+void Apply(const RetireRecord& record, MissionState& state);
 void Apply(const ProfileRecord& record, MissionState& state);
 
 // Leaves local maps whose loops could not be welded to bundle adjustment, which alone has to bring

@@ -46,6 +46,7 @@ void ForgetPlaces(const std::set<LocalMapId>& members, GlobalLayer& global) {
   std::erase_if(global.keyframes, is_of_them);
   absl::erase_if(global.points, is_of_them);
   std::erase_if(global.heirs, is_of_them);
+  std::erase_if(global.stand_ins, is_of_them);
   std::erase_if(global.rejected, [&members](const auto& item) {
     return members.contains(item.first.first.local_map);
   });

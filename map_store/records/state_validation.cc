@@ -128,6 +128,12 @@ absl::Status ValidatePlaces(const MissionState& state) {
   const bool culled = std::ranges::all_of(
       state.global.culled, [&state](KeyframeId id) { return IsKnown(state, id.local_map); });
   RETURN_IF_ERROR(Check(culled, "what fusion culled"));
+  const bool stand_ins = std::ranges::all_of(state.global.stand_ins, [&state](const auto& item) {
+    return IsKnown(state, item.first.local_map) && IsKnown(state, item.second.keyframe.local_map) &&
+           state.FindIslandOf(item.first.local_map) ==
+               state.FindIslandOf(item.second.keyframe.local_map);
+  });
+  RETURN_IF_ERROR(Check(stand_ins, "what stands in for retired keyframes"));
   const bool rejected = std::ranges::all_of(state.global.rejected,
                                             [](const auto& item) { return item.second.IsValid(); });
   return Check(rejected, "what fusion rejected");

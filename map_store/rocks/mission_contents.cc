@@ -36,6 +36,7 @@ void MissionContents::Keep(StoredFeatures& stored) {
 
 void MissionContents::NoteSnapshot(Position position, uint64_t bytes,
                                    const std::vector<KeyframeId>& dropped) {
+  snapshot_position_ = position;
   snapshot_bytes_ = bytes;
   const auto end = records_.upper_bound(position);
   for (auto it = records_.begin(); it != end; ++it) record_bytes_ -= it->second;

@@ -32,6 +32,8 @@ class MissionContents {
   // features of removed keyframes are as much (8 MiB are enough) and a quarter of all features.
   bool WantsSnapshot(uint64_t min_bytes) const;
 
+  // Returns the position of the last snapshot; 0: there is none.
+  Position snapshot_position() const { return snapshot_position_; }
   uint64_t live_bytes() const { return snapshot_bytes_ + record_bytes_ + feature_bytes_; }
 
  private:
@@ -44,6 +46,7 @@ class MissionContents {
   // Takes back that it was removed.
   void Keep(StoredFeatures& stored);
 
+  Position snapshot_position_ = 0;
   uint64_t snapshot_bytes_ = 0;
   std::map<Position, uint64_t> records_;  // Those since the snapshot.
   uint64_t record_bytes_ = 0;

@@ -14,7 +14,8 @@ namespace corbslam::map_store {
 // kJournalFormat when they are opened; others are refused. Format 5 has no recorded cameras, in
 // format 6 no points follow keyframes, in format 7 no features are coded, in format 8 fusion's
 // points are not anchored, in format 9 every lens is a RadialTangential of five numbers, up to
-// format 10 all missions are in one database, and in format 11 missions have no profile.
+// format 10 all missions are in one database, and in format 11 missions have no profile and no
+// keyframes retire.
 inline constexpr uint32_t kOldestJournalFormat = 5;
 inline constexpr uint32_t kLastSharedFormat = 10;
 inline constexpr uint32_t kJournalFormat = 12;

@@ -4,6 +4,7 @@
 
 #include <utility>
 
+#include "absl/functional/function_ref.h"
 #include "absl/strings/str_cat.h"
 #include "map_store/rocks/journal_keys.h"
 #include "map_store/rocks/mission_header.h"
@@ -15,21 +16,33 @@ namespace {
 
 constexpr size_t kChunkBytes = 1 << 20;
 
-// Makes what puts a snapshot, whose chunks are written, in the place of all before it.
-rocksdb::WriteBatch MakeTurn(const std::string& name, const JournalSnapshot& snapshot,
-                             uint32_t chunks, const std::vector<KeyframeId>& unneeded) {
-  rocksdb::WriteBatch turn;
+// Calls `put` with the key and the bytes of each of the snapshot's chunks.
+absl::Status ForEachChunk(
+    const std::string& name, const JournalSnapshot& snapshot,
+    absl::FunctionRef<absl::Status(const std::string& key, const std::string& chunk)> put) {
+  uint32_t chunks = 0;
+  for (size_t begin = 0; begin < snapshot.state.size(); begin += kChunkBytes) {
+    RETURN_IF_ERROR(put(SnapshotKey(name, snapshot.position, chunks++),
+                        snapshot.state.substr(begin, kChunkBytes)));
+  }
+  return absl::OkStatus();
+}
+
+// Adds what puts a snapshot in the place of all before it.
+void AddTurn(const std::string& name, const JournalSnapshot& snapshot,
+             const std::vector<KeyframeId>& unneeded, rocksdb::WriteBatch& turn) {
   turn.Put(MissionKey(name),
            Encode(MissionHeader{snapshot.position, static_cast<uint64_t>(snapshot.state.size())}));
   const std::string records = MissionPrefix(JournalPart::kRecord, name);
   turn.DeleteRange(records, RecordKey(name, snapshot.position + 1));
   const std::string snapshots = MissionPrefix(JournalPart::kSnapshot, name);
   turn.DeleteRange(snapshots, SnapshotKey(name, snapshot.position, 0));
-  // This removes what an attempt that failed at the same position may have left behind.
+  // This removes what another one at the same position may have left behind.
+  const auto chunks =
+      static_cast<uint32_t>((snapshot.state.size() + kChunkBytes - 1) / kChunkBytes);
   turn.DeleteRange(SnapshotKey(name, snapshot.position, chunks),
                    SnapshotKey(name, snapshot.position + 1, 0));
   for (const KeyframeId& id : unneeded) turn.Delete(FeaturesKey(name, id));
-  return turn;
 }
 
 }  // namespace
@@ -139,35 +152,44 @@ bool MissionJournal::WantsSnapshot() const {
   return contents_.WantsSnapshot(options_.min_bytes_between_snapshots);
 }
 
-absl::Status MissionJournal::WriteChunks(const JournalSnapshot& snapshot, uint32_t& chunks) {
-  for (size_t begin = 0; begin < snapshot.state.size(); begin += kChunkBytes) {
+absl::Status MissionJournal::WriteChunks(const JournalSnapshot& snapshot) {
+  return ForEachChunk(name_, snapshot, [this](const std::string& key, const std::string& bytes) {
     rocksdb::WriteBatch chunk;
-    chunk.Put(SnapshotKey(name_, snapshot.position, chunks++),
-              snapshot.state.substr(begin, kChunkBytes));
+    chunk.Put(key, bytes);
     RETURN_IF_ERROR(ToStatus(database_->Write(chunk, false)));
     // Else the next record's sync would wait for the whole snapshot.
-    if (options_.sync) RETURN_IF_ERROR(ToStatus(database_->SyncLog()));
-  }
-  return absl::OkStatus();
+    return options_.sync ? ToStatus(database_->SyncLog()) : absl::OkStatus();
+  });
 }
 
 absl::Status MissionJournal::WriteSnapshot(const JournalSnapshot& snapshot) {
   RETURN_IF_ERROR(Damage());
   RETURN_IF_ERROR(CheckRoom(options_, snapshot.state.size()));
-  uint32_t chunks = 0;
-  RETURN_IF_ERROR(WriteChunks(snapshot, chunks));
   std::vector<KeyframeId> unneeded;
+  bool replaces_its_like = false;
   {
     absl::MutexLock lock(&mutex_);
     unneeded = contents_.FindUnneeded(snapshot);
+    replaces_its_like = contents_.snapshot_position() == snapshot.position;
   }
-  const uint64_t size = snapshot.state.size();
-  rocksdb::WriteBatch turn = MakeTurn(name_, snapshot, chunks, unneeded);
+  rocksdb::WriteBatch turn;
+  if (replaces_its_like) {
+    // Its chunks have the keys of those that are valid until the turn: all change in one write.
+    // There is no newer record, so that nobody waits for it.
+    RETURN_IF_ERROR(
+        ForEachChunk(name_, snapshot, [&turn](const std::string& key, const std::string& chunk) {
+          turn.Put(key, chunk);
+          return absl::OkStatus();
+        }));
+  } else {
+    RETURN_IF_ERROR(WriteChunks(snapshot));
+  }
+  AddTurn(name_, snapshot, unneeded, turn);
   RETURN_IF_ERROR(ToStatus(database_->Write(turn, true)));
   absl::MutexLock lock(&mutex_);
   is_marked_ = true;
   may_be_wasteful_ = true;
-  contents_.NoteSnapshot(snapshot.position, size, unneeded);
+  contents_.NoteSnapshot(snapshot.position, snapshot.state.size(), unneeded);
   return absl::OkStatus();
 }
 

@@ -57,6 +57,9 @@ class MissionJournal {
   // Gives back to the disk what is needed no more, if that is much, and to memory what nobody has
   // written to for a while. Somebody should call this now and then, on a thread of its own.
   absl::Status Tidy(absl::Time now);
+  // Puts all into tables and gives back to the disk what is needed no more, whenever that was
+  // written, for a mission that nobody writes to.
+  absl::Status Settle();
   // Compares all files with their checksums, and decodes all that is in them.
   absl::Status Verify() const;
   // Ends all that goes on with the files. From here on everything fails.
@@ -78,7 +81,7 @@ class MissionJournal {
   // here.
   absl::Status TakeFormat(const std::string& bytes, const std::string& place);
   absl::Status WriteFormat();
-  absl::Status WriteChunks(const JournalSnapshot& snapshot, uint32_t& chunks);
+  absl::Status WriteChunks(const JournalSnapshot& snapshot);
   absl::Status WriteFeatures(const MissionState& state, Position position);
   Position NextPosition() ABSL_LOCKS_EXCLUDED(mutex_);
   // Returns whether much of the disk is taken by what is needed no more.
@@ -86,6 +89,7 @@ class MissionJournal {
   // Remembers that something was deleted, or that nothing is left of it.
   void SetMayBeWasteful(bool may_be) ABSL_LOCKS_EXCLUDED(mutex_);
   absl::Status TidyMemory(absl::Time now);
+  absl::Status TidyDisk();
   absl::Status CheckRoomToTidy() const ABSL_LOCKS_EXCLUDED(mutex_);
   absl::Status ToStatus(const rocksdb::Status& status) const;
   absl::Status ToReadStatus(const rocksdb::Status& status) const;

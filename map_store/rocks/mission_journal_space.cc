@@ -79,6 +79,16 @@ absl::Status MissionJournal::Tidy(absl::Time now) {
   if (!Damage().ok() || database_->failed()) return absl::OkStatus();
   WriteMark();
   RETURN_IF_ERROR(TidyMemory(now));
+  return TidyDisk();
+}
+
+absl::Status MissionJournal::Settle() {
+  if (!Damage().ok() || database_->failed()) return absl::OkStatus();
+  RETURN_IF_ERROR(ToStatus(database_->Flush()));
+  return TidyDisk();
+}
+
+absl::Status MissionJournal::TidyDisk() {
   if (!IsWasteful()) return absl::OkStatus();
   RETURN_IF_ERROR(CheckRoomToTidy());
   SetMayBeWasteful(false);

@@ -70,6 +70,10 @@ absl::StatusOr<RocksJournal::MissionPtr> RocksJournal::FindMission(absl::string_
   if (const auto it = unreadable_.find(key); it != unreadable_.end()) return it->second;
   const auto it = missions_.find(key);
   if (it != missions_.end()) return it->second;
+  if (aside_.contains(key)) {
+    return absl::UnavailableError(
+        absl::StrCat("journal ", folder_.PathOf(name), ": it is closed, as nobody used it"));
+  }
   return absl::NotFoundError(
       absl::StrCat("journal ", options_.directory, " has no mission ", name));
 }
@@ -140,12 +144,14 @@ absl::StatusOr<std::vector<std::string>> RocksJournal::ListMissions() const {
   absl::MutexLock lock(&mutex_);
   for (const auto& [name, mission] : missions_) names.push_back(name);
   for (const auto& [name, status] : unreadable_) names.push_back(name);
+  names.insert(names.end(), aside_.begin(), aside_.end());
   return names;
 }
 
 absl::StatusOr<Journal::Position> RocksJournal::Recover(absl::string_view mission,
                                                         const Replay& replay) const {
-  const absl::StatusOr<MissionPtr> found = FindMission(mission);
+  const absl::StatusOr<MissionPtr> found =
+      IsAside(mission) ? BringBack(mission) : FindMission(mission);
   if (absl::IsNotFound(found.status())) return 0;
   RETURN_IF_ERROR(found.status());
   return (*found)->Recover(replay);
@@ -163,6 +169,7 @@ absl::Status RocksJournal::DeleteMission(absl::string_view mission) {
     absl::MutexLock lock(&mutex_);
     missions_.erase(std::string(mission));
     unreadable_.erase(std::string(mission));
+    aside_.erase(std::string(mission));
   }
   const absl::Status removed = folder_.Remove(mission, kDeleted);
   LOG_IF(WARNING, !removed.ok()) << "a deleted mission's files are left, until the next start: "
@@ -172,8 +179,8 @@ absl::Status RocksJournal::DeleteMission(absl::string_view mission) {
 
 absl::Status RocksJournal::Damage(absl::string_view mission) const {
   const absl::StatusOr<MissionPtr> found = FindMission(mission);
-  if (absl::IsNotFound(found.status())) return absl::OkStatus();
-  return found.ok() ? (*found)->Damage() : found.status();
+  if (found.ok()) return (*found)->Damage();
+  return absl::IsDataLoss(found.status()) ? found.status() : absl::OkStatus();
 }
 
 uint64_t RocksJournal::DiskBytes(absl::string_view mission) const {

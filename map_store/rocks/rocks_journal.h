@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -47,6 +48,9 @@ class RocksJournal : public Journal {
   absl::StatusOr<std::vector<std::string>> ListMissions() const override;
   absl::StatusOr<Position> Recover(absl::string_view mission, const Replay& replay) const override;
   absl::Status DeleteMission(absl::string_view mission) override;
+  void TidyUp(absl::string_view mission) override;
+  absl::Status PutAside(absl::string_view mission, absl::string_view summary) override;
+  absl::StatusOr<std::string> ReadSummary(absl::string_view mission) const override;
   absl::Status CheckWritable() override;
   absl::Status Damage(absl::string_view mission) const override;
   uint64_t DiskBytes(absl::string_view mission) const override;
@@ -78,6 +82,9 @@ class RocksJournal : public Journal {
   absl::StatusOr<MissionPtr> MakeMission(absl::string_view name)
       ABSL_LOCKS_EXCLUDED(making_, mutex_);
   absl::StatusOr<MissionPtr> FindMission(absl::string_view name) const ABSL_LOCKS_EXCLUDED(mutex_);
+  bool IsAside(absl::string_view name) const ABSL_LOCKS_EXCLUDED(mutex_);
+  // Opens a mission that is aside.
+  absl::StatusOr<MissionPtr> BringBack(absl::string_view name) const ABSL_LOCKS_EXCLUDED(mutex_);
   std::vector<MissionPtr> OpenMissions() const ABSL_LOCKS_EXCLUDED(mutex_);
   // Checks for room, and remembers the size of a record that had none until there is room for one.
   absl::Status CheckRoomForRecord(uint64_t bytes);
@@ -92,9 +99,11 @@ class RocksJournal : public Journal {
   // Held while a mission's database is made or removed.
   absl::Mutex making_ ABSL_ACQUIRED_BEFORE(mutex_);
   mutable absl::Mutex mutex_;
-  std::map<std::string, MissionPtr, std::less<>> missions_ ABSL_GUARDED_BY(mutex_);
+  // Whoever reads a mission that is aside opens it.
+  mutable std::map<std::string, MissionPtr, std::less<>> missions_ ABSL_GUARDED_BY(mutex_);
+  mutable std::set<std::string, std::less<>> aside_ ABSL_GUARDED_BY(mutex_);
   // Missions that can't be opened, and why.
-  std::map<std::string, absl::Status, std::less<>> unreadable_ ABSL_GUARDED_BY(mutex_);
+  mutable std::map<std::string, absl::Status, std::less<>> unreadable_ ABSL_GUARDED_BY(mutex_);
 
   std::unique_ptr<JournalTidier> tidier_;
 };

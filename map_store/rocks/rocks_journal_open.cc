@@ -14,6 +14,7 @@
 #include "map_store/rocks/mission_journal.h"
 #include "map_store/rocks/rocks_database.h"
 #include "map_store/rocks/rocks_journal.h"
+#include "map_store/rocks/summary_file.h"
 #include "slam/util/lock_holder.h"
 #include "slam/util/status_macros.h"
 
@@ -164,7 +165,18 @@ absl::Status RocksJournal::WriteGuard() {
 absl::Status RocksJournal::LoadMissions() {
   if (!options_.only_read) RETURN_IF_ERROR(folder_.RemoveLeftovers());
   ASSIGN_OR_RETURN(const std::vector<std::string> names, folder_.ListKept());
-  for (const std::string& name : names) RETURN_IF_ERROR(LoadMission(name));
+  for (const std::string& name : names) {
+    // What only reads is there to find damage.
+    const absl::Status aside = options_.only_read ? absl::NotFoundError("not asked for")
+                                                  : ReadSummaryFile(folder_.PathOf(name)).status();
+    LOG_IF(WARNING, absl::IsDataLoss(aside)) << "mission " << name << " is opened: " << aside;
+    if (!aside.ok()) {
+      RETURN_IF_ERROR(LoadMission(name));
+      continue;
+    }
+    absl::MutexLock lock(&mutex_);
+    aside_.insert(name);
+  }
   return absl::OkStatus();
 }
 

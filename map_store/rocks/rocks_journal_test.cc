@@ -493,6 +493,27 @@ TEST_F(RocksJournalTest, ADeletedMissionStaysDeleted) {
   EXPECT_EQ(store->GetMission(kMission)->keyframes, 2u);
 }
 
+TEST_F(RocksJournalTest, TheFormatBeforeBecomesThisOneSoThatOlderProgramsRefuseIt) {
+  const RocksJournalOptions options{.directory = Folder("store")};
+  auto store = Open(options);
+  Send(MakeBatches(), 0, 6, store.get());
+  const size_t keyframes = store->GetMission(kMission)->keyframes;
+  store.reset();
+  rocksdb::DB* raw = nullptr;
+  ASSERT_TRUE(rocksdb::DB::Open({}, options.directory, &raw).ok());
+  std::unique_ptr<rocksdb::DB> guard(raw);
+  ASSERT_TRUE(guard->Put({}, map_store::FormatKey(), std::string("\x0b\0\0\0", 4)).ok());
+  guard.reset();
+  store = Open(options);
+  EXPECT_EQ(store->GetMission(kMission)->keyframes, keyframes);
+  store.reset();
+  ASSERT_TRUE(rocksdb::DB::OpenForReadOnly({}, options.directory, &raw).ok());
+  guard.reset(raw);
+  std::string format;
+  ASSERT_TRUE(guard->Get({}, map_store::FormatKey(), &format).ok());
+  EXPECT_EQ(format, std::string("\x0c\0\0\0", 4));
+}
+
 // Makes of a journal what programs of older formats wrote: one database with all missions.
 void MakeShared(const std::string& folder, const std::string& format) {
   rocksdb::DB* raw = nullptr;

@@ -65,7 +65,11 @@ struct MissionInfo {
   uint64_t memory_bytes = 0;
   uint64_t disk_bytes = 0;
   std::string damage;  // As Journal::Damage says it; empty: none.
+  // With when a robot or a caller used it last; who asks for this is none.
   MissionProfile profile;
+  // It is on the disk alone: the numbers above, but for `disk_bytes`, are those that it fell asleep
+  // with.
+  bool asleep = false;
 };
 
 // Where an agent was at its newest frame that had a pose, as far as the store was told. The newest
@@ -107,6 +111,9 @@ struct LocalMapInfo {
   size_t tracked_frames = 0;
   size_t lost_frames = 0;
   size_t parked_references = 0;
+  // What the store itself let go of (LocalMapState).
+  uint64_t retired_keyframes = 0;
+  uint64_t faded_points = 0;
 };
 
 struct KeyframeInfo {

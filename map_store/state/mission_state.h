@@ -91,7 +91,12 @@ struct LocalMapState {
   WaitingTable<uint64_t, ParkedReference> parked;         // By the order in which they came.
   WaitingTable<KeyframeId, ParkedParent> parked_parents;  // By child; the newest word counts.
   size_t expired_references = 0;
-  uint64_t stored_bytes = 0;  // As StoredBytes counts them.
+  // As StoredBytes counts them, less what the store let go of.
+  uint64_t stored_bytes = 0;
+  // How many of the owner's keyframes and points the store itself let go of (retiring/): because
+  // others stand in for them, and because later keyframes should have seen them and did not.
+  uint64_t retired_keyframes = 0;
+  uint64_t faded_points = 0;
   // Finds keyframes of `map` by their words.
   KeyframeDatabase database;
   // Changes for telling others, those of landmarks and foreign observations included; not those of
@@ -136,6 +141,13 @@ struct PlacedPoint {
   uint64_t revision = 0;  // The one that placed the point; its anchor may have moved since.
 };
 using PlacedPoints = absl::btree_map<MapPointId, PlacedPoint>;
+
+// What stands in for a keyframe that the store let go of: another one of the same island, of
+// whatever local map.
+struct StandIn {
+  KeyframeId keyframe;
+  Rigid3d keyframe_from_retired;
+};
 
 struct Island {
   IslandId id;
@@ -190,6 +202,9 @@ struct GlobalLayer {
   // The heir of each removed point: another point of the landmark that it was part of.
   std::map<MapPointId, MapPointId> heirs;
   RejectedObservations rejected;
+  // Of keyframes that the store let go of. Where there is none, as after the island was dissolved,
+  // the tombstone counts, which is the owner's word.
+  std::map<KeyframeId, StandIn> stand_ins;
   // Keyframes that fusion does without: they follow their relatives, and nobody is sent them.
   std::set<KeyframeId> culled;
   OverlapLedger overlaps;

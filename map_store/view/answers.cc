@@ -116,6 +116,8 @@ LocalMapInfo DescribeLocalMap(const MissionState& state, const LocalMapState& lo
   info.tracked_frames = local_map.frames.size();
   info.lost_frames = local_map.lost_frames_ns.size();
   info.parked_references = local_map.CountParked();
+  info.retired_keyframes = local_map.retired_keyframes;
+  info.faded_points = local_map.faded_points;
   return info;
 }
 

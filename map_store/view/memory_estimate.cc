@@ -57,6 +57,7 @@ uint64_t EstimateMemory(const MissionState& state) {
   for (const auto& [id, local_map] : state.local_maps) bytes += BytesOf(local_map);
   const GlobalLayer& global = state.global;
   bytes += global.keyframes.size() * (sizeof(PlacedKeyframe) + kNode);
+  bytes += global.stand_ins.size() * (sizeof(StandIn) + kNode);
   bytes += global.points.size() * (sizeof(PlacedPoint) + sizeof(MapPointId));
   bytes += (global.heirs.size() + global.rejected.size()) * kNode;
   bytes += global.overlaps.entries().size() * (sizeof(Overlap) + kNode);

@@ -221,13 +221,20 @@ KeyframeId ReferenceOf(const MapPoint& point, const GlobalLayer& global) {
   return point.reference;
 }
 
-bool FindLivingRelative(const MissionState& state, KeyframeId id, LivingRelative& found) {
+bool FindLivingRelative(const MissionState& state, KeyframeId id, LivingRelative& found,
+                        RelativeIn layer) {
   found = {id, Rigid3d::Identity()};
   // The search is bounded: a hostile owner could name removed keyframes each other's parents.
   for (int step = 0; step < 10000; ++step) {
     const LocalMapState* local_map = state.FindLocalMap(found.id.local_map);
     if (local_map == nullptr) return false;
     if (local_map->map.FindKeyframe(found.id) != nullptr) return true;
+    const auto stand_in = state.global.stand_ins.find(found.id);
+    if (layer == RelativeIn::kGlobalLayer && stand_in != state.global.stand_ins.end()) {
+      found.relative_from_id = stand_in->second.keyframe_from_retired * found.relative_from_id;
+      found.id = stand_in->second.keyframe;
+      continue;
+    }
     const auto tombstone = local_map->removed_keyframes.find(found.id);
     if (tombstone == local_map->removed_keyframes.end()) return false;
     found.relative_from_id = tombstone->second.parent_from_removed * found.relative_from_id;

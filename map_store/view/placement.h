@@ -88,12 +88,15 @@ KeyframeId ReferenceOf(const MapPoint& point, const GlobalLayer& global);
 
 // Finds the keyframe that stands for `id`: that one itself or, if it was removed, its nearest
 // living relative, with the pose of `id` relative to it. Returns false if the chain of removals
-// ends.
+// ends. Of a keyframe that the store let go of, the global layer knows a stand-in, and the local
+// layer an ancestor of its own local map.
+enum class RelativeIn { kGlobalLayer, kLocalLayer };
 struct LivingRelative {
   KeyframeId id;
   Rigid3d relative_from_id;
 };
-bool FindLivingRelative(const MissionState& state, KeyframeId id, LivingRelative& found);
+bool FindLivingRelative(const MissionState& state, KeyframeId id, LivingRelative& found,
+                        RelativeIn layer = RelativeIn::kGlobalLayer);
 
 }  // namespace corbslam::map_store
 

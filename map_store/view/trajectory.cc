@@ -24,7 +24,9 @@ class FrameChain {
 
   std::optional<Rigid3d> FrameFromWanted(const TrackedFrame& tracked) {
     LivingRelative relative;
-    if (!FindLivingRelative(state_, tracked.reference, relative)) return std::nullopt;
+    const RelativeIn layer =
+        frame_ == TrajectoryFrame::kLocal ? RelativeIn::kLocalLayer : RelativeIn::kGlobalLayer;
+    if (!FindLivingRelative(state_, tracked.reference, relative, layer)) return std::nullopt;
     Rigid3d relative_from_camera = relative.relative_from_id * tracked.reference_from_camera;
     if (camera_from_wanted_) relative_from_camera = relative_from_camera * *camera_from_wanted_;
     const bool is_own = relative.id.local_map == local_map_.id;

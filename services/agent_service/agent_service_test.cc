@@ -175,6 +175,12 @@ TEST_F(AgentServiceTest, OrdersReachTheRobot) {
   EXPECT_TRUE(
       call(&v1::Agent::Stub::OpenNewMap, v1::OpenNewMapRequest(), v1::OpenNewMapResponse()).ok());
   EXPECT_TRUE(orders_->Take().open_local_map);
+  EXPECT_EQ(
+      call(&v1::Agent::Stub::PauseMapping, v1::PauseMappingRequest(), v1::PauseMappingResponse())
+          .error_code(),
+      grpc::StatusCode::FAILED_PRECONDITION)
+      << "the new local map is empty";
+  orders_->NoteTracked();
   EXPECT_TRUE(
       call(&v1::Agent::Stub::PauseMapping, v1::PauseMappingRequest(), v1::PauseMappingResponse())
           .ok());

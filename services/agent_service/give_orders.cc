@@ -59,19 +59,13 @@ grpc::ServerUnaryReactor* AgentService::Give(grpc::CallbackServerContext* contex
 grpc::ServerUnaryReactor* AgentService::PauseMapping(grpc::CallbackServerContext* context,
                                                      const v1::PauseMappingRequest*,
                                                      v1::PauseMappingResponse*) {
-  return Give(context, [](AgentOrders& orders) {
-    orders.PauseMapping(true);
-    return absl::OkStatus();
-  });
+  return Give(context, [](AgentOrders& orders) { return orders.PauseMapping(true); });
 }
 
 grpc::ServerUnaryReactor* AgentService::ResumeMapping(grpc::CallbackServerContext* context,
                                                       const v1::ResumeMappingRequest*,
                                                       v1::ResumeMappingResponse*) {
-  return Give(context, [](AgentOrders& orders) {
-    orders.PauseMapping(false);
-    return absl::OkStatus();
-  });
+  return Give(context, [](AgentOrders& orders) { return orders.PauseMapping(false); });
 }
 
 grpc::ServerUnaryReactor* AgentService::OpenNewMap(grpc::CallbackServerContext* context,

@@ -52,7 +52,10 @@ class LocalizeReactor : public grpc::ServerBidiReactor<v1::LocalizeRequest, v1::
     cancelled_ = true;
     End(absl::CancelledError("the caller went away"));
   }
-  void OnDone() override { delete this; }
+  void OnDone() override {
+    link_.Cut();
+    delete this;
+  }
 
  private:
   void End(const absl::Status& status) {
@@ -63,7 +66,7 @@ class LocalizeReactor : public grpc::ServerBidiReactor<v1::LocalizeRequest, v1::
 
   LocalizeJob NextJob() const override ABSL_SHARED_LOCKS_REQUIRED(mutex_) {
     if (end_) return LocalizeJob::kFinish;
-    return has_request_ ? LocalizeJob::kAnswer : LocalizeJob::kNone;
+    return has_request_ && !waits_ ? LocalizeJob::kAnswer : LocalizeJob::kNone;
   }
 
   void DoJob(LocalizeJob job) override {
@@ -80,15 +83,35 @@ class LocalizeReactor : public grpc::ServerBidiReactor<v1::LocalizeRequest, v1::
 
   void AnswerOne() {
     response_.Clear();
-    const absl::Status status = answer_(
+    absl::Status status = answer_(
         request_, [this] { return !cancelled_; }, &response_);
+    if (!status.ok()) {
+      status = AnswerLater(status);
+      if (status.ok()) return;
+    }
     {
       absl::MutexLock lock(&mutex_);
-      has_request_ = false;
+      has_request_ = waits_ = false;
+      held_.reset();
       if (!status.ok() && !end_) end_ = status;
       if (end_) return;
     }
     StartWrite(&response_);
+  }
+
+  // Answers again once what was not there is; returns the error if it never will be.
+  absl::Status AnswerLater(const absl::Status& error) {
+    {
+      absl::MutexLock lock(&mutex_);
+      waits_ = true;
+    }
+    return pool().Defer(error, link_.Guard([this](const auto& ready) {
+      Note([this, &ready]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
+        waits_ = false;
+        if (ready.ok()) held_ = *ready;
+        if (!ready.ok() && !end_) end_ = ready.status();
+      });
+    }));
   }
 
   absl::StatusOr<std::shared_ptr<const void>> ticket_;
@@ -99,6 +122,9 @@ class LocalizeReactor : public grpc::ServerBidiReactor<v1::LocalizeRequest, v1::
   v1::LocalizeResponse response_;
 
   bool has_request_ ABSL_GUARDED_BY(mutex_) = false;
+  // True: the request waits for its mission, which is held once it is awake.
+  bool waits_ ABSL_GUARDED_BY(mutex_) = false;
+  std::shared_ptr<const void> held_ ABSL_GUARDED_BY(mutex_);
   std::optional<absl::Status> end_ ABSL_GUARDED_BY(mutex_);
 };
 

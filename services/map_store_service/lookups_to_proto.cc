@@ -62,6 +62,7 @@ void ToProto(const MissionInfo& info, v1::Mission* proto) {
   proto->set_disk_bytes(info.disk_bytes);
   proto->set_damage(info.damage);
   ToProto(info.profile, proto);
+  proto->set_asleep(info.asleep);
   if (!info.worker_outage.has_value()) return;
   proto->set_worker_away_since_ns(absl::ToUnixNanos(info.worker_outage->begin));
   proto->set_worker_error(info.worker_outage->cause);
@@ -100,6 +101,8 @@ void ToProto(absl::string_view mission, const LocalMapInfo& info, v1::LocalMap* 
   proto->set_tracked_frames(info.tracked_frames);
   proto->set_lost_frames(info.lost_frames);
   proto->set_parked_references(info.parked_references);
+  proto->set_retired_keyframes(info.retired_keyframes);
+  proto->set_faded_map_points(info.faded_points);
 }
 
 void ToProto(absl::string_view mission, const KeyframeInfo& info, v1::Keyframe* proto) {

@@ -7,11 +7,14 @@
 #include <cstddef>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "corbslam/v1/map_store_service.grpc.pb.h"
 #include "map_store/map_store.h"
+#include "map_store/view/asleep_words.h"
 #include "services/map_store_service/streams/recent_codes.h"
 #include "services/map_store_service/streams/replay_slots.h"
 #include "services/map_store_service/streams/stream_limits.h"
@@ -29,18 +32,18 @@ using MapStoreMethods = v1::MapStore::WithRawCallbackMethod_Sync<v1::MapStore::W
                 v1::MapStore::WithCallbackMethod_RestoreMission<v1::MapStore::WithCallbackMethod_ListAgents<
                     v1::MapStore::WithCallbackMethod_ListLocalMaps<v1::MapStore::WithCallbackMethod_GetLocalMap<
                         v1::MapStore::WithCallbackMethod_ListKeyframes<v1::MapStore::WithCallbackMethod_GetKeyframe<
-                            v1::MapStore::WithCallbackMethod_GetStatistics<
-                                v1::MapStore::WithCallbackMethod_GetTrajectory<
-                                    v1::MapStore::WithCallbackMethod_ListOverlaps<
-                                        v1::MapStore::WithCallbackMethod_RetractOverlap<
-                                            v1::MapStore::WithCallbackMethod_RederiveGlobalLayer<
-                                                v1::MapStore::WithCallbackMethod_AskForExactPlaces<
-                                                    v1::MapStore::WithCallbackMethod_Localize<
-                                                        v1::MapStore::WithCallbackMethod_LocalizeStream<
-                                                            v1::MapStore::WithCallbackMethod_CreateMission<
-                                                                v1::MapStore::WithCallbackMethod_UpdateMission<
+                            v1::MapStore::WithCallbackMethod_GetStatistics<v1::MapStore::WithCallbackMethod_GetTrajectory<
+                                v1::MapStore::WithCallbackMethod_ListOverlaps<
+                                    v1::MapStore::WithCallbackMethod_RetractOverlap<
+                                        v1::MapStore::WithCallbackMethod_RederiveGlobalLayer<
+                                            v1::MapStore::WithCallbackMethod_AskForExactPlaces<
+                                                v1::MapStore::WithCallbackMethod_Localize<
+                                                    v1::MapStore::WithCallbackMethod_LocalizeStream<
+                                                        v1::MapStore::WithCallbackMethod_CreateMission<
+                                                            v1::MapStore::WithCallbackMethod_UpdateMission<
+                                                                v1::MapStore::WithCallbackMethod_SleepMission<
                                                                     v1::MapStore::
-                                                                        Service>>>>>>>>>>>>>>>>>>>>>>>>;
+                                                                        Service>>>>>>>>>>>>>>>>>>>>>>>>>;
 
 // Returns OK if the caller may open a session as this agent of this mission.
 using SessionCheck = std::function<absl::Status(
@@ -92,7 +95,15 @@ class MapStoreService : public MapStoreMethods {
       : store_(*store),
         options_(Observed(options, &recent_codes_)),
         limits_(options.streams),
-        pool_(options.threads, options.streams.max_waiting_calls) {}
+        pool_(options.threads, options.streams.max_waiting_calls) {
+    // Who needs a mission that is asleep gives its thread to others meanwhile.
+    for (TaskPool* pool : {&pool_, &replay_pool_, locating_.get()}) {
+      pool->SetDeferrer([store](const absl::Status& error, TaskPool::Again again) {
+        const std::optional<std::string> mission = map_store::AsleepMission(error);
+        return mission.has_value() ? store->WhenAwake(*mission, std::move(again)) : error;
+      });
+    }
+  }
 
   // How many pictures are looked up at one time, and how many wait: a look-up waits for workers.
   static constexpr int kMaxLocating = 4;
@@ -135,6 +146,9 @@ class MapStoreService : public MapStoreMethods {
   grpc::ServerUnaryReactor* DeleteMission(grpc::CallbackServerContext* context,
                                           const v1::DeleteMissionRequest* request,
                                           v1::DeleteMissionResponse* response) override;
+  grpc::ServerUnaryReactor* SleepMission(grpc::CallbackServerContext* context,
+                                         const v1::SleepMissionRequest* request,
+                                         v1::Mission* response) override;
   grpc::ServerWriteReactor<v1::BackupMissionResponse>* BackupMission(
       grpc::CallbackServerContext* context, const v1::BackupMissionRequest* request) override;
   grpc::ServerReadReactor<v1::RestoreMissionRequest>* RestoreMission(

@@ -44,9 +44,8 @@ class StandingClock {
   void AwaitLooks(int more) {
     absl::MutexLock lock(&mutex_);
     const int enough = looks_ + more;
-    const auto looked = [this, enough]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
-      return looks_ >= enough;
-    };
+    const auto looked = [this, enough]()
+                            ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { return looks_ >= enough; };
     mutex_.Await(absl::Condition(&looked));
   }
 
@@ -65,9 +64,9 @@ class CountingObserver : public SyncObserver {
 class MissionProfileServiceTest : public ::testing::Test {
  protected:
   MissionProfileServiceTest() {
-    store_ = std::make_unique<MapStore>(MapStoreOptions(), nullptr,
-                                        std::make_unique<InMemoryJournal>(), nullptr,
-                                        [this] { return clock_.Now(); });
+    store_ =
+        std::make_unique<MapStore>(MapStoreOptions(), nullptr, std::make_unique<InMemoryJournal>(),
+                                   nullptr, [this] { return clock_.Now(); });
     MapStoreServiceOptions options;
     options.observers = {&observer_};
     service_ = std::make_unique<MapStoreService>(store_.get(), options);
@@ -231,7 +230,8 @@ TEST_F(MissionProfileServiceTest, AnAgentThatSendsTooFastIsReadNoMoreUntilItIsPa
   std::mt19937 random(1);
   CameraBook sent;
   const auto send = [&](uint64_t number) {
-    for (auto& part : ToProto(test_data::MakeBatch(random, test_data::kMap, number), sent, 1 << 20)) {
+    for (auto& part :
+         ToProto(test_data::MakeBatch(random, test_data::kMap, number), sent, 1 << 20)) {
       v1::SyncRequest batch;
       *batch.mutable_batch() = std::move(part);
       EXPECT_TRUE(stream->Write(batch));

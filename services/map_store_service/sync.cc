@@ -5,6 +5,7 @@
 #include "absl/strings/str_replace.h"
 #include "absl/time/clock.h"
 #include "absl/time/time.h"
+#include "map_store/view/asleep_words.h"
 #include "services/convert/limits.h"
 #include "services/convert/localised_frames.h"
 #include "services/convert/resource_names.h"
@@ -102,6 +103,7 @@ SyncJob SyncReactor::NextJob() const {
   if (cancelled_) return writing_ ? SyncJob::kNone : SyncJob::kFinish;
   if (!writing_ && !replies_.empty()) return SyncJob::kWrite;
   if (end_) return writing_ ? SyncJob::kNone : SyncJob::kFinish;
+  if (waits_for_mission_) return SyncJob::kNone;
   if (has_request_ && replies_.size() < kMaxReplies) return SyncJob::kRequest;
   if (wants_read_ && !is_held_) return SyncJob::kRead;
   if (read_to_end_ && !has_request_) return writing_ ? SyncJob::kNone : SyncJob::kFinish;
@@ -155,18 +157,28 @@ absl::Status SyncReactor::Leave() {
 }
 
 void SyncReactor::HandleRequest() {
-  const size_t bytes = request_.Length();
-  v1::SyncRequest request;
-  absl::Status status = ReadRequest(request);
-  if (status.ok()) status = Handle(request);
+  absl::Status status;
+  if (!asked_.has_value()) {
+    asked_bytes_ = request_.Length();
+    status = ReadRequest(asked_.emplace());
+  }
+  if (status.ok()) status = Handle(*asked_);
+  if (map_store::AsleepMission(status).has_value()) {
+    status = WaitUntilAwake(status);
+    if (status.ok()) return;
+  }
+  const bool is_batch = asked_->has_batch();
+  asked_.reset();
   if (session_id_) {
-    for (SyncObserver* observer : observers_) observer->OnReceived(who_, bytes);
+    for (SyncObserver* observer : observers_) observer->OnReceived(who_, asked_bytes_);
   }
   if (!status.ok()) return End(status);
-  if (session_id_ && request.has_batch()) store_.PaceUplink(*session_id_, bytes);
+  if (session_id_ && is_batch) store_.PaceUplink(*session_id_, asked_bytes_);
+  std::shared_ptr<const void> held;
   absl::MutexLock lock(&mutex_);
   has_request_ = false;
   wants_read_ = true;
+  held.swap(mission_);
 }
 
 void SyncReactor::Read() {
@@ -193,6 +205,24 @@ void SyncReactor::Read() {
 
 void SyncReactor::OnUplinkPaid() {
   Note([this]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { is_held_ = false; });
+}
+
+absl::Status SyncReactor::WaitUntilAwake(const absl::Status& error) {
+  {
+    // It may be awake before Defer returns.
+    absl::MutexLock lock(&mutex_);
+    waits_for_mission_ = true;
+  }
+  return pool().Defer(error, link_.Guard([this](const auto& awake) {
+    if (!awake.ok()) {
+      for (SyncObserver* observer : observers_) observer->OnRefused(who_, awake.status());
+    }
+    Note([this, &awake]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
+      waits_for_mission_ = false;
+      if (awake.ok()) mission_ = *awake;
+      if (!awake.ok() && !end_) end_ = awake.status();
+    });
+  }));
 }
 
 absl::Status SyncReactor::ReadRequest(v1::SyncRequest& request) {
@@ -226,6 +256,7 @@ absl::Status SyncReactor::Open(const v1::OpenSession& open) {
   who_ = {request.mission, request.agent,
           caller_.name.empty() ? peer_ : absl::StrCat(caller_.name, " at ", peer_)};
   const absl::StatusOr<MapStore::OpenedSession> session = store_.OpenSession(request);
+  if (map_store::AsleepMission(session.status()).has_value()) return session.status();
   if (!session.ok()) {
     for (SyncObserver* observer : observers_) observer->OnRefused(who_, session.status());
     return session.status();

@@ -73,6 +73,8 @@ class SyncReactor : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteB
   // stream when it is not any more, or to look again.
   void Read();
   void OnUplinkPaid();
+  // Has the request handled again once its mission is awake; returns the error if it never will be.
+  absl::Status WaitUntilAwake(const absl::Status& error);
   absl::Status ReadRequest(v1::SyncRequest& request);
   absl::Status Handle(const v1::SyncRequest& request);
   absl::Status Open(const v1::OpenSession& open);
@@ -103,6 +105,8 @@ class SyncReactor : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteB
   // Only gRPC uses it between StartRead and OnReadDone, and only DoJob otherwise.
   grpc::ByteBuffer request_;
   // Only DoJob uses these.
+  std::optional<v1::SyncRequest> asked_;  // The request, once it was read.
+  size_t asked_bytes_ = 0;
   std::optional<uint64_t> session_id_;
   SessionAgent who_;                        // Set once the session is open.
   FeatureForm form_ = FeatureForm::kPlain;  // Form of the features that are sent.
@@ -119,6 +123,9 @@ class SyncReactor : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteB
   // The next message is to be read, but, if the second is true, not before a timer has rung.
   bool wants_read_ ABSL_GUARDED_BY(mutex_) = false;
   bool is_held_ ABSL_GUARDED_BY(mutex_) = false;
+  // True: the request waits for its mission, which is held once it is awake.
+  bool waits_for_mission_ ABSL_GUARDED_BY(mutex_) = false;
+  std::shared_ptr<const void> mission_ ABSL_GUARDED_BY(mutex_);
   absl::Time read_at_ ABSL_GUARDED_BY(mutex_);
   bool shareable_ ABSL_GUARDED_BY(mutex_) = false;
   // True: no shared update is sent until the timer rings.

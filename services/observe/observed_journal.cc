@@ -70,6 +70,13 @@ class ObservedJournal : public Journal {
     for (JournalObserver* observer : observers_) observer->OnDeleted(mission);
     return absl::OkStatus();
   }
+  void TidyUp(absl::string_view mission) override { journal_->TidyUp(mission); }
+  absl::Status PutAside(absl::string_view mission, absl::string_view summary) override {
+    return journal_->PutAside(mission, summary);
+  }
+  absl::StatusOr<std::string> ReadSummary(absl::string_view mission) const override {
+    return journal_->ReadSummary(mission);
+  }
   absl::Status Damage(absl::string_view mission) const override {
     return journal_->Damage(mission);
   }

@@ -16,7 +16,8 @@ void Add(CLI::App& app, const char* flag, Value& value, const char* what) {
 }  // namespace
 
 void AddStoreLimitFlags(CLI::App& app, MapStoreOptions& options) {
-  Add(app, "--max-missions", options.max_missions, "Missions");
+  Add(app, "--max-missions", options.max_missions, "Missions in memory");
+  Add(app, "--max-missions-asleep", options.max_missions_asleep, "Missions that are asleep");
   Add(app, "--max-agents", options.max_agents_per_mission, "Agents of a mission");
   Add(app, "--max-local-maps", options.max_local_maps_per_mission, "Local maps of a mission");
   Add(app, "--max-cameras", options.max_cameras_per_local_map, "Cameras of a local map");

@@ -41,7 +41,14 @@ using map_store::RocksJournalOptions;
 
 namespace {
 
+constexpr double kSleepAfter_s = 600;
+
 struct Flags {
+  Flags() {
+    store.sleep_after_s = kSleepAfter_s;
+    store.wake_in_background = true;
+  }
+
   std::string listen = "127.0.0.1:50051";
   std::vector<std::string> workers;
   bool in_process_worker = false;
@@ -50,6 +57,7 @@ struct Flags {
   uint64_t min_free_mb = RocksJournalOptions().min_free_bytes >> 20;
   // Nullopt: DefaultMemoryBudget().
   std::optional<uint64_t> memory_budget_bytes;
+  bool keep_everything = false;
   MapStoreOptions store;
   MapStoreServiceOptions service;
   SecurityOptions security;
@@ -124,6 +132,7 @@ absl::Status Run(Flags flags) {
   RETURN_IF_ERROR(CheckMemoryBudget(flags.memory_budget_bytes.value_or(0)));
   flags.store.memory_budget_bytes = flags.memory_budget_bytes.value_or(DefaultMemoryBudget());
   LOG(INFO) << "memory budget: " << (flags.store.memory_budget_bytes >> 20) << " MiB";
+  flags.store.retire = !flags.keep_everything;
   flags.store.fusion_threads = std::max(1, static_cast<int>(flags.workers.size()));
   RETURN_IF_ERROR(flags.store.Validate());
   RETURN_IF_ERROR(flags.service.streams.Validate());
@@ -179,6 +188,11 @@ void AddFlags(CLI::App& app, Flags& flags) {
          "Memory of the process, as 6GiB or 600MiB, beyond which nothing is taken in; 0: no "
          "limit. Default: three quarters of the container's or the machine's")
       ->transform(CLI::AsSizeValue(/*kb_is_1000=*/false));
+  app.add_option("--sleep-after", flags.store.sleep_after_s,
+                 "Seconds after which a mission that nobody uses leaves memory, and is read again "
+                 "when somebody wants it; needs --data-dir; 0: never")
+      ->check(CLI::Range(0.0, 1e9))
+      ->capture_default_str();
   app.add_option("--vocabulary", flags.vocabulary, "File of the bag of words")
       ->capture_default_str();
   app.add_option("--threads", flags.service.threads, "Threads that apply batches and answer")
@@ -195,6 +209,9 @@ void AddFlags(CLI::App& app, Flags& flags) {
   app.add_option("--cull-target", flags.store.cull_target,
                  "Keyframes of an island beyond which the most redundant are culled; 0: none")
       ->capture_default_str();
+  app.add_flag("--keep-everything", flags.keep_everything,
+               "Keep also keyframes of closed sessions that others stand in for, and points that "
+               "have vanished");
   app.add_option("--max-shared-keyframes", flags.store.max_shared_keyframes,
                  "Others' keyframes that one agent is sent at most")
       ->capture_default_str();

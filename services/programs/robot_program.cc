@@ -361,7 +361,7 @@ absl::Status Run(const Flags& flags) {
                    Agent::Create(options, calibration, vocabulary, observers->Watch(uplink.get()),
                                  std::move(spool)));
   Agent* const watched = observers->Watch(agent.get());
-  const auto recording = recorder != nullptr ? recorder->Watch(watched) : nullptr;
+  const auto recording = recorder != nullptr ? recorder->Watch(watched, options.orders.get()) : nullptr;
   const auto minutes = observers->LogEachMinute(agent.get());
   AgentService service(agent.get(), uplink.get(),
                        {.mission = uplink != nullptr ? flags.mission : "",

@@ -160,6 +160,13 @@ grpc::ServerUnaryReactor* GuardedMapStore::DeleteMission(grpc::CallbackServerCon
   return status.ok() ? service_.DeleteMission(context, request, response) : Refuse(context, status);
 }
 
+grpc::ServerUnaryReactor* GuardedMapStore::SleepMission(grpc::CallbackServerContext* context,
+                                                        const v1::SleepMissionRequest* request,
+                                                        v1::Mission* response) {
+  const absl::Status status = Check(*context, Action::kAdminister, request->name());
+  return status.ok() ? service_.SleepMission(context, request, response) : Refuse(context, status);
+}
+
 grpc::ServerWriteReactor<v1::BackupMissionResponse>* GuardedMapStore::BackupMission(
     grpc::CallbackServerContext* context, const v1::BackupMissionRequest* request) {
   const absl::Status status = Check(*context, Action::kAdminister, request->name());

@@ -75,6 +75,9 @@ class GuardedMapStore : public MapStoreMethods {
   grpc::ServerUnaryReactor* DeleteMission(grpc::CallbackServerContext* context,
                                           const v1::DeleteMissionRequest* request,
                                           v1::DeleteMissionResponse* response) override;
+  grpc::ServerUnaryReactor* SleepMission(grpc::CallbackServerContext* context,
+                                         const v1::SleepMissionRequest* request,
+                                         v1::Mission* response) override;
   grpc::ServerWriteReactor<v1::BackupMissionResponse>* BackupMission(
       grpc::CallbackServerContext* context, const v1::BackupMissionRequest* request) override;
   grpc::ServerReadReactor<v1::RestoreMissionRequest>* RestoreMission(

@@ -97,6 +97,7 @@ const std::map<absl::string_view, Action>& OwnMethods() {
       {"/corbslam.v1.MapStore/CreateMission", Action::kAdminister},
       {"/corbslam.v1.MapStore/UpdateMission", Action::kAdminister},
       {"/corbslam.v1.MapStore/DeleteMission", Action::kAdminister},
+      {"/corbslam.v1.MapStore/SleepMission", Action::kAdminister},
       {"/corbslam.v1.MapStore/BackupMission", Action::kAdminister},
       {"/corbslam.v1.MapStore/RestoreMission", Action::kAdminister},
       {"/corbslam.v1.MapStore/ListAgents", Action::kLook},

@@ -81,6 +81,8 @@ class StreamTask {
     }
   }
 
+  TaskPool& pool() const { return pool_; }
+
   // Ends all work of a stream that is refused: whatever is noted, nothing is done.
   void NeverWork() {
     absl::MutexLock lock(&mutex_);

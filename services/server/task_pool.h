@@ -7,10 +7,12 @@
 #include <functional>
 #include <memory>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "absl/base/thread_annotations.h"
 #include "absl/status/status.h"
+#include "absl/status/statusor.h"
 #include "absl/synchronization/mutex.h"
 
 namespace corbslam::services {
@@ -30,6 +32,18 @@ class TaskPool {
   ~TaskPool();
   TaskPool(const TaskPool&) = delete;
   TaskPool& operator=(const TaskPool&) = delete;
+
+  // Called when a call may be answered that could not be before: whatever it needs is there for as
+  // long as somebody holds `ready`, or can't be had.
+  using Again = std::function<void(const absl::StatusOr<std::shared_ptr<const void>>& ready)>;
+  // Looks whether an error says that something is not there yet; if so sees to it that `again` is
+  // called, once, by any thread, and returns OK. Else returns the error to answer with.
+  using Deferrer = std::function<absl::Status(const absl::Status& error, Again again)>;
+  // Sets what Defer asks; called before all else. Without, no call is put off.
+  void SetDeferrer(Deferrer deferrer) { deferrer_ = std::move(deferrer); }
+  absl::Status Defer(const absl::Status& error, Again again) const {
+    return deferrer_ == nullptr ? error : deferrer_(error, std::move(again));
+  }
 
   // The caller bounds how many tasks wait.
   void Schedule(std::function<void()> task);
@@ -60,6 +74,7 @@ class TaskPool {
   }
 
   const size_t max_waiting_calls_;
+  Deferrer deferrer_;
   mutable absl::Mutex mutex_;
   std::deque<Task> tasks_ ABSL_GUARDED_BY(mutex_);
   std::deque<LookUp> look_ups_ ABSL_GUARDED_BY(mutex_);

@@ -16,15 +16,33 @@
 
 namespace corbslam::services {
 
+// Answers one call on this thread, or later on the pool if the pool's deferrer says so.
+inline void AnswerOrDefer(TaskPool& pool, grpc::ServerUnaryReactor* reactor,
+                          grpc::CallbackServerContext* context,
+                          const std::function<absl::Status()>& answer) {
+  if (context->IsCancelled()) return reactor->Finish(grpc::Status::CANCELLED);
+  const absl::Status status = answer();
+  if (status.ok()) return reactor->Finish(grpc::Status::OK);
+  const auto again = [&pool, reactor, context, answer](const auto& ready) {
+    if (!ready.ok()) return reactor->Finish(ToGrpcStatus(ready.status()));
+    pool.ScheduleLookUp([&pool, reactor, context, answer, held = *ready] {
+      AnswerOrDefer(pool, reactor, context, answer);
+    });
+  };
+  const absl::Status refused = pool.Defer(status, again);
+  if (!refused.ok()) reactor->Finish(ToGrpcStatus(refused));
+}
+
 // Answers one call with what `answer` returns, computed on the pool, or with RESOURCE_EXHAUSTED
-// where too many wait. The request and the response live until then.
+// where too many wait. The request and the response live until then. An `answer` that could not be
+// given yet (TaskPool::SetDeferrer) is asked for again: it must not have done anything.
 inline grpc::ServerUnaryReactor* AnswerOn(TaskPool& pool, grpc::CallbackServerContext* context,
                                           std::function<absl::Status()> answer) {
   grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
-  const absl::Status waits = pool.ScheduleCall([reactor, context, answer = std::move(answer)] {
-    const bool is_wanted = !context->IsCancelled();
-    reactor->Finish(is_wanted ? ToGrpcStatus(answer()) : grpc::Status::CANCELLED);
-  });
+  const absl::Status waits =
+      pool.ScheduleCall([&pool, reactor, context, answer = std::move(answer)] {
+        AnswerOrDefer(pool, reactor, context, answer);
+      });
   if (!waits.ok()) reactor->Finish(ToGrpcStatus(waits));
   return reactor;
 }
@@ -35,7 +53,7 @@ class StreamReactor : public grpc::ServerWriteReactor<Response> {
  public:
   // Fills the next message; returns false after the last one.
   using Next = std::function<bool(Response&)>;
-  // Computes what is to be streamed; an error ends the call.
+  // Computes what is to be streamed; an error ends the call, or puts it off, as AnswerOn's.
   using Prepare = std::function<absl::StatusOr<Next>()>;
 
   // Prepares on the pool, then streams; RESOURCE_EXHAUSTED where too many calls wait. Keeps
@@ -47,8 +65,8 @@ class StreamReactor : public grpc::ServerWriteReactor<Response> {
     absl::Status started = ticket.status();
     if (started.ok()) {
       reactor->ticket_ = *std::move(ticket);
-      started =
-          pool.ScheduleCall([reactor, prepare = std::move(prepare)] { reactor->Begin(prepare); });
+      started = pool.ScheduleCall(
+          [reactor, &pool, prepare = std::move(prepare)] { reactor->Begin(pool, prepare); });
     }
     if (!started.ok()) reactor->End(ToGrpcStatus(started));
     return reactor;
@@ -62,12 +80,21 @@ class StreamReactor : public grpc::ServerWriteReactor<Response> {
   void OnDone() override { delete this; }
 
  private:
-  void Begin(const Prepare& prepare) {
+  void Begin(TaskPool& pool, const Prepare& prepare) {
     if (cancelled_) return End(grpc::Status::CANCELLED);
     absl::StatusOr<Next> next = prepare();
-    if (!next.ok()) return End(ToGrpcStatus(next.status()));
+    if (!next.ok()) return Defer(pool, prepare, next.status());
     next_ = *std::move(next);
     WriteNext();
+  }
+
+  void Defer(TaskPool& pool, const Prepare& prepare, const absl::Status& status) {
+    const auto again = [this, &pool, prepare](const auto& ready) {
+      if (!ready.ok()) return End(ToGrpcStatus(ready.status()));
+      pool.ScheduleLookUp([this, &pool, prepare, held = *ready] { Begin(pool, prepare); });
+    };
+    const absl::Status refused = pool.Defer(status, again);
+    if (!refused.ok()) End(ToGrpcStatus(refused));
   }
 
   void WriteNext() {

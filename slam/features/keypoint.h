@@ -8,6 +8,10 @@
 #include <cstdint>
 #include <vector>
 
+#if defined(__ARM_NEON)
+#include <arm_neon.h>
+#endif
+
 namespace corbslam {
 
 // A keypoint in undistorted pixels of the (left) camera.
@@ -36,8 +40,19 @@ static_assert(sizeof(Descriptor) == 32);
 
 // Returns the number of differing bits, 0 to 256.
 inline int HammingDistance(const Descriptor& a, const Descriptor& b) {
+#if defined(__ARM_NEON) && defined(__aarch64__)
+  // Of general registers arm64 counts no bits: words would travel to vectors one by one.
+  const auto differing = [&](size_t word) {
+    const uint64x2_t bits =
+        veorq_u64(vld1q_u64(a.words.data() + word), vld1q_u64(b.words.data() + word));
+    return vcntq_u8(vreinterpretq_u8_u64(bits));
+  };
+  // Each byte of the sum is at most 16, and all of them 256.
+  return vaddlvq_u8(vaddq_u8(differing(0), differing(2)));
+#else
   return std::popcount(a.words[0] ^ b.words[0]) + std::popcount(a.words[1] ^ b.words[1]) +
          std::popcount(a.words[2] ^ b.words[2]) + std::popcount(a.words[3] ^ b.words[3]);
+#endif
 }
 
 // The arrays are parallel: descriptors[i] belongs to keypoints[i].

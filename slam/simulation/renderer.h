@@ -6,6 +6,7 @@
 #include <memory>
 #include <opencv2/core/mat.hpp>
 #include <optional>
+#include <vector>
 
 #include "absl/status/statusor.h"
 #include "slam/camera/camera.h"
@@ -21,6 +22,13 @@ struct RenderOptions {
   int threads = 1;  // Changes speed only.
 };
 
+// Where the camera is while some rows of a picture are exposed.
+struct RowBand {
+  Rigid3d world_from_camera = {};
+  std::optional<Rigid3d> world_from_camera_at_close = {};
+  double time_s = 0;
+};
+
 // One picture to be taken.
 struct Shot {
   Rigid3d world_from_camera = {};
@@ -31,6 +39,9 @@ struct Shot {
   double exposure = 1;    // Multiplies the lens's.
   double defocus_px = 0;  // Standard deviation of a blur that comes before the lens's own.
   double covered = 0;     // Share of the picture that a hand before the lens hides, from the right.
+  // A rolling shutter: bands of equally many rows from the top, each at its own time and pose,
+  // which go before those above. Of pinhole cameras only. Empty: all rows are exposed together.
+  std::vector<RowBand> bands = {};
 };
 
 // Draws the same bytes for the same shot whatever the number of threads. Thread-safe.

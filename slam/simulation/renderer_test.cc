@@ -53,6 +53,44 @@ TEST(RendererTest, TheSameBytesWithOneThreadAndThree) {
   EXPECT_TRUE(SameBytes(one, three));
 }
 
+// Bands that are exposed where the camera stands make the same picture; a camera that moves to the
+// right meanwhile bends what is upright.
+TEST(RendererTest, BandsAreExposedWhereTheCameraIs) {
+  const Scene scene = SceneOf({Wall(9, Material::kFacade)});
+  const auto renderer = MakeRenderer(scene, NoiselessLens(), 2);
+  const cv::Mat whole = renderer->DrawGrey(SmallCamera(), {});
+  Shot shot;
+  shot.bands.resize(20);
+  EXPECT_LE(cv::norm(whole, renderer->DrawGrey(SmallCamera(), shot), cv::NORM_L1),
+            0.1 * static_cast<double>(whole.total()));
+  shot.bands[19].world_from_camera.translation.x() = 0.9;  // Ten pixels of the wall.
+  const cv::Mat bent = renderer->DrawGrey(SmallCamera(), shot);
+  Shot moved;
+  moved.world_from_camera = shot.bands[19].world_from_camera;
+  const cv::Mat there = renderer->DrawGrey(SmallCamera(), moved);
+  const int last = 19 * whole.rows / 20;
+  EXPECT_EQ(cv::norm(bent.rowRange(0, last),
+                     renderer
+                         ->DrawGrey(SmallCamera(),
+                                    [] {
+                                      Shot still;
+                                      still.bands.resize(20);
+                                      return still;
+                                    }())
+                         .rowRange(0, last),
+                     cv::NORM_INF),
+            0);
+  EXPECT_LT(
+      cv::norm(bent.rowRange(last, whole.rows), there.rowRange(last, whole.rows), cv::NORM_L1),
+      0.1 * whole.cols * (whole.rows - last));
+  EXPECT_GT(
+      cv::norm(bent.rowRange(last, whole.rows), whole.rowRange(last, whole.rows), cv::NORM_L1),
+      1.0 * whole.cols * (whole.rows - last));
+  const cv::Mat depth = renderer->DrawDepth(SmallCamera(), shot);
+  EXPECT_NEAR(depth.at<float>(2, 60), 9, 1e-3);
+  EXPECT_NEAR(depth.at<float>(80, 60), 9, 1e-3);
+}
+
 TEST(RendererTest, NoiseDiffersBetweenStreamsAndRepeatsWithinOne) {
   const auto renderer = MakeRenderer(SceneOf({Wall(9, Material::kPlaster)}), Lens());
   const cv::Mat first = renderer->DrawGrey(SmallCamera(), {.stream = 1});

@@ -42,7 +42,7 @@ def free_port():
 class Store:
     """A map store with one worker, on this machine alone."""
 
-    def __init__(self, programs, folder):
+    def __init__(self, programs, folder, *flags):
         self.programs = programs
         self.address = f"127.0.0.1:{free_port()}"
         worker = f"127.0.0.1:{free_port()}"
@@ -50,7 +50,7 @@ class Store:
             subprocess.Popen([f"{programs}/fusion_worker", "--listen", worker, "--insecure"],
                              stderr=open(folder / "worker.log", "w")),
             subprocess.Popen([f"{programs}/map_store", "--listen", self.address, "--worker", worker,
-                              "--insecure"], stderr=open(folder / "store.log", "w"))]
+                              "--insecure", *flags], stderr=open(folder / "store.log", "w"))]
 
     def run(self, program, *arguments):
         return subprocess.run([f"{self.programs}/{program}", *arguments], capture_output=True,

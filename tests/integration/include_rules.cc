@@ -79,6 +79,7 @@ const std::map<absl::string_view, Heights>& Ladders() {
            {"locating", 3},
            {"sharing", 3},
            {"fusion", 4},
+           {"retiring", 4},
            {"records", 5},
            {"archive", 6},
            {"rocks", 7},
@@ -90,6 +91,7 @@ const std::map<absl::string_view, Heights>& Ladders() {
            {"map_store_localize", 9},
            {"map_store_lookups", 9},
            {"map_store_profiles", 9},
+           {"map_store_sleep", 9},
        }},
       {"services",
        {

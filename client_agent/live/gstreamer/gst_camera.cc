@@ -11,9 +11,10 @@
 #include <thread>
 #include <utility>
 
+#include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/synchronization/notification.h"
-#include "absl/time/clock.h"
+#include "absl/time/time.h"
 #include "client_agent/live/gstreamer/gst_picture.h"
 #include "slam/util/status_macros.h"
 
@@ -43,14 +44,29 @@ std::string DescribePipeline(const GstCameraOptions& options) {
   return text;
 }
 
+void InitialiseGst() {
+  static std::once_flag once;
+  std::call_once(once, [] { gst_init(nullptr, nullptr); });
+}
+
+// Where Debian has the elements that cameras want.
+constexpr std::pair<absl::string_view, absl::string_view> kPackages[] = {
+    {"aravissrc", "libaravis-0.8-0"},         {"bayer2rgb", "gstreamer1.0-plugins-bad"},
+    {"v4l2src", "gstreamer1.0-plugins-good"}, {"jpegdec", "gstreamer1.0-plugins-good"},
+    {"rtspsrc", "gstreamer1.0-plugins-good"}, {"avdec_h264", "gstreamer1.0-libav"}};
+
 absl::Status BadPipeline(absl::string_view why) {
+  for (const auto& [element, package] : kPackages) {
+    if (!absl::StrContains(why, absl::StrCat("\"", element, "\""))) continue;
+    return absl::InvalidArgumentError(
+        absl::StrCat("GStreamer lacks a part: ", why, "; Debian's package ", package, " has it"));
+  }
   return absl::InvalidArgumentError(absl::StrCat(
       "GStreamer does not understand the pipeline: ", why, " (gst-launch-1.0 -v tries it)"));
 }
 
 absl::StatusOr<ElementPtr> Parse(const GstCameraOptions& options) {
-  static std::once_flag once;
-  std::call_once(once, [] { gst_init(nullptr, nullptr); });
+  InitialiseGst();
   GError* error = nullptr;
   ElementPtr pipeline(gst_parse_launch_full(DescribePipeline(options).c_str(), nullptr,
                                             GST_PARSE_FLAG_FATAL_ERRORS, &error));
@@ -214,9 +230,14 @@ class GstCamera : public LiveCamera {
       }
     }
     if (!told_.exchange(true)) {
-      LOG(WARNING) << "the camera gives no times: frames have those at which they came";
+      LOG(WARNING) << "the camera gives no times: frames have those at which they came, which are "
+                      "later than the exposure by what the way here takes";
     }
-    return absl::GetCurrentTimeNanos();
+    // The clock of the buffers that have times: one without must not lie years beside the others.
+    GstClock* clock = gst_system_clock_obtain();
+    const GstClockTime now = gst_clock_get_time(clock);
+    gst_object_unref(clock);
+    return static_cast<int64_t>(now);
   }
 
   const GstCameraOptions options_;
@@ -230,6 +251,14 @@ class GstCamera : public LiveCamera {
 };
 
 }  // namespace
+
+bool GstHasElement(const std::string& name) {
+  InitialiseGst();
+  GstElementFactory* const factory = gst_element_factory_find(name.c_str());
+  if (factory == nullptr) return false;
+  gst_object_unref(factory);
+  return true;
+}
 
 absl::StatusOr<std::unique_ptr<LiveCamera>> MakeGstCamera(const GstCameraOptions& options) {
   RETURN_IF_ERROR(Parse(options).status());

@@ -32,9 +32,12 @@ struct GstCameraOptions {
 };
 
 // INVALID_ARGUMENT says why GStreamer doesn't understand a pipeline. Frames' times are the
-// buffers' own, on the system's monotonic clock; where a buffer has none it is when it came, which
-// is said once.
+// buffers' own, on the system's monotonic clock; where a buffer has none it is when it came, by the
+// same clock, which is said once.
 absl::StatusOr<std::unique_ptr<LiveCamera>> MakeGstCamera(const GstCameraOptions& options);
+
+// Returns whether this machine's plugins have an element.
+bool GstHasElement(const std::string& name);
 
 }  // namespace corbslam::client_agent
 

@@ -5,11 +5,10 @@
 #include <utility>
 #include <vector>
 
-#include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
-#include "absl/strings/str_join.h"
 #include "absl/strings/str_replace.h"
 #include "absl/strings/str_split.h"
+#include "client_agent/live/gstreamer/device_pipelines.h"
 #include "client_agent/live/gstreamer/gst_camera.h"
 #include "client_agent/live/live_options.h"
 #include "client_agent/source/frame_reader.h"
@@ -19,13 +18,11 @@
 namespace corbslam::client_agent {
 namespace {
 
-// What both kinds leave to options, beside those of every camera.
+// What the kinds leave to options, beside those of every camera.
 struct GstOptions {
   LiveSourceOptions live;
   std::string layout;
-  std::string format;  // v4l2: of the device's pictures.
-  std::string size;
-  std::string rate;
+  DeviceMode mode;  // Of kinds that name devices.
 };
 
 // Options end at '&', and begin behind '?': pipelines that hold these write them as URLs do.
@@ -42,7 +39,7 @@ class GstSettings : public KindSettings {
   std::vector<absl::string_view> OptionNames() const override {
     std::vector<absl::string_view> names = LiveOptionNames();
     names.emplace_back("layout");
-    if (IsV4l2()) names.insert(names.end(), {"format", "size", "rate"});
+    if (NamesDevices()) names.insert(names.end(), {"format", "size", "rate"});
     return names;
   }
   absl::StatusOr<SharedKindSettings> With(absl::string_view key,
@@ -60,20 +57,25 @@ class GstSettings : public KindSettings {
           absl::StrCat(kind_, ":", place_, ": names ", cameras, " cameras, a frame has two"));
     }
     const bool has_second = cameras == 2;
+    if (has_second && NamesDevices() && Cameras()[0] == Cameras()[1]) {
+      return absl::InvalidArgumentError(
+          absl::StrCat(kind_, ":", place_, ": names the same camera twice"));
+    }
     if (one_picture != has_second) return absl::OkStatus();
     return absl::InvalidArgumentError(absl::StrCat(
         kind_, ":", place_, ": ",
-        one_picture ? "one picture with both halves (?layout=) and a second camera"
-                    : "a frame has two pictures: name a second camera (gst:LEFT || RIGHT, v4l2:"
-                      "/dev/video0,/dev/video1), or say how one picture holds both "
-                      "(?layout=side-by-side, ?layout=one-above)"));
+        one_picture
+            ? "one picture with both halves (?layout=) and a second camera"
+            : "a frame has two pictures: name a second camera (gst:LEFT || RIGHT, v4l2:"
+              "/dev/video0,/dev/video1, aravis:LEFT,RIGHT), or say how one picture holds both "
+              "(?layout=side-by-side, ?layout=one-above)"));
   }
   std::vector<std::pair<std::string, std::string>> FormatOptions() const override {
     auto formatted = FormatLiveOptions(options_.live);
     for (const auto& [key, value] : {std::pair("layout", options_.layout),
-                                     {"format", options_.format},
-                                     {"size", options_.size},
-                                     {"rate", options_.rate}}) {
+                                     {"format", options_.mode.format},
+                                     {"size", options_.mode.size},
+                                     {"rate", options_.mode.rate}}) {
       if (!value.empty()) formatted.emplace_back(key, value);
     }
     return formatted;
@@ -107,10 +109,10 @@ class GstSettings : public KindSettings {
   }
 
  private:
-  bool IsV4l2() const { return kind_ == "v4l2"; }
+  bool NamesDevices() const { return kind_ != "gst"; }
   // The devices, or the pipelines.
   std::vector<std::string> Cameras() const {
-    if (IsV4l2()) return absl::StrSplit(place_, ',');
+    if (NamesDevices()) return absl::StrSplit(place_, ',');
     return absl::StrSplit(place_, "||");
   }
 
@@ -122,41 +124,30 @@ class GstSettings : public KindSettings {
   std::string PipelineOf(size_t which) const {
     const std::vector<std::string> cameras = Cameras();
     if (which >= cameras.size()) return "";
-    if (!IsV4l2()) return Decode(cameras[which]);
-    std::string caps = options_.format == "mjpeg" ? "image/jpeg" : "video/x-raw";
-    if (!options_.format.empty() && options_.format != "mjpeg") {
-      absl::StrAppend(&caps, ",format=", options_.format);
+    if (kind_ == "v4l2") return V4l2Pipeline(cameras[which], options_.mode);
+    // Devices' own clocks have nothing in common.
+    const bool is_pair = cameras.size() == 2;
+    if (kind_ == "aravis") {
+      return AravisPipeline(Decode(cameras[which]), options_.mode, /*on_arrival=*/is_pair);
     }
-    if (const std::vector<std::string> sides = absl::StrSplit(options_.size, 'x');
-        sides.size() == 2) {
-      absl::StrAppend(&caps, ",width=", sides[0], ",height=", sides[1]);
-    }
-    if (!options_.rate.empty()) absl::StrAppend(&caps, ",framerate=", options_.rate, "/1");
-    return absl::StrCat("v4l2src device=", cameras[which], " ! ", caps,
-                        options_.format == "mjpeg" ? " ! jpegdec" : "");
+    return Decode(cameras[which]);
   }
 
   absl::Status Set(absl::string_view key, absl::string_view value) {
-    int whole = 0;
     if (key == "layout") {
       if (value != "side-by-side" && value != "one-above") {
         return BadLiveOption(key, value, "side-by-side or one-above");
       }
       options_.layout = std::string(value);
     } else if (key == "format") {
-      options_.format = std::string(value);
+      if (kind_ == "aravis") RETURN_IF_ERROR(ValidateAravisFormat(value));
+      options_.mode.format = std::string(value);
     } else if (key == "size") {
-      const std::vector<std::string> sides = absl::StrSplit(value, 'x');
-      if (sides.size() != 2 || !absl::SimpleAtoi(sides[0], &whole) || whole < 1 ||
-          !absl::SimpleAtoi(sides[1], &whole) || whole < 1) {
-        return BadLiveOption(key, value, "WIDTHxHEIGHT, as 1280x480");
-      }
-      options_.size = std::string(value);
+      RETURN_IF_ERROR(ValidateSize(value));
+      options_.mode.size = std::string(value);
     } else if (key == "rate") {
-      if (!absl::SimpleAtoi(value, &whole) || whole < 1 || whole > 1000) {
-        return BadLiveOption(key, value, "frames a second, 1 to 1000");
-      }
-      options_.rate = std::string(value);
+      RETURN_IF_ERROR(ValidateRate(value));
+      options_.mode.rate = std::string(value);
     } else {
       return SetLiveOption(key, value, options_.live);
     }
@@ -179,6 +170,13 @@ SourceKind KindOf(const std::string& name, const std::string& usage) {
 void RegisterGstSources() {
   RegisterSourceKind(KindOf("gst", "gst:LEFT || RIGHT"));
   RegisterSourceKind(KindOf("v4l2", "v4l2:DEVICES"));
+  RegisterSourceKind(KindOf("aravis", "aravis:CAMERAS"));
+}
+
+bool IsGstSourceHere(absl::string_view kind) {
+  if (kind == "v4l2") return GstHasElement("v4l2src");
+  if (kind == "aravis") return GstHasElement("aravissrc");
+  return true;
 }
 
 }  // namespace corbslam::client_agent

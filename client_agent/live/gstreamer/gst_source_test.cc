@@ -1,8 +1,11 @@
 #include "client_agent/live/gstreamer/gst_source.h"
 
+#include <glog/logging.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <atomic>
+#include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <memory>
@@ -12,6 +15,7 @@
 #include <variant>
 #include <vector>
 
+#include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_replace.h"
 #include "absl/time/clock.h"
@@ -225,6 +229,40 @@ TEST(GstSourceTest, ACameraThatWentAwayIsWaitedFor) {
   }
   EXPECT_GT(longest_ns, 900'000'000);
   EXPECT_LT(longest_ns, 10'000'000'000);
+}
+
+class Listener : public google::LogSink {
+ public:
+  Listener() { google::AddLogSink(this); }
+  ~Listener() override { google::RemoveLogSink(this); }
+  void send(google::LogSeverity, const char*, const char*, int, const struct ::tm*,
+            const char* message, size_t length) override {
+    told_ += absl::StrContains(absl::string_view(message, length), "gives no times") ? 1 : 0;
+  }
+  int told() const { return told_; }
+
+ private:
+  std::atomic<int> told_ = 0;
+};
+
+// Those of the machine's monotonic clock, as the times that other pictures have.
+TEST(GstSourceTest, PicturesWithoutTimesHaveThoseAtWhichTheyCameAndItIsSaidOnce) {
+  const Listener listener;
+  const auto stream =
+      Open(absl::StrCat("gst:fakesrc format=time sizetype=fixed sizemax=38400 num-buffers=8 ! "
+                        "video/x-raw,format=GRAY8,width=320,height=120,framerate=20/1 ! "
+                        "identity sleep-time=20000?layout=side-by-side&rig=",
+                        WriteRig(kStereo)));
+  ASSERT_TRUE(stream.ok()) << stream.status();
+  const Played played = Play(**stream);
+  EXPECT_TRUE(played.end.ok()) << played.end;
+  ASSERT_GE(played.frames.size(), 1u);
+  EXPECT_EQ(listener.told(), 1);
+  const int64_t now_ns = std::chrono::steady_clock::now().time_since_epoch().count();
+  for (const StreamFrame& frame : played.frames) {
+    EXPECT_LE(frame.images.timestamp_ns, now_ns);
+    EXPECT_GT(frame.images.timestamp_ns, now_ns - 60'000'000'000);
+  }
 }
 
 // What ends by itself has no more to give, unless somebody says otherwise.

@@ -117,6 +117,7 @@ absl::Status StreamLimits::Ticket::SetCloseListener(
 
 absl::Status StreamLimits::Ticket::Name(const std::string& agent) {
   absl::MutexLock lock(&limits_.mutex_);
+  if (agent_ == agent) return absl::OkStatus();
   const size_t limit = limits_.options_.max_streams_per_agent;
   size_t& of_agent = limits_.of_agent_[agent];
   if (of_agent >= limit) return TooMany(agent, of_agent, limit);

@@ -97,7 +97,8 @@ class WatchReactor : public grpc::ServerWriteReactor<Response>, private StreamTa
   void DoJob(WatchJob job) override {
     if (job == WatchJob::kWrite) WriteNext();
     if (job == WatchJob::kLook) {
-      const absl::Status status = LookAndKeep();
+      absl::Status status = LookAndKeep();
+      if (!status.ok()) status = LookAgain(status);
       absl::MutexLock lock(&mutex_);
       if (!status.ok()) end_ = status;
     }
@@ -119,9 +120,21 @@ class WatchReactor : public grpc::ServerWriteReactor<Response>, private StreamTa
     subscribed_ = true;
     ASSIGN_OR_RETURN(Found found, Look());
     absl::MutexLock lock(&mutex_);
+    held_.reset();
     changed_ = changed_ || found.more;
     for (Response& message : found.messages) messages_.push_back(std::move(message));
     return absl::OkStatus();
+  }
+
+  // Looks again once what was not there is; returns the error if it never will be.
+  absl::Status LookAgain(const absl::Status& error) {
+    return pool().Defer(error, link_.Guard([this](const auto& ready) {
+      Note([this, &ready]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
+        changed_ = ready.ok();
+        if (!ready.ok()) end_ = ready.status();
+        if (ready.ok()) held_ = *ready;
+      });
+    }));
   }
 
   void OnClose(const absl::Status& why) {
@@ -152,6 +165,8 @@ class WatchReactor : public grpc::ServerWriteReactor<Response>, private StreamTa
   bool cancelled_ ABSL_GUARDED_BY(mutex_) = false;
   std::optional<absl::Status> end_ ABSL_GUARDED_BY(mutex_);
   std::deque<Response> messages_ ABSL_GUARDED_BY(mutex_);
+  // What the next look needs.
+  std::shared_ptr<const void> held_ ABSL_GUARDED_BY(mutex_);
 };
 
 }  // namespace corbslam::services

@@ -22,6 +22,12 @@ void AddContents(const MissionLoad& load, Families& families) {
   families.Gauge("corbslam_mission_map_points",
                  "Points of all local maps; a landmark counts once for each robot's point of it.",
                  Number(load.map_points), mission);
+  families.Gauge("corbslam_mission_retired_keyframes",
+                 "Keyframes of closed local maps that the store let go of.",
+                 Number(load.retired_keyframes), mission);
+  families.Gauge("corbslam_mission_faded_points",
+                 "Points that the store let go of because later sessions did not see them.",
+                 Number(load.faded_points), mission);
   families.Gauge("corbslam_mission_local_maps", "Local maps.", Number(load.local_maps), mission);
   families.Gauge("corbslam_mission_islands", "Islands: sets of local maps fused into one frame.",
                  Number(load.islands), mission);
@@ -71,6 +77,18 @@ void AddFusion(const MissionLoad& load, Families& families) {
   waiting("adjust", load.waiting.adjust);
 }
 
+void AddSleep(const MapStore::Sleep& sleep, Families& families) {
+  families.Gauge("corbslam_missions_asleep", "Missions that are on the disk alone.",
+                 Number(sleep.asleep));
+  families.Counter("corbslam_missions_fallen_asleep_total",
+                   "How often a mission that nobody used left memory.",
+                   Number(sleep.fallen_asleep));
+  families.Counter("corbslam_missions_woken_total", "How often a mission was read again.",
+                   Number(sleep.woken));
+  families.Counter("corbslam_missions_waking_seconds_total", "What that took all together.",
+                   sleep.waking_s);
+}
+
 }  // namespace
 
 std::vector<prometheus::MetricFamily> MissionCollector::Collect() const {
@@ -81,6 +99,7 @@ std::vector<prometheus::MetricFamily> MissionCollector::Collect() const {
   families.Gauge("corbslam_missions_damaged",
                  "Missions whose journal is damaged: they take nothing in.",
                  Number(store_.ListDamaged().size()));
+  AddSleep(store_.sleep(), families);
   const MapStore::Memory memory = store_.memory();
   families.Gauge("corbslam_memory_budget_bytes",
                  "Resident memory beyond which nothing is taken in; 0: no limit.",

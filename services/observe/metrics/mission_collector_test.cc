@@ -54,6 +54,8 @@ TEST_F(MissionCollectorTest, SaysWhatTheStoresStatisticsSay) {
   const MissionStatistics statistics = *store_.GetStatistics("lab");
   EXPECT_EQ(Value("corbslam_mission_keyframes"), statistics.keyframes);
   EXPECT_GE(Value("corbslam_mission_map_points"), statistics.map_points);
+  EXPECT_EQ(Value("corbslam_mission_retired_keyframes"), 0) << "nothing is closed";
+  EXPECT_EQ(Value("corbslam_mission_faded_points"), 0);
   EXPECT_GT(Value("corbslam_mission_memory_bytes"), 10'000);
   EXPECT_EQ(Value("corbslam_mission_disk_bytes"), 0) << "its journal is in memory";
   EXPECT_EQ(ValueOf(collector_.Collect(), "corbslam_missions_damaged", {}), 0);

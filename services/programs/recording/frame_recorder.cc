@@ -13,6 +13,8 @@
 namespace corbslam::services {
 
 using client_agent::Agent;
+using client_agent::AgentOrders;
+using client_agent::OrdersForFrame;
 using client_agent::TrackingResult;
 using client_agent::TrackingState;
 
@@ -49,7 +51,12 @@ FrameRecorder::FrameRecorder(RecordingHead head, std::unique_ptr<RecordingFiles>
 
 FrameRecorder::~FrameRecorder() { Finish().IgnoreError(); }
 
-std::unique_ptr<Agent> FrameRecorder::Watch(Agent* agent) { return MakeRecordedAgent(agent, this); }
+std::unique_ptr<Agent> FrameRecorder::Watch(Agent* agent, AgentOrders* orders) {
+  if (orders != nullptr) {
+    orders->SetListener([this](const OrdersForFrame& taken) { OnOrders(taken); });
+  }
+  return MakeRecordedAgent(agent, this);
+}
 
 void FrameRecorder::OnNewLocalMap() { begins_local_map_ = true; }
 
@@ -72,6 +79,20 @@ void FrameRecorder::OnFrame(const SensorImages& images) {
   } else {
     ++head_.counts.left_out;
     TellLeftOut(absl::Now());
+  }
+  queue_.push_back(std::move(item));
+}
+
+void FrameRecorder::OnOrders(const OrdersForFrame& orders) {
+  absl::MutexLock lock(&mutex_);
+  if (!failure_.ok()) return;
+  OrdersLine line{frame_, orders.mapping_paused, orders.open_local_map};
+  if (orders.mask.has_value()) line.has_mask = !orders.mask->empty();
+  Item item{line, std::nullopt, 0};
+  if (line.has_mask.value_or(false)) {
+    item.mask = *orders.mask;
+    item.bytes = item.mask.total();
+    waiting_bytes_ += item.bytes;
   }
   queue_.push_back(std::move(item));
 }
@@ -110,6 +131,9 @@ void FrameRecorder::Run() {
 }
 
 absl::Status FrameRecorder::Write(const Item& item) {
+  if (const auto* const orders = std::get_if<OrdersLine>(&item.line)) {
+    return files_->WriteOrders(*orders, item.mask);
+  }
   if (!item.images.has_value()) return files_->WriteLine(item.line);
   return files_->WriteFrame(*item.images, options_.least_free_bytes,
                             std::get<FrameLine>(item.line));

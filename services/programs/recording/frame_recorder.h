@@ -16,6 +16,7 @@
 #include "absl/synchronization/mutex.h"
 #include "absl/time/time.h"
 #include "client_agent/agent/agent.h"
+#include "client_agent/agent/agent_orders.h"
 #include "client_agent/tracking/tracking_result.h"
 #include "services/programs/recording/recorded_lines.h"
 #include "services/programs/recording/recording_files.h"
@@ -51,6 +52,8 @@ class FrameRecorder {
   void OnNewLocalMap();
   // Called before a frame is tracked, so that the frame that crashes a robot is recorded.
   void OnFrame(const SensorImages& images);
+  // Called while it is tracked, with what other programs ordered before it.
+  void OnOrders(const client_agent::OrdersForFrame& orders);
   // Called after it; `dropped` counts the frames so far that came too fast.
   void OnResult(const client_agent::TrackingResult& result, uint64_t dropped);
 
@@ -58,15 +61,18 @@ class FrameRecorder {
   // why the recording ended before, if it did.
   absl::Status Finish();
 
-  // Returns an agent that does what `agent` does and tells this recorder of frames and local maps.
-  // `agent` is not owned; the caller tells of results.
-  std::unique_ptr<client_agent::Agent> Watch(client_agent::Agent* agent);
+  // Returns an agent that does what `agent` does and tells this recorder of frames and local maps,
+  // and of the orders that `agent` takes; those may be null. Neither is owned; the caller tells of
+  // results.
+  std::unique_ptr<client_agent::Agent> Watch(client_agent::Agent* agent,
+                                             client_agent::AgentOrders* orders = nullptr);
 
  private:
   struct Item {
     RecordedLine line;
     std::optional<SensorImages> images;
     uint64_t bytes = 0;
+    PictureMask mask = {};  // Of an OrdersLine.
   };
   FrameRecorder(RecordingHead head, std::unique_ptr<RecordingFiles> files,
                 const RecorderOptions& options);

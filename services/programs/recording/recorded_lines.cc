@@ -26,6 +26,14 @@ Json ToJson(const FrameLine& line) {
           {"pictures", line.pictures}};
 }
 
+Json ToJson(const OrdersLine& line) {
+  Json json = {{"orders", line.frame},
+               {"mapping_paused", line.mapping_paused},
+               {"opens_local_map", line.opens_local_map}};
+  if (line.has_mask.has_value()) json["has_mask"] = *line.has_mask;
+  return json;
+}
+
 Json ToJson(const ResultLine& line) {
   const TrackingResult& result = line.result;
   return {{"result", line.frame},
@@ -41,6 +49,12 @@ Json ToJson(const ResultLine& line) {
 
 FrameLine FrameOf(const Json& json) {
   return {json.at("frame"), json.at("time_ns"), json.at("begins_local_map"), json.at("pictures")};
+}
+
+OrdersLine OrdersOf(const Json& json) {
+  OrdersLine line = {json.at("orders"), json.at("mapping_paused"), json.at("opens_local_map")};
+  if (json.contains("has_mask")) line.has_mask = json.at("has_mask").get<bool>();
+  return line;
 }
 
 absl::StatusOr<TrackingState> StateOf(const std::string& word) {
@@ -89,6 +103,7 @@ absl::StatusOr<RecordedLine> ParseLine(absl::string_view text) {
   try {
     const Json json = Json::parse(text.begin(), text.end());
     if (json.contains("result")) return ResultOf(json);
+    if (json.contains("orders")) return OrdersOf(json);
     return FrameOf(json);
   } catch (const Json::exception& error) {
     return absl::DataLossError(error.what());

@@ -3,6 +3,7 @@
 #define CORBSLAM_SERVICES_PROGRAMS_RECORDING_RECORDED_LINES_H_
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <variant>
 
@@ -23,6 +24,18 @@ struct FrameLine {
   bool operator==(const FrameLine&) const = default;
 };
 
+// What other programs had ordered before a frame (PauseMapping and the others); written behind its
+// line where it differs from the frame before.
+struct OrdersLine {
+  uint64_t frame = 0;
+  bool mapping_paused = false;
+  bool opens_local_map = false;
+  // True: another mask, in MaskPath of this frame. False: none any more. Nullopt: as before.
+  std::optional<bool> has_mask = std::nullopt;
+
+  bool operator==(const OrdersLine&) const = default;
+};
+
 // What tracking said of a frame.
 struct ResultLine {
   uint64_t frame = 0;
@@ -30,7 +43,7 @@ struct ResultLine {
   client_agent::TrackingResult result;  // `reference` and what is relative to it are not kept.
 };
 
-using RecordedLine = std::variant<FrameLine, ResultLine>;
+using RecordedLine = std::variant<FrameLine, OrdersLine, ResultLine>;
 
 // Returns one line of JSON without its end. Numbers are read back to the bit.
 std::string FormatLine(const RecordedLine& line);

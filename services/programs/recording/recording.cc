@@ -38,7 +38,14 @@ absl::Status AtLine(const std::string& path, size_t line, absl::string_view what
 absl::string_view Add(const RecordedLine& line, std::vector<RecordedFrame>& frames) {
   if (const auto* const frame = std::get_if<FrameLine>(&line)) {
     if (frame->frame != frames.size()) return "frames are missing before it";
-    frames.push_back({*frame, std::nullopt});
+    frames.push_back({.line = *frame});
+    return "";
+  }
+  if (const auto* const orders = std::get_if<OrdersLine>(&line)) {
+    const bool fits =
+        !frames.empty() && orders->frame + 1 == frames.size() && !frames.back().result.has_value();
+    if (!fits) return "is not of the frame before it";
+    frames.back().orders = *orders;
     return "";
   }
   const auto& result = std::get<ResultLine>(line);
@@ -98,6 +105,11 @@ absl::StatusOr<Recording> ReadRecording(const std::string& folder) {
     recording.notes.push_back("the recording ended before the run: " + recording.head.ended);
   }
   return recording;
+}
+
+absl::StatusOr<PictureMask> ReadOrderedMask(const Recording& recording, const OrdersLine& orders) {
+  if (!orders.has_mask.value_or(false)) return PictureMask();
+  return ReadGreyImage(MaskPath(recording.folder, orders.frame));
 }
 
 absl::StatusOr<SensorImages> ReadPictures(const Recording& recording, const FrameLine& frame) {

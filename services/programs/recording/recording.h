@@ -17,8 +17,9 @@ namespace corbslam::services {
 // A frame that was given to tracking.
 struct RecordedFrame {
   FrameLine line;
+  std::optional<OrdersLine> orders = std::nullopt;  // What was ordered before it, if anything.
   // What tracking said of it; nullopt where the robot ended before it had.
-  std::optional<client_agent::TrackingResult> result;
+  std::optional<client_agent::TrackingResult> result = std::nullopt;
 };
 
 struct Recording {
@@ -33,6 +34,9 @@ struct Recording {
 
 // NOT_FOUND where the folder holds no recording; DATA_LOSS names the file and the line.
 absl::StatusOr<Recording> ReadRecording(const std::string& folder);
+
+// Returns the mask that was ordered before a frame, empty for none any more. Errors name the file.
+absl::StatusOr<PictureMask> ReadOrderedMask(const Recording& recording, const OrdersLine& orders);
 
 // Returns the pictures of a frame that has some, as they were given to tracking. Errors name the
 // file.

@@ -110,6 +110,9 @@ absl::Status AppendTo(const std::string& path, std::ofstream& file, const std::s
 std::string HeadPath(const std::string& folder) { return folder + "/recording.json"; }
 std::string LinesPath(const std::string& folder) { return folder + "/frames.jsonl"; }
 std::string MaskPath(const std::string& folder) { return folder + "/mask.png"; }
+std::string MaskPath(const std::string& folder, uint64_t frame) {
+  return absl::StrCat(folder, "/masks/", frame, ".png");
+}
 
 std::vector<std::string> PicturePaths(const std::string& folder, bool is_stereo,
                                       const std::string& pictures) {
@@ -216,6 +219,14 @@ absl::Status RecordingFiles::AppendToLists(int64_t timestamp_ns, const std::stri
 
 absl::Status RecordingFiles::WriteLine(const RecordedLine& line) {
   return AppendTo(lists_.back().path, lists_.back().file, FormatLine(line));
+}
+
+absl::Status RecordingFiles::WriteOrders(const OrdersLine& line, const PictureMask& mask) {
+  if (!mask.empty()) {
+    RETURN_IF_ERROR(MakeFolder(folder_ + "/masks"));
+    RETURN_IF_ERROR(WritePng(MaskPath(folder_, line.frame), mask));
+  }
+  return WriteLine(line);
 }
 
 }  // namespace corbslam::services

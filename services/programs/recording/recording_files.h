@@ -22,6 +22,8 @@ namespace corbslam::services {
 std::string HeadPath(const std::string& folder);
 std::string LinesPath(const std::string& folder);
 std::string MaskPath(const std::string& folder);
+// Of the mask that was ordered before a frame.
+std::string MaskPath(const std::string& folder, uint64_t frame);
 // Returns the paths of a frame's two pictures: left and right, or grey and depth.
 std::vector<std::string> PicturePaths(const std::string& folder, bool is_stereo,
                                       const std::string& pictures);
@@ -45,6 +47,8 @@ class RecordingFiles {
   // RESOURCE_EXHAUSTED where less than `least_free_bytes` would stay free on the disk.
   absl::Status WriteFrame(const SensorImages& images, uint64_t least_free_bytes, FrameLine line);
   absl::Status WriteLine(const RecordedLine& line);
+  // Writes the mask, if there is one, and then the line.
+  absl::Status WriteOrders(const OrdersLine& line, const PictureMask& mask);
   // Puts `head` in the place of recording.json as a whole.
   absl::Status WriteHead(const RecordingHead& head);
 

@@ -52,6 +52,15 @@ absl::Status Restore(const MissionArguments& arguments) {
   return absl::OkStatus();
 }
 
+absl::Status Sleep(const MissionArguments& arguments) {
+  ASSIGN_OR_RETURN(const auto channel, Connect(arguments));
+  MissionAdmin admin(channel);
+  ASSIGN_OR_RETURN(const v1::Mission mission, admin.Sleep(arguments.mission));
+  std::printf("mission %s is asleep, with %lu keyframes\n", arguments.mission.c_str(),
+              static_cast<unsigned long>(mission.keyframes()));
+  return absl::OkStatus();
+}
+
 absl::Status Delete(const MissionArguments& arguments) {
   ASSIGN_OR_RETURN(const auto channel, Connect(arguments));
   MissionAdmin admin(channel);
@@ -65,7 +74,8 @@ absl::Status Delete(const MissionArguments& arguments) {
 void AddMissionCommand(CLI::App& app, Command& chosen) {
   auto arguments = std::make_shared<MissionArguments>();
   CLI::App* mission = app.add_subcommand(
-      "mission", "List, show, create, set up, export, back up, restore and delete missions");
+      "mission",
+      "List, show, create, set up, export, back up, restore, put to sleep and delete missions");
   mission->require_subcommand(1);
   CLI::App* list = AddMissionAction(*mission, "list", "The missions of a map store", &ListMissions,
                                     arguments, chosen);
@@ -84,6 +94,11 @@ void AddMissionCommand(CLI::App& app, Command& chosen) {
   restore->add_option("--mission", arguments->mission, "Its name; there must be none yet")
       ->required();
   restore->add_option("--file", arguments->file, "What `mission backup` has written")->required();
+  CLI::App* sleep = AddMissionAction(*mission, "sleep",
+                                     "Have a mission that nobody uses leave the store's memory, "
+                                     "until somebody wants it",
+                                     &Sleep, arguments, chosen);
+  AddMissionFlag(*sleep, *arguments);
   CLI::App* remove =
       AddMissionAction(*mission, "delete", "Forget a mission for good", &Delete, arguments, chosen);
   AddMissionFlag(*remove, *arguments);

@@ -4,6 +4,8 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "absl/time/clock.h"
+#include "absl/time/time.h"
 #include "services/client/store/call_status.h"
 #include "services/convert/resource_names.h"
 #include "slam/util/status_macros.h"
@@ -13,6 +15,7 @@ namespace corbslam::services {
 namespace {
 
 constexpr size_t kPieceBytes = 1 << 20;
+constexpr absl::Duration kSleepTimeout = absl::Minutes(10);
 
 }  // namespace
 
@@ -121,6 +124,17 @@ absl::StatusOr<v1::Mission> MissionAdmin::Restore(const std::string& path,
   writer->WritesDone();
   RETURN_IF_ERROR(ToStatus(writer->Finish(), absl::StrCat("RestoreMission from ", path)));
   return restored;
+}
+
+absl::StatusOr<v1::Mission> MissionAdmin::Sleep(const std::string& mission) {
+  grpc::ClientContext context;
+  // It may have a snapshot to write first.
+  context.set_deadline(absl::ToChronoTime(absl::Now() + kSleepTimeout));
+  v1::SleepMissionRequest request;
+  request.set_name(MissionName(mission));
+  v1::Mission asleep;
+  RETURN_IF_ERROR(ToStatus(stub_->SleepMission(&context, request, &asleep), "SleepMission"));
+  return asleep;
 }
 
 absl::StatusOr<uint32_t> MissionAdmin::Delete(const std::string& mission) {

@@ -38,6 +38,8 @@ class MissionAdmin {
                           const std::function<absl::Status(const std::string& piece)>& sink);
   absl::StatusOr<v1::Mission> Restore(const std::string& path, const std::string& mission,
                                       const Progress& on_progress = nullptr);
+  // Has the mission leave memory, and returns what is said of it then.
+  absl::StatusOr<v1::Mission> Sleep(const std::string& mission);
   // Returns how many local maps went with the mission.
   absl::StatusOr<uint32_t> Delete(const std::string& mission);
 

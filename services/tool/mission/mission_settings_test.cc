@@ -86,8 +86,7 @@ TEST(MissionSettingsTest, TakesBackAndRefuses) {
   now.mutable_origin()->set_latitude_deg(5);
   const auto update = MakeUpdate({.description = "", .retention = "never", .origin = "none"}, now);
   ASSERT_TRUE(update.ok()) << update.status();
-  EXPECT_THAT(update->update_mask().paths(),
-              ElementsAre("description", "retention_s", "origin"));
+  EXPECT_THAT(update->update_mask().paths(), ElementsAre("description", "retention_s", "origin"));
   EXPECT_TRUE(FormatSettings(update->mission()).empty());
   EXPECT_TRUE(absl::IsInvalidArgument(MakeUpdate({}, now).status()));
   EXPECT_TRUE(absl::IsInvalidArgument(MakeUpdate({.labels = {"alone"}}, now).status()));
@@ -108,11 +107,12 @@ TEST(MissionSettingsTest, SaysAllThatIsSet) {
   mission.mutable_origin()->set_latitude_deg(52.5);
   mission.set_created_ns(1);
   const std::string text = FormatSettings(mission);
-  EXPECT_THAT(text, AllOf(HasSubstr("Description: line\\n\\x1b[2Jtwo\n"), HasSubstr("Label: site=3\n"),
-                          HasSubstr("Limits: 5 keyframes, 3 MiB of memory\n"),
-                          HasSubstr("Limits of alpha: 8 kbit/s a robot\n"),
-                          HasSubstr("Retention: deleted once unused for 1 d\n"),
-                          HasSubstr("Origin: 52.5, 0, 0.000 m"), HasSubstr("Created: ")));
+  EXPECT_THAT(text,
+              AllOf(HasSubstr("Description: line\\n\\x1b[2Jtwo\n"), HasSubstr("Label: site=3\n"),
+                    HasSubstr("Limits: 5 keyframes, 3 MiB of memory\n"),
+                    HasSubstr("Limits of alpha: 8 kbit/s a robot\n"),
+                    HasSubstr("Retention: deleted once unused for 1 d\n"),
+                    HasSubstr("Origin: 52.5, 0, 0.000 m"), HasSubstr("Created: ")));
   const nlohmann::ordered_json json = ToJson(mission);
   EXPECT_EQ(json["labels"]["site"], "3");
   EXPECT_EQ(json["limits"]["keyframes"], 5);

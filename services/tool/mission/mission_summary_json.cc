@@ -45,6 +45,8 @@ Json ToJson(const v1::LocalMap& local_map, const std::string& short_name) {
           {"closed", local_map.closed()},
           {"keyframes", local_map.keyframes()},
           {"map_points", local_map.map_points()},
+          {"retired_keyframes", local_map.retired_keyframes()},
+          {"faded_map_points", local_map.faded_map_points()},
           {"tracked_frames", local_map.tracked_frames()},
           {"lost_frames", local_map.lost_frames()}};
 }
@@ -113,7 +115,8 @@ nlohmann::ordered_json ToJson(const v1::Mission& mission) {
                {"worker_error", mission.worker_error()},
                {"memory_bytes", mission.memory_bytes()},
                {"disk_bytes", mission.disk_bytes()},
-               {"damage", mission.damage()}};
+               {"damage", mission.damage()},
+               {"asleep", mission.asleep()}};
   AddSettings(mission, json);
   return json;
 }

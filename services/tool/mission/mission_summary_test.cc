@@ -94,9 +94,24 @@ TEST(MissionSummaryTest, SaysWhatAMissionCostsAndWhatIsDamaged) {
   EXPECT_EQ(FormatSummary(summary).find("DAMAGED"), std::string::npos);
   EXPECT_THAT(FormatMissions({summary.mission}), HasSubstr("        1.5       42.0 idle\n"));
   EXPECT_EQ(ToJson(summary)["mission"]["disk_bytes"], 42 << 20);
+  summary.mission.set_asleep(true);
+  EXPECT_THAT(FormatSummary(summary), HasSubstr("42.0 MiB on disk\nIt was asleep until now\n"));
+  EXPECT_THAT(FormatMissions({summary.mission}), HasSubstr("        0.0       42.0 asleep\n"));
+  EXPECT_EQ(ToJson(summary)["mission"]["asleep"], true);
   summary.mission.set_damage("000012.sst: a block; delete the mission");
   EXPECT_THAT(FormatSummary(summary), HasSubstr("\nDAMAGED: 000012.sst: a block; delete the"));
   EXPECT_THAT(FormatMissions({summary.mission}), HasSubstr("damaged: see `corbslam mission show`"));
+}
+
+TEST(MissionSummaryTest, SaysWhatTheStoreLetGoOf) {
+  MissionSummary summary = MakeSummary();
+  EXPECT_EQ(FormatSummary(summary).find("let go"), std::string::npos);
+  summary.local_maps[0].set_retired_keyframes(7);
+  summary.local_maps[0].set_faded_map_points(1);
+  summary.local_maps[1].set_retired_keyframes(2);
+  EXPECT_THAT(FormatSummary(summary),
+              HasSubstr("the store let go of 9 keyframes that others stand in for and 1 point "));
+  EXPECT_EQ(ToJson(summary)["local_maps"][0]["retired_keyframes"], 7);
 }
 
 constexpr char kNoWords[] = "no two keyframes share enough words";

@@ -51,7 +51,13 @@ std::string FormatMission(const v1::Mission& mission) {
       Count(mission.keyframes(), "keyframe"), ", ", Count(mission.map_points(), "map point"),
       "; revision ", mission.revision(), ", fusion ", DescribeFusion(mission), "; about ",
       Mib(mission.memory_bytes()), " MiB in memory, ", Mib(mission.disk_bytes()), " MiB on disk\n",
-      FormatSettings(mission), FormatDamage(mission), FormatWorkers(mission));
+      mission.asleep() ? "It was asleep until now\n" : "", FormatSettings(mission),
+      FormatDamage(mission), FormatWorkers(mission));
+}
+
+std::string DescribeState(const v1::Mission& mission) {
+  if (!mission.damage().empty()) return "damaged: see `corbslam mission show`";
+  return mission.asleep() ? "asleep" : DescribeFusion(mission);
 }
 
 // Says where the robot was last, as "1.20 0.00 3.40" in the global frame, and whether it was lost
@@ -111,6 +117,19 @@ std::string FormatLocalMaps(const MissionSummary& summary) {
                           local_map.map_points(), local_map.closed() ? "yes" : "no");
   }
   return text;
+}
+
+// Says what the store itself let go of; nothing if that is nothing.
+std::string FormatRetired(const MissionSummary& summary) {
+  uint64_t keyframes = 0;
+  uint64_t points = 0;
+  for (const v1::LocalMap& local_map : summary.local_maps) {
+    keyframes += local_map.retired_keyframes();
+    points += local_map.faded_map_points();
+  }
+  if (keyframes + points == 0) return "";
+  return absl::StrCat("of closed local maps the store let go of ", Count(keyframes, "keyframe"),
+                      " that others stand in for and ", Count(points, "point"), " that vanished\n");
 }
 
 // Says what was never compared, which tells nothing of the places.
@@ -208,16 +227,15 @@ std::string FormatMissions(const std::vector<v1::Mission>& missions) {
     absl::StrAppendFormat(&text, "%-40s %6d %6d %7d %9d %9d %8d %10s %10s %s\n", mission.name(),
                           mission.agents(), mission.local_maps(), mission.islands(),
                           mission.keyframes(), mission.map_points(), mission.revision(),
-                          Mib(mission.memory_bytes()), Mib(mission.disk_bytes()),
-                          mission.damage().empty() ? DescribeFusion(mission)
-                                                   : "damaged: see `corbslam mission show`");
+                          Mib(mission.asleep() ? 0 : mission.memory_bytes()),
+                          Mib(mission.disk_bytes()), DescribeState(mission));
   }
   return text;
 }
 
 std::string FormatSummary(const MissionSummary& summary) {
   return absl::StrCat(FormatMission(summary.mission), FormatRobots(summary),
-                      FormatLocalMaps(summary), FormatOverlaps(summary));
+                      FormatLocalMaps(summary), FormatRetired(summary), FormatOverlaps(summary));
 }
 
 }  // namespace corbslam::services

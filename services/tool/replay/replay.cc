@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "client_agent/agent/agent_orders.h"
 #include "services/programs/default_vocabulary.h"
 #include "slam/util/status_macros.h"
 
@@ -10,6 +11,7 @@ namespace corbslam::services {
 
 using client_agent::Agent;
 using client_agent::AgentOptions;
+using client_agent::AgentOrders;
 using client_agent::TrackingResult;
 
 namespace {
@@ -39,10 +41,28 @@ absl::StatusOr<std::shared_ptr<const Vocabulary>> LoadVocabulary(const std::stri
   return vocabulary;
 }
 
+// Gives the orders again that were given before a frame.
+absl::Status GiveOrders(const Recording& recording, const OrdersLine& line, AgentOrders& orders) {
+  RETURN_IF_ERROR(orders.PauseMapping(line.mapping_paused));
+  if (line.opens_local_map) RETURN_IF_ERROR(orders.OpenLocalMap());
+  if (!line.has_mask.has_value()) return absl::OkStatus();
+  ASSIGN_OR_RETURN(const PictureMask mask, ReadOrderedMask(recording, line));
+  return orders.SetMask(mask);
+}
+
 // Plays one frame. Returns nullopt, with a note, where there are no pictures.
 absl::StatusOr<std::optional<TrackingResult>> Play(const Recording& recording,
-                                                   const FrameLine& frame, Replayed& replayed) {
+                                                   const RecordedFrame& recorded,
+                                                   AgentOrders& orders, Replayed& replayed) {
+  const FrameLine& frame = recorded.line;
   if (frame.begins_local_map) replayed.agent->BeginLocalMap();
+  if (recorded.orders.has_value()) {
+    const absl::Status given = GiveOrders(recording, *recorded.orders, orders);
+    if (!given.ok()) {
+      replayed.notes.push_back(absl::StrCat("frame ", frame.frame,
+                                            ": an order can't be given again: ", given.message()));
+    }
+  }
   if (frame.pictures.empty()) {
     replayed.notes.push_back(absl::StrCat("frame ", frame.frame, " was left out when recording"));
     return std::nullopt;
@@ -63,10 +83,12 @@ absl::StatusOr<Replayed> Replay(const Recording& recording, const ReplayOptions&
   const RecordedFlags& flags = recording.head.flags;
   ASSIGN_OR_RETURN(const auto vocabulary,
                    LoadVocabulary(options.vocabulary_path, flags.vocabulary, replayed));
-  ASSIGN_OR_RETURN(replayed.agent, Agent::Create(OptionsOf(flags), recording.head.calibration,
-                                                 vocabulary, /*uplink=*/nullptr));
+  AgentOptions agent = OptionsOf(flags);
+  agent.orders = std::make_shared<AgentOrders>();
+  ASSIGN_OR_RETURN(replayed.agent, Agent::Create(agent, recording.head.calibration, vocabulary,
+                                                 /*uplink=*/nullptr));
   for (const RecordedFrame& frame : recording.frames) {
-    ASSIGN_OR_RETURN(const auto result, Play(recording, frame.line, replayed));
+    ASSIGN_OR_RETURN(const auto result, Play(recording, frame, *agent.orders, replayed));
     replayed.results.push_back(result);
     if (options.on_progress != nullptr) {
       options.on_progress(replayed.results.size(), recording.frames.size());

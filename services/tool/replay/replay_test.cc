@@ -4,11 +4,13 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <utility>
 #include <variant>
 
 #include "absl/strings/str_cat.h"
+#include "client_agent/agent/agent_orders.h"
 #include "client_agent/source/recorded_sequence.h"
 #include "services/programs/default_vocabulary.h"
 #include "services/programs/recording/frame_recorder.h"
@@ -19,6 +21,7 @@ namespace corbslam::services {
 
 using client_agent::Agent;
 using client_agent::AgentOptions;
+using client_agent::AgentOrders;
 using client_agent::OpenSource;
 using client_agent::TrackingResult;
 
@@ -40,7 +43,13 @@ class ReplayTest : public ::testing::Test {
     std::filesystem::remove_all(folder_);
   }
 
-  void Record(const std::string& pace) {
+  // Called before each frame is tracked.
+  using Before = std::function<void(int frame, Agent& agent, AgentOrders& orders)>;
+  static void MapAnew(int frame, Agent& agent, AgentOrders& /*orders*/) {
+    if (frame == 8) agent.BeginLocalMap();
+  }
+
+  void Record(const std::string& pace, const Before& before = MapAnew) {
     const auto source = OpenSource(
         absl::StrCat("sim:city?seed=3&length=120&picture_scale=0.5&frames=0:", kFrames - 1));
     ASSERT_TRUE(source.ok()) << source.status();
@@ -49,6 +58,7 @@ class ReplayTest : public ::testing::Test {
     AgentOptions options;
     options.seed = 5;
     options.deterministic = true;
+    options.orders = std::make_shared<AgentOrders>();
     options.sensor.orb.features = kFeatures;
     const auto agent = Agent::Create(options, (*source)->calibration(), *vocabulary, nullptr);
     ASSERT_TRUE(agent.ok()) << agent.status();
@@ -68,8 +78,8 @@ class ReplayTest : public ::testing::Test {
     recorder_options.least_free_bytes = 0;
     const auto recorder = FrameRecorder::Start(folder_, head, recorder_options);
     ASSERT_TRUE(recorder.ok()) << recorder.status();
-    const auto recorded = (*recorder)->Watch(agent->get());
-    Drive(**source, *recorded, **recorder);
+    const auto recorded = (*recorder)->Watch(agent->get(), options.orders.get());
+    Drive(**source, *recorded, **recorder, *options.orders, before);
     ASSERT_TRUE((*recorder)->Finish().ok());
   }
   Recording Read() {
@@ -86,11 +96,12 @@ class ReplayTest : public ::testing::Test {
   std::string folder_;
 
  private:
-  static void Drive(client_agent::RecordedSequence& source, Agent& agent, FrameRecorder& recorder) {
+  static void Drive(client_agent::RecordedSequence& source, Agent& agent, FrameRecorder& recorder,
+                    AgentOrders& orders, const Before& before) {
     for (int i = 0; i < kFrames; ++i) {
       const auto images = source.NextImages();
       ASSERT_TRUE(images.ok() && images->has_value()) << images.status();
-      if (i == 8) agent.BeginLocalMap();
+      before(i, agent, orders);
       const absl::StatusOr<TrackingResult> result = agent.Track(**images);
       ASSERT_TRUE(result.ok()) << result.status();
       recorder.OnResult(*result, 0);
@@ -109,6 +120,48 @@ TEST_F(ReplayTest, WhatWasRecordedInLockstepComesBackToTheDigit) {
   EXPECT_GE(comparison.recorded_events.size(), 2u) << "the second local map";
   EXPECT_THAT(ReasonsToDiffer(recording, replayed, "test"), IsEmpty());
   EXPECT_GE(replayed.agent->GetStatus().tracked, kFrames / 2);
+}
+
+// A pause takes keyframes away, a mask takes features, an order for a new map changes the map.
+TEST_F(ReplayTest, OrdersAreGivenAgainToTheDigit) {
+  Record("step", [](int frame, Agent& /*agent*/, AgentOrders& orders) {
+    absl::Status given;
+    if (frame == 2) given = orders.PauseMapping(true);
+    if (frame == 5) given = orders.PauseMapping(false);
+    if (frame == 7) given = orders.OpenLocalMap();
+    if (frame == 9) {
+      cv::Mat mask(188, 621, CV_8UC1, 255.0);
+      mask.rowRange(100, 188) = 0.0;
+      given = orders.SetMask(mask);
+    }
+    if (frame == 11) given = orders.SetMask(PictureMask());
+    EXPECT_TRUE(given.ok()) << frame << ": " << given;
+  });
+  Recording recording = Read();
+  ASSERT_EQ(recording.frames.size(), size_t{kFrames});
+  EXPECT_EQ(recording.frames[2].orders, (OrdersLine{2, true, false}));
+  EXPECT_FALSE(recording.frames[3].orders.has_value());
+  EXPECT_EQ(recording.frames[7].orders, (OrdersLine{7, false, true}));
+  EXPECT_EQ(recording.frames[9].orders, (OrdersLine{9, false, false, true}));
+  EXPECT_EQ(recording.frames[11].orders, (OrdersLine{11, false, false, false}));
+  const Replayed replayed = Play(recording);
+  EXPECT_THAT(ReasonsToDiffer(recording, replayed, "test"), IsEmpty());
+  const ReplayComparison comparison = CompareResults(ResultsOf(recording), replayed.results);
+  EXPECT_TRUE(comparison.AllEqual()) << FormatComparison(comparison);
+  EXPECT_EQ(replayed.agent->GetStatus().local_maps, 2);
+  // Without them it is another run.
+  for (RecordedFrame& frame : recording.frames) frame.orders.reset();
+  EXPECT_FALSE(CompareResults(ResultsOf(recording), Play(recording).results).AllEqual());
+}
+
+TEST_F(ReplayTest, AnOrderedMaskThatIsGoneIsSaid) {
+  Record("step", [](int frame, Agent& /*agent*/, AgentOrders& orders) {
+    if (frame != 3) return;
+    EXPECT_TRUE(orders.SetMask(cv::Mat(188, 621, CV_8UC1, 255.0)).ok());
+  });
+  const Recording recording = Read();
+  std::filesystem::remove(folder_ + "/masks/3.png");
+  EXPECT_THAT(ReasonsToDiffer(recording, Play(recording), "test"), Contains(HasSubstr("frame 3")));
 }
 
 TEST_F(ReplayTest, AnotherSeedIsAnotherRun) {

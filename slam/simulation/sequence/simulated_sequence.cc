@@ -5,11 +5,13 @@
 #include <future>
 #include <mutex>
 #include <opencv2/core.hpp>
+#include <optional>
 #include <utility>
 #include <variant>
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "slam/camera/depth_registration.h"
 #include "slam/simulation/motion/pose_sequence.h"
 #include "slam/simulation/renderer.h"
 #include "slam/simulation/sequence/camera_rig.h"
@@ -41,19 +43,25 @@ class DrawnSequence : public SimulatedSequence {
 
  private:
   Rigid3d PoseAt(size_t frame, int64_t since_ns) const;
-  // Returns the renderer's shot of the left or right (1) camera.
-  Shot ShotOf(size_t frame, int camera) const;
+  // Returns the renderer's shot of a camera that sits somewhere beside the left one; its pictures
+  // have noise of their own by `camera`, 0 or 1.
+  Shot ShotOf(size_t frame, int camera, const Rigid3d& left_from_camera) const;
+  RowBand BandOf(size_t frame, double since_s, const Rigid3d& left_from_camera) const;
   // What draws: the world, and the lenses of both cameras where the spec says which.
   struct Studio {
     std::unique_ptr<Renderer> renderer;
     std::vector<LensView> lenses;
+    std::optional<DepthRegistration> registration;  // Where depth is measured from aside.
   };
   absl::StatusOr<Studio> MakeStudio() const;
+  Rigid3d ColourFromDepth() const {
+    return {Eigen::Quaterniond::Identity(), {spec_.depth_aside_m, 0, 0}};
+  }
   absl::StatusOr<const Studio*> GetStudio() const;
-  SensorImages Draw(const Studio& studio, size_t frame) const;
+  absl::StatusOr<SensorImages> Draw(const Studio& studio, size_t frame) const;
   cv::Mat DrawGrey(const Studio& studio, size_t frame, int camera) const;
   // Draws the right picture, or the depths.
-  cv::Mat DrawOther(const Studio& studio, size_t frame) const;
+  absl::StatusOr<cv::Mat> DrawOther(const Studio& studio, size_t frame) const;
   SensorImages Dark(size_t frame) const;
 
   const SimulationSpec spec_;
@@ -70,15 +78,34 @@ Rigid3d DrawnSequence::PoseAt(size_t frame, int64_t since_ns) const {
   return spec_.turned ? TurnedBack(pose) : pose;
 }
 
-Shot DrawnSequence::ShotOf(size_t frame, int camera) const {
-  const Rigid3d left_from_camera = camera == 1 ? *rig_.left_from_right : Rigid3d::Identity();
-  Shot shot;
-  shot.world_from_camera = PoseAt(frame, 0) * left_from_camera;
+RowBand DrawnSequence::BandOf(size_t frame, double since_s, const Rigid3d& left_from_camera) const {
+  RowBand band;
+  band.world_from_camera = PoseAt(frame, std::llround(since_s * 1e9)) * left_from_camera;
   if (spec_.lens.motion_blur_samples > 1) {
-    shot.world_from_camera_at_close =
-        PoseAt(frame, std::llround(spec_.shutter_s * 1e9)) * left_from_camera;
+    band.world_from_camera_at_close =
+        PoseAt(frame, std::llround((since_s + spec_.shutter_s) * 1e9)) * left_from_camera;
   }
-  shot.time_s = 1e-9 * static_cast<double>(clock_.ElapsedAt(frame));
+  band.time_s = 1e-9 * static_cast<double>(clock_.ElapsedAt(frame)) + since_s;
+  return band;
+}
+
+Shot DrawnSequence::ShotOf(size_t frame, int camera, const Rigid3d& left_from_camera) const {
+  // Rows that are exposed together: what lies ten metres aside of a fast car moves by a fifth of a
+  // pixel meanwhile.
+  constexpr int kRowsOfBand = 4;
+  const RowBand middle = BandOf(frame, 0, left_from_camera);
+  Shot shot;
+  shot.world_from_camera = middle.world_from_camera;
+  shot.world_from_camera_at_close = middle.world_from_camera_at_close;
+  shot.time_s = middle.time_s;
+  if (spec_.rolling_shutter_ms > 0) {
+    const int bands = (rig_.camera.height_px + kRowsOfBand - 1) / kRowsOfBand;
+    for (int i = 0; i < bands; ++i) {
+      const double share = (i + 0.5) / bands - 0.5;
+      shot.bands.push_back(
+          BandOf(frame, 1e-3 * spec_.rolling_shutter_ms * share, left_from_camera));
+    }
+  }
   shot.stream = 2 * frame + static_cast<uint64_t>(camera);
   const PictureEvents events = EventsAt(spec_, shot.time_s, camera);
   shot.exposure = events.exposure;
@@ -92,6 +119,13 @@ absl::StatusOr<DrawnSequence::Studio> DrawnSequence::MakeStudio() const {
   // A frame's two pictures are drawn at the same time.
   ASSIGN_OR_RETURN(studio.renderer, Renderer::Make(BuildWorld(spec_, way_),
                                                    {spec_.lens, std::max(1, spec_.threads / 2)}));
+  if (spec_.depth_aside_m != 0) {
+    const Camera& camera = rig_.camera;
+    const RawCamera raw = {camera.fx_px, camera.fy_px, camera.cx_px, camera.cy_px, {}};
+    const cv::Size size(camera.width_px, camera.height_px);
+    ASSIGN_OR_RETURN(studio.registration,
+                     DepthRegistration::Make({raw, size, raw, size, ColourFromDepth()}));
+  }
   if (!spec_.pair.has_value()) return studio;
   for (const RawCamera& camera : {spec_.pair->left, spec_.pair->right}) {
     ASSIGN_OR_RETURN(LensView lens,
@@ -107,30 +141,35 @@ absl::StatusOr<const DrawnSequence::Studio*> DrawnSequence::GetStudio() const {
   return &*studio_;
 }
 
-SensorImages DrawnSequence::Draw(const Studio& studio, size_t frame) const {
+absl::StatusOr<SensorImages> DrawnSequence::Draw(const Studio& studio, size_t frame) const {
   SensorImages images;
   images.timestamp_ns = timestamp_ns(frame);
   cv::Mat& other = rig_.left_from_right.has_value() ? images.right : images.depth;
   const auto policy = spec_.threads > 1 ? std::launch::async : std::launch::deferred;
-  std::future<cv::Mat> drawing = std::async(policy, [&] { return DrawOther(studio, frame); });
+  std::future<absl::StatusOr<cv::Mat>> drawing =
+      std::async(policy, [&] { return DrawOther(studio, frame); });
   images.grey = DrawGrey(studio, frame, 0);
-  other = drawing.get();
+  ASSIGN_OR_RETURN(other, drawing.get());
   return images;
 }
 
 cv::Mat DrawnSequence::DrawGrey(const Studio& studio, size_t frame, int camera) const {
-  const Shot shot = ShotOf(frame, camera);
+  const Shot shot =
+      ShotOf(frame, camera, camera == 1 ? *rig_.left_from_right : Rigid3d::Identity());
   if (studio.lenses.empty()) return studio.renderer->DrawGrey(rig_.camera, shot);
   return studio.renderer->DrawGrey(studio.lenses[static_cast<size_t>(camera)], shot);
 }
 
-cv::Mat DrawnSequence::DrawOther(const Studio& studio, size_t frame) const {
+absl::StatusOr<cv::Mat> DrawnSequence::DrawOther(const Studio& studio, size_t frame) const {
   if (rig_.left_from_right.has_value()) return DrawGrey(studio, frame, 1);
   DepthImageOptions depth;
   depth.units_per_m = std::get<RgbdCalibration>(rig_.calibration).depth_units_per_m;
   depth.noise_m = spec_.depth_noise_m;
   depth.noise_seed = spec_.lens.noise_seed;
-  return MakeDepthImage(studio.renderer->DrawDepth(rig_.camera, ShotOf(frame, 0)), depth, frame);
+  const Shot shot = ShotOf(frame, 0, ColourFromDepth());
+  const cv::Mat image = MakeDepthImage(studio.renderer->DrawDepth(rig_.camera, shot), depth, frame);
+  if (!studio.registration.has_value()) return image;
+  return studio.registration->Register(image, depth.units_per_m);
 }
 
 SensorImages DrawnSequence::Dark(size_t frame) const {

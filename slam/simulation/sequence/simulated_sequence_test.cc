@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <opencv2/core.hpp>
 #include <thread>
+#include <tuple>
 
 #include "slam/evaluation/trajectory_io.h"
 
@@ -165,6 +166,81 @@ TEST(SimulatedSequenceTest, FollowsAFileOfPoses) {
   EXPECT_GT(Contrast(sequence->Render(20)->grey), 15);
   spec.poses = "/nowhere/poses.txt";
   EXPECT_EQ(SimulatedSequence::Make(spec).status().code(), absl::StatusCode::kNotFound);
+}
+
+double MeanDifference(const cv::Mat& a, const cv::Mat& b) {
+  return cv::norm(a, b, cv::NORM_L1) / static_cast<double>(a.total());
+}
+
+// Of a shutter that takes a whole frame's time to roll, the first rows are those of a picture that
+// was taken half a frame earlier, the middle ones those of the frame itself.
+TEST(SimulatedSequenceTest, ARollingShutterTakesEachRowAtItsOwnTime) {
+  constexpr int kBands = 14;
+  SimulationSpec spec = SmallCity();
+  spec.lens.read_noise = 0;
+  spec.lens.shot_noise = 0;
+  spec.lens.blur_px = 0;
+  const SensorImages still = *Open(spec)->Render(30);
+  const SensorImages before = *[&] {
+    SimulationSpec earlier = spec;
+    earlier.phase = 0.5 + 0.5 / kBands;
+    return Open(earlier)->Render(29);
+  }();
+  spec.rolling_shutter_ms = 100;
+  const auto rolling = Open(spec);
+  const SensorImages rolled = *rolling->Render(30);
+  ASSERT_EQ(rolled.grey.rows, 4 * kBands);
+  EXPECT_EQ(rolled.timestamp_ns, still.timestamp_ns);
+  for (const auto& [at_once, earlier, picture] : {std::tuple(still.grey, before.grey, rolled.grey),
+                                                  {still.right, before.right, rolled.right}}) {
+    const cv::Range first(0, 4);
+    const cv::Range middle(26, 30);
+    EXPECT_LT(MeanDifference(picture.rowRange(first), earlier.rowRange(first)), 0.5);
+    EXPECT_GT(MeanDifference(picture.rowRange(first), at_once.rowRange(first)), 2);
+    EXPECT_LT(MeanDifference(picture.rowRange(middle), at_once.rowRange(middle)),
+              MeanDifference(picture.rowRange(middle), earlier.rowRange(middle)));
+  }
+  spec.threads = 3;
+  EXPECT_TRUE(SameBytes(rolled, *Open(spec)->Render(30)));
+}
+
+TEST(SimulatedSequenceTest, DepthFromAsideIsRegisteredToThePicture) {
+  SimulationSpec spec;
+  spec.world = SimulatedWorld::kFloor;
+  spec.seed = 2;
+  spec.picture_scale = 0.25;
+  spec.depth_noise_m = 0;
+  const cv::Mat ideal = Open(spec)->Render(20)->depth;
+  spec.depth_aside_m = 0.06;
+  const cv::Mat registered = Open(spec)->Render(20)->depth;
+  ASSERT_EQ(registered.size(), ideal.size());
+  ASSERT_EQ(registered.type(), CV_16UC1);
+  const cv::Mat both = (ideal > 0) & (registered > 0);
+  const int common = cv::countNonZero(both);
+  EXPECT_GT(common, cv::countNonZero(ideal) * 3 / 4);
+  cv::Mat apart;
+  cv::absdiff(ideal, registered, apart);
+  // Surfaces agree within one percent; edges, where a pixel covers both, need not.
+  const cv::Mat far_off = (apart > ideal * 0.01) & both;
+  EXPECT_LT(cv::countNonZero(far_off), common / 10);
+  // Some of what the picture sees lies behind an edge for the other camera, or beside its picture.
+  EXPECT_GT(cv::countNonZero((ideal > 0) & (registered == 0)), 0);
+}
+
+TEST(SimulatedSequenceTest, RefusesRowsAndDepthsThatARigDoesNotHave) {
+  SimulationSpec spec = SmallCity();
+  spec.depth_aside_m = 0.05;
+  EXPECT_THAT(std::string(SimulatedSequence::Make(spec).status().message()),
+              testing::HasSubstr("depth_aside_m=0.05: wants rig=rgbd"));
+  spec.depth_aside_m = 0;
+  spec.rolling_shutter_ms = 101;
+  EXPECT_THAT(std::string(SimulatedSequence::Make(spec).status().message()),
+              testing::HasSubstr("rolling_shutter_ms=101"));
+  spec.rolling_shutter_ms = 20;
+  spec.picture_scale = 1;
+  spec.pair.emplace().file = "fish.yaml";
+  EXPECT_THAT(std::string(SimulatedSequence::Make(spec).status().message()),
+              testing::HasSubstr("fish.yaml"));
 }
 
 TEST(SimulatedSequenceTest, FloorsHaveDepth) {

@@ -99,11 +99,13 @@ std::vector<Option> PictureOptions() {
           Real("shot_noise", [](Spec& s) -> double& { return s.lens.shot_noise; }),
           Whole<int>("motion_blur", [](Spec& s) -> int& { return s.lens.motion_blur_samples; }),
           Real("shutter_s", [](Spec& s) -> double& { return s.shutter_s; }),
+          Real("rolling_shutter_ms", [](Spec& s) -> double& { return s.rolling_shutter_ms; }),
           Whole<uint64_t>("noise_seed", [](Spec& s) -> uint64_t& { return s.lens.noise_seed; }),
           Real("epipolar_error_px", [](Spec& s) -> double& { return s.epipolar_error_px; }),
           Real("disparity_error_px", [](Spec& s) -> double& { return s.disparity_error_px; }),
           Real("scale_error", [](Spec& s) -> double& { return s.scale_error; }),
           Real("depth_noise", [](Spec& s) -> double& { return s.depth_noise_m; }),
+          Real("depth_aside_m", [](Spec& s) -> double& { return s.depth_aside_m; }),
           Real("truth_error_m", [](Spec& s) -> double& { return s.truth_error_m; }),
           Real("truth_error_deg", [](Spec& s) -> double& { return s.truth_error_deg; }),
           Whole<int>("threads", [](Spec& s) -> int& { return s.threads; })};

@@ -70,6 +70,11 @@ absl::Status ValidatePair(const SimulationSpec& spec) {
         "picture_scale", absl::StrCat(spec.picture_scale),
         absl::StrCat("1 beside rig=", spec.pair->file, ", which says how large pictures are"));
   }
+  if (spec.rolling_shutter_ms != 0) {
+    return Refuse("rolling_shutter_ms", absl::StrCat(spec.rolling_shutter_ms),
+                  absl::StrCat("the rigs kitti, euroc and rgbd: rows through the lenses of rig=",
+                               spec.pair->file, " are all drawn at one time"));
+  }
   RETURN_IF_ERROR(corbslam::Validate(spec.pair->left.lens));
   return corbslam::Validate(spec.pair->right.lens);
 }
@@ -79,12 +84,17 @@ absl::Status ValidatePictures(const SimulationSpec& spec) {
     return absl::InvalidArgumentError(absl::StrCat("simulation option ", status.message()));
   }
   RETURN_IF_ERROR(Require("shutter_s", spec.shutter_s, 0, 1));
+  RETURN_IF_ERROR(Require("rolling_shutter_ms", spec.rolling_shutter_ms, 0, 100));
   RETURN_IF_ERROR(Require("epipolar_error_px", spec.epipolar_error_px, -20, 20));
   RETURN_IF_ERROR(Require("disparity_error_px", spec.disparity_error_px, -20, 20));
   RETURN_IF_ERROR(Require("scale_error", spec.scale_error, -0.5, 0.5));
   RETURN_IF_ERROR(Require("truth_error_m", spec.truth_error_m, 0, 10));
   RETURN_IF_ERROR(Require("truth_error_deg", spec.truth_error_deg, 0, 10));
   RETURN_IF_ERROR(Require("depth_noise", spec.depth_noise_m, 0, 1));
+  RETURN_IF_ERROR(Require("depth_aside_m", spec.depth_aside_m, -0.5, 0.5));
+  if (spec.depth_aside_m != 0 && (spec.pair.has_value() || RigOf(spec) != CameraRig::kRgbd)) {
+    return Refuse("depth_aside_m", absl::StrCat(spec.depth_aside_m), "rig=rgbd, which has depth");
+  }
   return Require("threads", spec.threads, 1, 256);
 }
 

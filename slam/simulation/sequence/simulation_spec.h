@@ -109,6 +109,9 @@ struct SimulationSpec {
   // The pictures.
   Lens lens;
   double shutter_s = 0.005;  // lens.motion_blur_samples are spread over this time.
+  // From the first row's exposure to the last one's; the frame's time and pose are those of its
+  // middle. 0: all rows are exposed together.
+  double rolling_shutter_ms = 0;
   // Errors of the calibration that the robot believes in.
   double epipolar_error_px = 0;   // The right picture lies lower by this in its middle.
   double disparity_error_px = 0;  // Disparities are too small by this.
@@ -116,6 +119,9 @@ struct SimulationSpec {
   // Standard deviation of a depth of 1 m in metres; grows with the square of the depth (Khoshelham
   // and Elberink, Sensors 2012).
   double depth_noise_m = 1.425e-3;
+  // kRgbd: depth is measured by a camera so far to the right of the grey one, which looks the same
+  // way, and registered to the picture (slam/camera/depth_registration.h). 0: from the same place.
+  double depth_aside_m = 0;
 
   // Standard deviations of the ground truth that goes with the pictures; 0: exact.
   double truth_error_m = 0;

@@ -135,6 +135,7 @@ async function showToken(browser: Browser, store: string): Promise<void> {
   const page = await open(browser, `http://${viewer.address}/#mission=lab`);
   const prompt = page.getByLabel('Token');
   await prompt.waitFor();
+  check(await page.getByText('refused').count() === 0, 'who gave no token is told of none that was refused');
   await shot(page, '10_token');
   await prompt.fill('corbslam1.bad.token');
   await prompt.press('Enter');

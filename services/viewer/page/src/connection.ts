@@ -3,6 +3,7 @@ import type { StreamState } from './feed/stream';
 import type { FrameLayout } from './frame_layout';
 
 const REFUSALS = { token: 'The token was refused.', mission: 'This token does not open this mission.' };
+const ASKS_FOR_TOKEN = 'This viewer shows missions to those who have a token for them.';
 
 /** Says how the connections stand: this page's to the viewer, and the viewer's to the store. */
 export class Connection {
@@ -10,10 +11,14 @@ export class Connection {
   private pulse: MissionPulse | undefined;
   private wasOpen = false;
 
-  constructor(private readonly layout: FrameLayout, private readonly onRefused: (reason: string) => void) {}
+  constructor(
+    private readonly layout: FrameLayout,
+    private readonly hadToken: boolean,
+    private readonly onRefused: (reason: string) => void,
+  ) {}
 
   onState(state: StreamState): void {
-    if (state.name === 'refused') return this.onRefused(REFUSALS[state.why]);
+    if (state.name === 'refused') return this.onRefused(this.hadToken ? REFUSALS[state.why] : ASKS_FOR_TOKEN);
     this.state = state;
     this.wasOpen ||= state.name === 'open';
     this.show();

@@ -85,7 +85,7 @@ export class MissionPage {
     this.layout.left.append(this.robots.root, this.numbers.root);
     this.layout.right.append(details.root, this.overlapsPanel.root, this.events.root);
     this.layout.below.append(this.past.timeline.root, this.scale.root);
-    this.connection = new Connection(this.layout, (reason) => this.onRefused(reason));
+    this.connection = new Connection(this.layout, !!rest.token, (reason) => this.onRefused(reason));
     this.live = this.openLive();
     this.listen();
     this.adopt(state);

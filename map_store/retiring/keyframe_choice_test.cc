@@ -1,0 +1,167 @@
+#include "map_store/retiring/keyframe_choice.h"
+
+#include <gtest/gtest.h>
+
+#include <map>
+#include <set>
+
+#include "map_store/testing/session_views.h"
+#include "map_store/testing/shared_world.h"
+
+namespace corbslam::map_store {
+namespace {
+
+using testing::Joined;
+using testing::MakeSessionView;
+using testing::PosesOnRing;
+using testing::SyntheticMap;
+using testing::TheWorld;
+
+constexpr int kKeyframes = 14;
+
+SyntheticMap Drive(uint64_t session, double begin_degrees) {
+  testing::SyntheticMapOptions options;
+  options.local_map = {session};
+  options.seed = session;
+  options.drift_yaw_rad = 0.002;
+  return MakeSyntheticMap(TheWorld().world, PosesOnRing(begin_degrees, 4, kKeyframes), options);
+}
+
+// Three sessions over one part of the ring.
+class KeyframeChoiceTest : public ::testing::Test {
+ protected:
+  RetiringView View(Joined joined) {
+    return MakeSessionView({&first_, &second_, &third_}, TheWorld().world, joined);
+  }
+  static std::vector<RetiredKeyframe> Choose(const RetiringView& view,
+                                             const ChoiceOptions& options = {}) {
+    return ChooseKeyframes(view, FindSights(view, {}), {}, options);
+  }
+  static std::map<LocalMapId, int> CountByLocalMap(const std::vector<RetiredKeyframe>& retired) {
+    std::map<LocalMapId, int> counts;
+    for (const RetiredKeyframe& one : retired) ++counts[one.id.local_map];
+    return counts;
+  }
+
+  SyntheticMap first_ = Drive(1, 1);
+  SyntheticMap second_ = Drive(2, 2);
+  SyntheticMap third_ = Drive(3, 3);
+};
+
+TEST_F(KeyframeChoiceTest, EarlierSessionsGoFirstAndRootsStay) {
+  const std::vector<RetiredKeyframe> retired = Choose(View(Joined::kMerged));
+  std::map<LocalMapId, int> counts = CountByLocalMap(retired);
+  EXPECT_GE(counts[LocalMapId{1}], kKeyframes / 2);
+  EXPECT_GE(counts[LocalMapId{1}], counts[LocalMapId{2}]);
+  EXPECT_GE(counts[LocalMapId{2}], counts[LocalMapId{3}]);
+  for (const RetiredKeyframe& one : retired) EXPECT_NE(one.id.index, 0u);
+}
+
+TEST_F(KeyframeChoiceTest, WhatStaysStandsInAtTheRightPlace) {
+  const RetiringView view = View(Joined::kMerged);
+  const std::vector<RetiredKeyframe> retired = Choose(view);
+  ASSERT_FALSE(retired.empty());
+  std::set<KeyframeId> going;
+  for (const RetiredKeyframe& one : retired) going.insert(one.id);
+  for (const RetiredKeyframe& one : retired) {
+    EXPECT_FALSE(going.contains(one.parent));
+    EXPECT_FALSE(going.contains(one.stand_in.keyframe));
+    EXPECT_EQ(one.parent.local_map, one.id.local_map);
+    const Rigid3d pose =
+        one.stand_in.keyframe_from_retired * view.map.FindKeyframe(one.id)->camera_from_map;
+    const Rigid3d& stand_in = view.map.FindKeyframe(one.stand_in.keyframe)->camera_from_map;
+    EXPECT_LT((pose.translation - stand_in.translation).norm(), 1e-9);
+    const Rigid3d local = one.parent_from_removed * view.local_poses.at(one.id);
+    EXPECT_LT((local.translation - view.local_poses.at(one.parent).translation).norm(), 1e-9);
+  }
+}
+
+// Nearly everything that they saw is still seen by several others.
+TEST_F(KeyframeChoiceTest, WhatIsSeenStaysSeen) {
+  const RetiringView view = View(Joined::kMerged);
+  std::set<KeyframeId> going;
+  for (const RetiredKeyframe& one : Choose(view)) going.insert(one.id);
+  int landmarks = 0;
+  int lost = 0;
+  for (const auto& [id, point] : view.map.points()) {
+    ++landmarks;
+    int left = 0;
+    for (const auto& [keyframe, keypoint] : point.observations) left += !going.contains(keyframe);
+    lost += left == 0;
+  }
+  EXPECT_LT(lost, landmarks / 8);
+}
+
+// Fusion may have joined nothing: then the same looks in the same places count.
+TEST_F(KeyframeChoiceTest, LooksCountWherePointsAreNotJoined) {
+  const auto retired = CountByLocalMap(Choose(View(Joined::kNone)));
+  ASSERT_TRUE(retired.contains(LocalMapId{1}));
+  EXPECT_GE(retired.at(LocalMapId{1}), kKeyframes / 2);
+}
+
+// Points of which later sessions have none of their own keep a keyframe of the one that has.
+TEST_F(KeyframeChoiceTest, PointsKeepAHome) {
+  const RetiringView view = View(Joined::kShared);
+  const std::vector<RetiredKeyframe> retired = Choose(view);
+  ASSERT_FALSE(retired.empty());
+  std::set<KeyframeId> going;
+  for (const RetiredKeyframe& one : retired) going.insert(one.id);
+  int homeless = 0;
+  for (const auto& [id, members] : view.landmarks) {
+    bool seen = false;
+    bool at_home = false;
+    for (const auto& [keyframe, keypoint] : view.map.FindPoint(id)->observations) {
+      if (going.contains(keyframe)) continue;
+      seen = true;
+      at_home = at_home || keyframe.local_map == id.local_map;
+    }
+    homeless += seen && !at_home;
+  }
+  EXPECT_LT(homeless, static_cast<int>(view.landmarks.size()) / 20);
+}
+
+TEST_F(KeyframeChoiceTest, TheLastOverlapStays) {
+  RetiringView view = View(Joined::kMerged);
+  const std::vector<RetiredKeyframe> free = Choose(view);
+  ASSERT_GE(free.size(), 2u);
+  const KeyframeId held = free[0].id;
+  view.overlaps = {{held, {{3}, 7}}};
+  for (const RetiredKeyframe& one : Choose(view)) EXPECT_NE(one.id, held);
+}
+
+TEST_F(KeyframeChoiceTest, OverlapsThatOthersReplaceGoLast) {
+  RetiringView view = View(Joined::kMerged);
+  const KeyframeId first{{1}, 5};
+  view.overlaps = {{first, {{3}, 7}}, {{{1}, 0}, {{3}, 0}}};
+  const std::vector<RetiredKeyframe> retired = Choose(view);
+  bool has_gone = false;
+  for (const RetiredKeyframe& one : retired) {
+    if (has_gone) {
+      EXPECT_EQ(one.id, (KeyframeId{{3}, 7})) << "it held the same overlap";
+    }
+    has_gone = has_gone || one.id == first;
+  }
+}
+
+TEST_F(KeyframeChoiceTest, AViewFromAloneStays) {
+  const SyntheticMap elsewhere = Drive(4, 120);
+  const RetiringView view =
+      MakeSessionView({&first_, &elsewhere}, TheWorld().world, Joined::kMerged);
+  ChoiceOptions all;
+  all.min_others = kKeyframes;  // More than one session has of anything.
+  EXPECT_TRUE(Choose(view, all).empty());
+}
+
+// Of units that differ nothing stands in for anything.
+TEST_F(KeyframeChoiceTest, StandInsHaveTheSameUnits) {
+  RetiringView view = View(Joined::kMerged);
+  for (auto& [id, pose] : view.poses) {
+    if (id.local_map == LocalMapId{1}) pose = Similarity3d{2, pose.rotation, 2 * pose.translation};
+  }
+  for (const RetiredKeyframe& one : Choose(view)) {
+    EXPECT_EQ(one.id.local_map == LocalMapId{1}, one.stand_in.keyframe.local_map == LocalMapId{1});
+  }
+}
+
+}  // namespace
+}  // namespace corbslam::map_store

@@ -1,0 +1,379 @@
+// Tests that missions leave memory when nobody uses them, and come back as they were.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "absl/synchronization/notification.h"
+#include "map_store/journal_check.h"
+#include "map_store/mission/mission_load.h"
+#include "map_store/testing/sleeping_store.h"
+#include "map_store/testing/store_dump.h"
+#include "map_store/view/asleep_words.h"
+
+namespace corbslam::map_store {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::DumpGlobal;
+using testing::DumpLocal;
+using testing::FirstDifference;
+using ::testing::HasSubstr;
+using testing::TestAgent;
+
+class SleepTest : public testing::SleepingStore {
+ protected:
+  void FallAsleep(const std::string& mission = kMission) {
+    const absl::Status status = store_->SleepMission(mission);
+    ASSERT_TRUE(status.ok()) << status;
+    ASSERT_TRUE(IsAsleep(mission));
+  }
+  std::string WhyAwake(const std::string& mission = kMission) {
+    const absl::Status status = store_->SleepMission(mission);
+    EXPECT_TRUE(absl::IsFailedPrecondition(status)) << status;
+    return std::string(status.message());
+  }
+  // Fuses two robots' maps in one mission.
+  void FuseTwo() {
+    worker_ = &truthful_;
+    Open();
+    TestAgent a(*store_, kMission, "a", map_a_);
+    TestAgent b(*store_, kMission, "b", map_b_);
+    for (TestAgent* robot : {&a, &b}) {
+      ASSERT_TRUE(robot->Stream().ok());
+      ASSERT_TRUE(robot->Close().ok());
+      store_->CloseSession(robot->session());
+    }
+    ASSERT_TRUE(store_->RunFusionUntilIdle(kMission).ok());
+  }
+  bool ChecksOut() {
+    store_.reset();
+    bool whole = true;
+    const absl::Status checked =
+        CheckJournal(folder_.string(), [&whole](const CheckedMission& mission) {
+          EXPECT_TRUE(mission.status.ok()) << mission.status;
+          whole = whole && mission.status.ok();
+        });
+    EXPECT_TRUE(checked.ok()) << checked;
+    return whole;
+  }
+};
+
+TEST_F(SleepTest, FallsAsleepWhenItsTimeHasComeAndWakesAsItWas) {
+  Fill(kMission, map_a_);
+  const std::string local = DumpLocal(kMission, *store_);
+  const std::string global = DumpGlobal(kMission, *store_);
+  const MissionInfo awake = *store_->GetMission(kMission);
+  now_ += absl::Seconds(599);
+  EXPECT_EQ(store_->SleepUnused(), 0u);
+  now_ += absl::Seconds(1);
+  EXPECT_EQ(store_->SleepUnused(), 1u);
+  const int reads = counts_.whole_reads;
+  const MissionInfo asleep = *store_->GetMission(kMission);
+  EXPECT_TRUE(asleep.asleep);
+  EXPECT_FALSE(awake.asleep);
+  EXPECT_EQ(asleep.keyframes, awake.keyframes);
+  EXPECT_EQ(asleep.map_points, awake.map_points);
+  EXPECT_EQ(asleep.agents, 1u);
+  EXPECT_EQ(asleep.profile.last_used_ns, awake.profile.last_used_ns) << "who only looks is no user";
+  EXPECT_GT(asleep.disk_bytes, 0u);
+  ASSERT_EQ(store_->ListMissions({})->items.size(), 1u);
+  EXPECT_TRUE(store_->ListMissions({})->items[0].asleep);
+  ASSERT_EQ(store_->ListLoads().size(), 1u);
+  EXPECT_EQ(store_->ListLoads()[0].keyframes, awake.keyframes);
+  EXPECT_EQ(store_->ListLoads()[0].memory_bytes, 0u);
+  EXPECT_EQ(store_->sleep().asleep, 1u);
+  EXPECT_EQ(counts_.whole_reads, reads) << "nothing of that reads the mission";
+  EXPECT_EQ(FirstDifference(DumpLocal(kMission, *store_), local), "");
+  EXPECT_EQ(FirstDifference(DumpGlobal(kMission, *store_), global), "");
+  EXPECT_EQ(counts_.whole_reads, reads + 1);
+  EXPECT_EQ(store_->sleep().woken, 1u);
+  EXPECT_FALSE(IsAsleep());
+  EXPECT_EQ(store_->SleepUnused(), 0u) << "it was used a moment ago";
+}
+
+TEST_F(SleepTest, ARobotGoesOnInAMissionThatSlept) {
+  TestAgent robot(*store_, kMission, "robot", map_a_);
+  ASSERT_TRUE(robot.Stream(4).ok());
+  store_->CloseSession(robot.session());
+  FallAsleep();
+  SessionRequest request;
+  request.mission = kMission;
+  request.agent = "robot";
+  request.local_maps = {robot.local_map()};
+  const auto opened = store_->OpenSession(request);
+  ASSERT_TRUE(opened.ok()) << opened.status();
+  ASSERT_EQ(opened->grant.acknowledged.size(), 1u);
+  EXPECT_EQ(opened->grant.acknowledged[0].number, 4u);
+  ASSERT_TRUE(store_->Apply(opened->session_id, robot.NextBatch(1)).ok());
+  EXPECT_EQ(store_->GetMission(kMission)->keyframes, 5u);
+  EXPECT_THAT(WhyAwake(), HasSubstr("robots are connected"));
+  store_->CloseSession(opened->session_id);
+  FallAsleep();
+  EXPECT_EQ(store_->ListKeyframes(kMission, {}, {})->items.size(), 5u);
+}
+
+TEST_F(SleepTest, WhoWatchesKeepsItAwake) {
+  Fill(kMission, map_a_);
+  const auto map = store_->AddMapListener(kMission, [] {});
+  EXPECT_THAT(WhyAwake(), HasSubstr("somebody watches"));
+  store_->RemoveMapListener(kMission, *map);
+  const auto events = store_->AddEventListener(kMission, [] {});
+  EXPECT_THAT(WhyAwake(), HasSubstr("somebody watches"));
+  now_ += absl::Hours(1);
+  EXPECT_EQ(store_->SleepUnused(), 0u);
+  store_->RemoveEventListener(kMission, *events);
+  EXPECT_EQ(store_->SleepUnused(), 0u) << "its watcher has just left";
+  now_ += absl::Hours(1);
+  EXPECT_EQ(store_->SleepUnused(), 1u);
+  EXPECT_TRUE(absl::IsNotFound(store_->SleepMission("nowhere")));
+  EXPECT_TRUE(store_->SleepMission(kMission).ok()) << "it sleeps already";
+}
+
+TEST_F(SleepTest, WithoutAJournalNothingSleeps) {
+  store_ =
+      std::make_unique<MapStore>(options_, nullptr, std::make_unique<InMemoryJournal>(), nullptr);
+  Fill(kMission, map_a_);
+  EXPECT_THAT(WhyAwake(), HasSubstr("--data-dir"));
+}
+
+TEST_F(SleepTest, RemembersItsLatestEvents) {
+  Fill(kMission, map_a_);
+  const auto first = store_->EventAfter(kMission, 0);
+  ASSERT_TRUE(first.ok() && first->has_value());
+  FallAsleep();
+  const auto again = store_->EventAfter(kMission, 0);
+  ASSERT_TRUE(again.ok() && again->has_value());
+  EXPECT_EQ((*again)->number, (*first)->number);
+  EXPECT_EQ((*again)->time, (*first)->time);
+}
+
+// What no record says must not be decided again: workers would look at it once more.
+TEST_F(SleepTest, KeepsWhatRecordsDoNotSay) {
+  ASSERT_NO_FATAL_FAILURE(FuseTwo());
+  const std::string global = DumpGlobal(kMission, *store_);
+  const uint64_t queried = store_->GetStatistics(kMission)->overlaps_queried;
+  const size_t asked = truthful_.asked().size();
+  EXPECT_GT(queried, 0u);
+  FallAsleep();
+  EXPECT_EQ(FirstDifference(DumpGlobal(kMission, *store_), global), "");
+  EXPECT_EQ(store_->GetStatistics(kMission)->overlaps_queried, queried);
+  EXPECT_TRUE(*store_->IsFusionIdle(kMission));
+  ASSERT_TRUE(store_->RunFusionUntilIdle(kMission).ok());
+  EXPECT_EQ(truthful_.asked().size(), asked);
+}
+
+// The second time there are no new records: the snapshot takes the place of one at its own
+// position.
+TEST_F(SleepTest, WritesASnapshotOnlyForWhatHasChanged) {
+  Fill(kMission, map_a_);
+  FallAsleep();
+  EXPECT_EQ(counts_.snapshots, 1);
+  const std::string local = DumpLocal(kMission, *store_);
+  FallAsleep();
+  EXPECT_EQ(counts_.snapshots, 1) << "it was only looked at";
+  SessionRequest request;
+  request.mission = kMission;
+  request.agent = "newcomer";
+  store_->CloseSession(store_->OpenSession(request)->session_id);
+  FallAsleep();
+  EXPECT_EQ(counts_.snapshots, 2);
+  EXPECT_EQ(store_->ListAgents(kMission, {})->items.size(), 2u) << "the newcomer is remembered";
+  EXPECT_EQ(FirstDifference(DumpLocal(kMission, *store_), local), "");
+  EXPECT_TRUE(ChecksOut());
+}
+
+TEST_F(SleepTest, ManyCallersReadItOnce) {
+  options_.deterministic = false;
+  Open();
+  Fill(kMission, map_a_);
+  FallAsleep();
+  const int reads = counts_.whole_reads;
+  std::vector<std::thread> callers;
+  for (int i = 0; i < 10; ++i) {
+    callers.emplace_back([this] { EXPECT_EQ(store_->ListAgents(kMission, {})->items.size(), 1u); });
+  }
+  for (std::thread& caller : callers) caller.join();
+  EXPECT_EQ(counts_.whole_reads, reads + 1);
+}
+
+TEST_F(SleepTest, NobodyElseWaitsWhileOneIsRead) {
+  options_.deterministic = false;
+  Open();
+  Fill(kMission, map_a_);
+  Fill("other", map_b_);
+  FallAsleep();
+  absl::Notification reading;
+  absl::Notification go_on;
+  counts_.on_read = [&](const std::string&) {
+    reading.Notify();
+    go_on.WaitForNotification();
+  };
+  std::thread caller([this] { EXPECT_TRUE(store_->ListAgents(kMission, {}).ok()); });
+  reading.WaitForNotification();
+  EXPECT_EQ(store_->ListAgents("other", {})->items.size(), 1u);
+  TestAgent robot(*store_, "third", "robot", map_a_);
+  EXPECT_TRUE(robot.Stream(2).ok());
+  EXPECT_TRUE(IsAsleep()) << "it is not there before it is read";
+  go_on.Notify();
+  caller.join();
+  EXPECT_FALSE(IsAsleep());
+}
+
+TEST_F(SleepTest, ACallerThatCanNotWaitIsCalled) {
+  options_.deterministic = false;
+  options_.wake_in_background = true;
+  Open();
+  Fill(kMission, map_a_);
+  FallAsleep();
+  const absl::Status asleep = store_->ListAgents(kMission, {}).status();
+  EXPECT_TRUE(absl::IsUnavailable(asleep)) << asleep;
+  EXPECT_EQ(AsleepMission(asleep), kMission);
+  SessionRequest request;
+  request.mission = kMission;
+  request.agent = "robot";
+  EXPECT_EQ(AsleepMission(store_->OpenSession(request).status()), kMission);
+  absl::Notification awake;
+  std::shared_ptr<const void> held;
+  ASSERT_TRUE(store_
+                  ->WhenAwake(kMission,
+                              [&](const auto& ready) {
+                                EXPECT_TRUE(ready.ok()) << ready.status();
+                                if (ready.ok()) held = *ready;
+                                awake.Notify();
+                              })
+                  .ok());
+  awake.WaitForNotification();
+  EXPECT_TRUE(store_->ListAgents(kMission, {}).ok());
+  EXPECT_THAT(WhyAwake(), HasSubstr("calls are under way")) << "it is held";
+  held.reset();
+  absl::Notification refused;
+  ASSERT_TRUE(store_
+                  ->WhenAwake("nowhere",
+                              [&](const auto& ready) {
+                                EXPECT_TRUE(absl::IsNotFound(ready.status())) << ready.status();
+                                refused.Notify();
+                              })
+                  .ok());
+  refused.WaitForNotification();
+}
+
+TEST_F(SleepTest, DamageIsFoundWhenItWakes) {
+  Fill(kMission, map_a_);
+  Fill("other", map_b_);
+  FallAsleep();
+  for (const auto& entry : fs::directory_iterator(FolderOf())) {
+    if (entry.path().extension() == ".sst") fs::resize_file(entry.path(), 10);
+  }
+  EXPECT_TRUE(store_->ListDamaged().empty()) << "nobody has looked";
+  for (int i = 0; i < 2; ++i) {
+    const absl::Status damaged = store_->ListAgents(kMission, {}).status();
+    EXPECT_TRUE(absl::IsDataLoss(damaged)) << damaged;
+    EXPECT_THAT(std::string(damaged.message()), HasSubstr("corbslam mission restore"));
+  }
+  EXPECT_NE(store_->GetMission(kMission)->damage, "");
+  EXPECT_EQ(store_->ListDamaged().size(), 1u);
+  EXPECT_TRUE(store_->ListAgents("other", {}).ok());
+  EXPECT_TRUE(store_->DeleteMission(kMission).ok());
+  EXPECT_TRUE(absl::IsNotFound(store_->GetMission(kMission).status()));
+}
+
+TEST_F(SleepTest, IsDeletedWithoutBeingRead) {
+  Fill(kMission, map_a_);
+  FallAsleep();
+  const int reads = counts_.whole_reads;
+  EXPECT_TRUE(store_->DeleteMission(kMission).ok());
+  EXPECT_EQ(counts_.whole_reads, reads);
+  EXPECT_FALSE(fs::exists(FolderOf()));
+  EXPECT_TRUE(absl::IsNotFound(store_->ListAgents(kMission, {}).status()));
+  Fill(kMission, map_b_);
+  EXPECT_EQ(store_->GetMission(kMission)->keyframes, 14u) << "the name is free again";
+}
+
+TEST_F(SleepTest, ItsRetentionPassesWithoutItsBeingRead) {
+  Fill(kMission, map_a_);
+  MissionProfile values;
+  values.retention_s = 36'000;
+  ASSERT_TRUE(store_->UpdateMission(kMission, values, {ProfileField::kRetention}).ok());
+  FallAsleep();
+  const int reads = counts_.whole_reads;
+  now_ += absl::Hours(11) - absl::Seconds(1);
+  store_->TendMissions();
+  EXPECT_TRUE(IsAsleep());
+  now_ += absl::Seconds(1);
+  store_->TendMissions();
+  EXPECT_TRUE(absl::IsNotFound(store_->GetMission(kMission).status()));
+  EXPECT_EQ(counts_.whole_reads, reads);
+}
+
+TEST_F(SleepTest, IsBackedUpAndRestored) {
+  ASSERT_NO_FATAL_FAILURE(FuseTwo());
+  const std::string local = DumpLocal(kMission, *store_);
+  FallAsleep();
+  auto backup = store_->BackUpMission(kMission);
+  ASSERT_TRUE(backup.ok()) << backup.status();
+  MissionRestorer restorer = store_->StartRestoring();
+  for (std::string piece = backup->Next(1 << 20); !piece.empty(); piece = backup->Next(1 << 20)) {
+    ASSERT_TRUE(restorer.Add(piece).ok());
+  }
+  auto state = restorer.Finish();
+  ASSERT_TRUE(state.ok()) << state.status();
+  FallAsleep();
+  EXPECT_TRUE(absl::IsAlreadyExists(store_->RestoreMission(kMission, *state)));
+  ASSERT_TRUE(store_->RestoreMission("copy", *std::move(state)).ok());
+  // No record was written since it was restored.
+  ASSERT_TRUE(store_->RunFusionUntilIdle("copy").ok());
+  const std::string global = DumpGlobal("copy", *store_);
+  SessionRequest request;
+  request.mission = "copy";
+  request.agent = "newcomer";
+  store_->CloseSession(store_->OpenSession(request)->session_id);
+  ASSERT_NO_FATAL_FAILURE(FallAsleep("copy"));
+  EXPECT_EQ(FirstDifference(DumpLocal("copy", *store_), local), "");
+  EXPECT_EQ(FirstDifference(DumpGlobal("copy", *store_), global), "");
+  EXPECT_EQ(store_->ListAgents("copy", {})->items.size(), 3u);
+  EXPECT_TRUE(ChecksOut());
+}
+
+TEST_F(SleepTest, MakesRoomForOneMoreMission) {
+  options_.max_missions = 2;
+  Open();
+  Fill("first", map_a_);
+  now_ += absl::Seconds(1);
+  Fill("second", map_a_);
+  now_ += absl::Seconds(1);
+  Fill("third", map_a_);
+  EXPECT_TRUE(IsAsleep("first")) << "it has not been used for longest";
+  EXPECT_FALSE(IsAsleep("second"));
+  // Both are used: nobody else can come in.
+  TestAgent a(*store_, "second", "a", map_b_);
+  TestAgent b(*store_, "third", "b", map_b_);
+  const absl::Status full = store_->ListAgents("first", {}).status();
+  EXPECT_TRUE(absl::IsResourceExhausted(full)) << full;
+  EXPECT_TRUE(IsAsleep("first"));
+  store_->CloseSession(a.session());
+  EXPECT_TRUE(store_->ListAgents("first", {}).ok());
+  EXPECT_TRUE(IsAsleep("second"));
+}
+
+TEST_F(SleepTest, WithoutMemoryIdleMissionsSleepAndNoneWakes) {
+  Fill("first", map_a_);
+  Fill("second", map_a_);
+  options_.sleep_after_s = 0;
+  Open();
+  EXPECT_EQ(store_->sleep().asleep, 0u);
+  options_.sleep_after_s = 600;
+  options_.memory_budget_bytes = 1 << 20;
+  Open();
+  EXPECT_EQ(store_->sleep().asleep, 2u);
+  const absl::Status refused = store_->ListAgents("first", {}).status();
+  EXPECT_TRUE(absl::IsResourceExhausted(refused)) << refused;
+  EXPECT_TRUE(IsAsleep("first"));
+}
+
+}  // namespace
+}  // namespace corbslam::map_store
