@@ -333,6 +333,7 @@ class MapStore {
   // A deletion holds this lock from its beginning to its end.
   absl::Mutex deletion_mutex_;
   mutable absl::Mutex mutex_;
+  ExpiryListener expiry_listener_ ABSL_GUARDED_BY(mutex_);
   std::map<uint64_t, Session> sessions_ ABSL_GUARDED_BY(mutex_);
   uint64_t next_session_ ABSL_GUARDED_BY(mutex_) = 1;
 };
