@@ -29,7 +29,8 @@ bool IsOutdated(const KnownMission& known, absl::Time now) {
   const MissionProfile profile = ProfileOf(known);
   if (profile.retention_s == 0 || profile.last_used_ns == 0) return false;
   const absl::Duration unused = now - absl::FromUnixNanos(profile.last_used_ns);
-  return unused >= absl::Seconds(profile.retention_s);
+  // Before it fell asleep the store may have been killed, and known of its last use too little.
+  return unused >= absl::Seconds(profile.retention_s) + ProfileKeeper::kBetweenUses;
 }
 
 }  // namespace

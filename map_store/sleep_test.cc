@@ -294,6 +294,22 @@ TEST_F(SleepTest, IsDeletedWithoutBeingRead) {
   EXPECT_EQ(store_->GetMission(kMission)->keyframes, 14u) << "the name is free again";
 }
 
+TEST_F(SleepTest, ItsRetentionPassesWithoutItsBeingRead) {
+  Fill(kMission, map_a_);
+  MissionProfile values;
+  values.retention_s = 36'000;
+  ASSERT_TRUE(store_->UpdateMission(kMission, values, {ProfileField::kRetention}).ok());
+  FallAsleep();
+  const int reads = counts_.whole_reads;
+  now_ += absl::Hours(11) - absl::Seconds(1);
+  store_->TendMissions();
+  EXPECT_TRUE(IsAsleep());
+  now_ += absl::Seconds(1);
+  store_->TendMissions();
+  EXPECT_TRUE(absl::IsNotFound(store_->GetMission(kMission).status()));
+  EXPECT_EQ(counts_.whole_reads, reads);
+}
+
 TEST_F(SleepTest, IsBackedUpAndRestored) {
   ASSERT_NO_FATAL_FAILURE(FuseTwo());
   const std::string local = DumpLocal(kMission, *store_);

@@ -20,7 +20,7 @@ struct Amount {
   uint64_t limit = 0;  // 0: there is none.
 };
 
-absl::Status Check(const Amount& amount, const MapUpdateBatch& batch) {
+absl::Status CheckAmount(const Amount& amount, const MapUpdateBatch& batch) {
   if (amount.limit == 0) return absl::OkStatus();
   if (amount.there <= amount.limit && amount.more <= amount.limit - amount.there) {
     return absl::OkStatus();
@@ -58,29 +58,29 @@ absl::Status CheckKeyframeLimits(const MissionState& state, const std::string& a
     of_mission += keyframes;
     if (local_map.agent == agent) of_agent += keyframes;
   }
-  RETURN_IF_ERROR(Check(
+  RETURN_IF_ERROR(CheckAmount(
       {absl::StrCat("agent ", agent, " of mission ", state.name),
        absl::StrCat("agent_limits[", agent, "].keyframes"), "keyframes", of_agent, more, own_limit},
       batch));
-  return Check({absl::StrCat("mission ", state.name), "limits.keyframes", "keyframes", of_mission,
-                more, profile.limits.keyframes},
-               batch);
+  return CheckAmount({absl::StrCat("mission ", state.name), "limits.keyframes", "keyframes",
+                      of_mission, more, profile.limits.keyframes},
+                     batch);
 }
 
 absl::Status CheckMemoryLimit(const MissionState& state, const MapUpdateBatch& batch) {
   const uint64_t limit = state.profile.limits.memory_bytes;
   const bool adds = !batch.full_keyframes.empty() || !batch.full_points.empty();
   if (limit == 0 || !adds) return absl::OkStatus();
-  return Check({absl::StrCat("mission ", state.name), "limits.memory_bytes", "bytes in memory",
-                EstimateMemory(state), 2 * StoredBytes(batch), limit},
-               batch);
+  return CheckAmount({absl::StrCat("mission ", state.name), "limits.memory_bytes",
+                      "bytes in memory", EstimateMemory(state), 2 * StoredBytes(batch), limit},
+                     batch);
 }
 
 absl::Status CheckDiskLimit(const std::string& mission, uint64_t disk_bytes, uint64_t limit_bytes,
                             const MapUpdateBatch& batch) {
-  return Check({absl::StrCat("mission ", mission), "limits.disk_bytes", "bytes on disk", disk_bytes,
-                StoredBytes(batch), limit_bytes},
-               batch);
+  return CheckAmount({absl::StrCat("mission ", mission), "limits.disk_bytes", "bytes on disk",
+                      disk_bytes, StoredBytes(batch), limit_bytes},
+                     batch);
 }
 
 size_t CountLimitedLocalMaps(const MissionState& state) {
