@@ -373,11 +373,11 @@ TEST(UpdateRecorderTest, ReplicaFollowsRandomChanges) {
         scenario.Flush(1000);
         scenario.ExpectEqual();
         ASSERT_FALSE(scenario.HasChanges());
-        ASSERT_FALSE(testing::Test::HasFailure()) << "seed " << seed << " step " << step;
+        ASSERT_FALSE(::testing::Test::HasFailure()) << "seed " << seed << " step " << step;
       }
     }
     scenario.ExpectExactPlaces();
-    ASSERT_FALSE(testing::Test::HasFailure()) << "seed " << seed;
+    ASSERT_FALSE(::testing::Test::HasFailure()) << "seed " << seed;
   }
 }
 

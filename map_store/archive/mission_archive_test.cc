@@ -201,8 +201,8 @@ std::string AsFormat4(const MissionState& of) {
   std::string state = AsFormat6(in_islands);
   const uint32_t format = 4;
   std::memcpy(state.data(), &format, sizeof(format));
-  // The anchors take their number, and twelve bytes each; that nothing has retired, eight bytes, and
-  // sixteen for each local map.
+  // The anchors take their number, and twelve bytes each; that nothing has retired, eight bytes,
+  // and sixteen for each local map.
   state.resize(state.size() - 8 - 12 * of.global.points.size() - 8 - 16 * of.order.size());
   return state;
 }

@@ -117,10 +117,10 @@ absl::Status CheckRoomForBackup(const std::string& folder, uint64_t bytes,
     free = space.available;
   }
   if (free >= bytes + options.min_free_bytes) return absl::OkStatus();
-  return absl::ResourceExhaustedError(absl::StrCat(
-      "backup ", folder, ": it takes about ", bytes, " bytes, and the disk has ", free,
-      " free, of which ", options.min_free_bytes,
-      " are kept: make room, keep fewer (--backup-keep), or take a larger disk"));
+  return absl::ResourceExhaustedError(
+      absl::StrCat("backup ", folder, ": it takes about ", bytes, " bytes, and the disk has ", free,
+                   " free, of which ", options.min_free_bytes,
+                   " are kept: make room, keep fewer (--backup-keep), or take a larger disk"));
 }
 
 }  // namespace corbslam::map_store

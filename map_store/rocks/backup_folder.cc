@@ -150,8 +150,8 @@ absl::Status BackupFolder::Purge(absl::string_view mission, size_t keep) {
   std::vector<rocksdb::BackupID> damaged;
   engine->GetCorruptedBackups(&damaged);
   for (const rocksdb::BackupID number : damaged) {
-    LOG(WARNING) << PlaceOf(mission, number) << " is damaged: "
-                 << ReadInfo(*engine, mission, number).status();
+    LOG(WARNING) << PlaceOf(mission, number)
+                 << " is damaged: " << ReadInfo(*engine, mission, number).status();
   }
   return absl::OkStatus();
 }

@@ -55,8 +55,7 @@ absl::StatusOr<rocksdb::BackupInfo> BackupFolder::ReadInfo(
     const rocksdb::BackupEngineReadOnlyBase& engine, absl::string_view mission,
     uint32_t number) const {
   rocksdb::BackupInfo info;
-  const rocksdb::Status found =
-      engine.GetBackupInfo(number, &info, /*include_file_details=*/true);
+  const rocksdb::Status found = engine.GetBackupInfo(number, &info, /*include_file_details=*/true);
   if (found.IsNotFound()) {
     return absl::NotFoundError(absl::StrCat("there is no backup ", PlaceOf(mission, number)));
   }

@@ -24,11 +24,11 @@ absl::Status ReadNumber(const NoteLines& lines, const std::string& key, Number* 
 }  // namespace
 
 std::string Encode(const BackupNote& note) {
-  return absl::StrCat("created_ns=", absl::ToUnixNanos(note.facts.created), "\nrevision=",
-                      note.facts.revision, "\nkeyframes=", note.facts.keyframes, "\narchived=",
-                      note.facts.archived ? 1 : 0, "\nidentity=", note.mark.identity, "\nsequence=",
-                      note.mark.sequence, "\nformat=", note.format, "\nprogram=", note.program,
-                      "\n");
+  return absl::StrCat("created_ns=", absl::ToUnixNanos(note.facts.created),
+                      "\nrevision=", note.facts.revision, "\nkeyframes=", note.facts.keyframes,
+                      "\narchived=", note.facts.archived ? 1 : 0, "\nidentity=", note.mark.identity,
+                      "\nsequence=", note.mark.sequence, "\nformat=", note.format,
+                      "\nprogram=", note.program, "\n");
 }
 
 absl::StatusOr<BackupNote> DecodeBackupNote(absl::string_view text) {

@@ -23,8 +23,7 @@ absl::StatusOr<std::unique_ptr<Journal>> BackupReader::Open(const std::string& m
   const absl::Status loaded = journal->Load();
   if (absl::IsNotFound(loaded)) return absl::DataLossError(loaded.message());
   RETURN_IF_ERROR(loaded);
-  return std::unique_ptr<Journal>(
-      new BackupReader(mission, std::move(journal), std::move(keep)));
+  return std::unique_ptr<Journal>(new BackupReader(mission, std::move(journal), std::move(keep)));
 }
 
 BackupReader::BackupReader(std::string mission, std::unique_ptr<MissionJournal> journal,

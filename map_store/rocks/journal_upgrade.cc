@@ -77,11 +77,11 @@ absl::Status CheckDisk(const RocksJournalOptions& options, uint64_t copied) {
 absl::StatusOr<std::string> DescribeSource(const RocksDatabase& shared) {
   std::string identity;
   uint64_t sequence = 0;
-  RETURN_IF_ERROR(ToStatus(shared.directory(),
-                           shared.Lend([&](rocksdb::DB& db, const std::function<bool()>&) {
-                             sequence = db.GetLatestSequenceNumber();
-                             return db.GetDbIdentity(identity);
-                           })));
+  RETURN_IF_ERROR(
+      ToStatus(shared.directory(), shared.Lend([&](rocksdb::DB& db, const std::function<bool()>&) {
+        sequence = db.GetLatestSequenceNumber();
+        return db.GetDbIdentity(identity);
+      })));
   return absl::StrCat(identity, " ", sequence, "\n");
 }
 
@@ -97,7 +97,8 @@ absl::Status PrepareFolder(const JournalFolder& folder, const std::string& sourc
   std::error_code error;
   std::filesystem::remove_all(folder.path(), error);
   RETURN_IF_ERROR(folder.Make());
-  ASSIGN_OR_RETURN(WholeFile file, WholeFile::Create(absl::StrCat(folder.path(), "/", kSourceFile)));
+  ASSIGN_OR_RETURN(WholeFile file,
+                   WholeFile::Create(absl::StrCat(folder.path(), "/", kSourceFile)));
   RETURN_IF_ERROR(file.Append(source));
   return file.Finish();
 }

@@ -18,8 +18,8 @@ absl::StatusOr<std::vector<std::string>> ListSharedMissions(const RocksDatabase&
 
 // Copies each mission into a database of its own, all of them or none: the folder of missions is
 // there when the function returns OK. What was copied by an attempt that was cut short is not
-// copied again, if nothing was written to `shared` since. Nothing of `shared` is changed. RESOURCE_EXHAUSTED, with how
-// much room it takes, where the disk has not that much.
+// copied again, if nothing was written to `shared` since. Nothing of `shared` is changed.
+// RESOURCE_EXHAUSTED, with how much room it takes, where the disk has not that much.
 absl::Status UpgradeJournal(const RocksJournalOptions& options, const RocksDatabase& shared,
                             const std::shared_ptr<rocksdb::Cache>& cache);
 

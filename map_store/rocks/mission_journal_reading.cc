@@ -34,8 +34,8 @@ rocksdb::Status CheckLengths(rocksdb::DB& db) {
     if (!again.ok()) return again;
     if (std::find(live.begin(), live.end(), "/" + file.relative_filename) == live.end()) continue;
     return rocksdb::Status::Corruption(
-        path, error ? error.message()
-                    : absl::StrCat("has ", size, " bytes and should have ", file.size));
+        path,
+        error ? error.message() : absl::StrCat("has ", size, " bytes and should have ", file.size));
   }
   return rocksdb::Status::OK();
 }

@@ -70,8 +70,9 @@ class RocksDatabase {
   // Gives the open database to `use`, which soon ends once `goes_on` says no: the database is about
   // to be closed, or to be opened again after a failure.
   using GoesOn = std::function<bool()>;
-  rocksdb::Status Lend(const std::function<rocksdb::Status(rocksdb::DB& db, const GoesOn& goes_on)>&
-                           use) const ABSL_LOCKS_EXCLUDED(mutex_);
+  rocksdb::Status Lend(
+      const std::function<rocksdb::Status(rocksdb::DB& db, const GoesOn& goes_on)>& use) const
+      ABSL_LOCKS_EXCLUDED(mutex_);
 
   // Calls `visit(key, value)` for all keys from `first` on, up to `end`.
   template <typename Visit>

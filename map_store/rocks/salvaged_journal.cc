@@ -105,9 +105,9 @@ absl::Status SalvagedJournal::OpenCopy(const std::string& path) {
   database_ = std::make_unique<RocksDatabase>(scratch_, nullptr, MakeBlockCache());
   const rocksdb::Status opened = database_->Open(RocksDatabase::Mode::kBestEfforts);
   if (opened.ok()) return absl::OkStatus();
-  return absl::DataLossError(absl::StrCat(path, ": nothing can be had: ",
-                                          report_.not_opened.message(), "; without its list of ",
-                                          "files and log: ", opened.ToString()));
+  return absl::DataLossError(
+      absl::StrCat(path, ": nothing can be had: ", report_.not_opened.message(),
+                   "; without its list of ", "files and log: ", opened.ToString()));
 }
 
 absl::StatusOr<Journal::Position> SalvagedJournal::FindSnapshot() const {
@@ -157,8 +157,8 @@ absl::Status SalvagedJournal::ReplaySnapshot(Position position, const Replay& re
   ASSIGN_OR_RETURN(const MissionState bare, map_store::DecodeState(bytes, nullptr));
   const KeypointCounts counts = CountKeypoints(bare);
   ASSIGN_OR_RETURN(MissionState state, map_store::DecodeState(bytes, [&](KeyframeId id) {
-    return FeaturesOrStandIn(id, counts.at(id));
-  }));
+                     return FeaturesOrStandIn(id, counts.at(id));
+                   }));
   return replay.on_snapshot(std::move(state));
 }
 
@@ -166,15 +166,14 @@ absl::Status SalvagedJournal::ReplayRecord(std::string_view bytes, const Replay&
   ASSIGN_OR_RETURN(const JournalRecord bare, map_store::DecodeRecord(bytes, nullptr));
   const KeypointCounts counts = CountKeypoints(bare);
   ASSIGN_OR_RETURN(const JournalRecord record, map_store::DecodeRecord(bytes, [&](KeyframeId id) {
-    return FeaturesOrStandIn(id, counts.at(id));
-  }));
+                     return FeaturesOrStandIn(id, counts.at(id));
+                   }));
   return replay.on_record(record);
 }
 
 absl::Status SalvagedJournal::ReplayRecords(Position after, const Replay& replay) const {
   return database_->Scan(
-      RecordKey(mission(), after + 1),
-      EndOfPrefix(MissionPrefix(JournalPart::kRecord, mission())),
+      RecordKey(mission(), after + 1), EndOfPrefix(MissionPrefix(JournalPart::kRecord, mission())),
       [&](std::string_view key, std::string_view bytes) -> absl::Status {
         const Position position = map_store::PositionOf(key);
         const absl::Status status = ReplayRecord(bytes, replay);

@@ -45,8 +45,7 @@ class SalvagedJournal : public ReadOnlyJournal {
   // can be opened.
   static absl::StatusOr<std::unique_ptr<SalvagedJournal>> Open(const std::string& mission,
                                                                const std::string& path,
-                                                               const std::string& scratch,
-                                                               Way way);
+                                                               const std::string& scratch, Way way);
   ~SalvagedJournal() override;
 
   // Returns the position of the last record that was applied; no error but that nothing at all is

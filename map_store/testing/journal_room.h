@@ -77,8 +77,8 @@ class JournalRoom : public ::testing::Test {
   // Turns all bits of so many bytes that far into the file.
   static void Spoil(const std::filesystem::path& file, uint64_t count = 64, double share = 0.5) {
     std::fstream stream(file, std::ios::in | std::ios::out | std::ios::binary);
-    const auto place = static_cast<std::streamoff>(
-        share * static_cast<double>(std::filesystem::file_size(file)));
+    const auto place =
+        static_cast<std::streamoff>(share * static_cast<double>(std::filesystem::file_size(file)));
     std::string bytes(count, '\0');
     stream.seekg(place);
     stream.read(bytes.data(), static_cast<std::streamsize>(count));

@@ -73,8 +73,8 @@ class StoredBackupsServiceTest : public ::testing::Test {
     const auto session = store_->OpenSession(request);
     ASSERT_TRUE(session.ok()) << session.status();
     std::mt19937 random(7);
-    ASSERT_TRUE(store_->Apply(session->session_id,
-                              test_data::MakeBatch(random, test_data::kMap, 1)).ok());
+    ASSERT_TRUE(
+        store_->Apply(session->session_id, test_data::MakeBatch(random, test_data::kMap, 1)).ok());
     store_->CloseSession(session->session_id);
   }
 

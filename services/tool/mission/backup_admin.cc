@@ -13,8 +13,7 @@ namespace corbslam::services {
 namespace {
 
 std::string FormatTime(int64_t created_ns) {
-  return absl::FormatTime(absl::RFC3339_sec, absl::FromUnixNanos(created_ns),
-                          absl::UTCTimeZone());
+  return absl::FormatTime(absl::RFC3339_sec, absl::FromUnixNanos(created_ns), absl::UTCTimeZone());
 }
 
 }  // namespace
@@ -39,8 +38,8 @@ absl::StatusOr<std::vector<v1::StoredBackup>> BackupAdmin::List(const std::strin
     grpc::ClientContext context;
     SetDeadline(context);
     v1::ListStoredBackupsResponse response;
-    RETURN_IF_ERROR(ToStatus(stub_->ListStoredBackups(&context, request, &response),
-                             "ListStoredBackups"));
+    RETURN_IF_ERROR(
+        ToStatus(stub_->ListStoredBackups(&context, request, &response), "ListStoredBackups"));
     backups.insert(backups.end(), response.backups().begin(), response.backups().end());
     request.set_page_token(response.next_page_token());
   } while (!request.page_token().empty());
@@ -90,10 +89,10 @@ absl::StatusOr<v1::StoredBackup> BackupAdmin::FindAt(const std::string& mission,
     return absl::NotFoundError(absl::StrCat("the store has no backups of mission ", mission));
   }
   const auto oldest = std::ranges::min_element(backups, {}, &v1::StoredBackup::created_ns);
-  return absl::NotFoundError(absl::StrCat(
-      "the oldest backup of mission ", mission, " is ", oldest->name(), " of ",
-      FormatTime(oldest->created_ns()), ", newer than ",
-      absl::FormatTime(absl::RFC3339_sec, at, absl::UTCTimeZone())));
+  return absl::NotFoundError(
+      absl::StrCat("the oldest backup of mission ", mission, " is ", oldest->name(), " of ",
+                   FormatTime(oldest->created_ns()), ", newer than ",
+                   absl::FormatTime(absl::RFC3339_sec, at, absl::UTCTimeZone())));
 }
 
 absl::StatusOr<absl::Time> ParseBackupTime(const std::string& text) {

@@ -83,7 +83,8 @@ TEST(BackupWordsTest, ATableAndJsonSayTheSame) {
   backup.set_keyframes(4711);
   backup.set_archived(true);
   const std::string table = FormatBackups({backup});
-  for (const char* part : {"missions/lab/backups/3", "1970-01-01T00:10:00", "3.0", "4711", "archive"}) {
+  for (const char* part :
+       {"missions/lab/backups/3", "1970-01-01T00:10:00", "3.0", "4711", "archive"}) {
     EXPECT_THAT(table, HasSubstr(part));
   }
   EXPECT_EQ(ToJson(backup)["keyframes"], 4711);
