@@ -110,7 +110,10 @@ absl::StatusOr<uint64_t> MapStore::EnterMission(const std::string& name, const s
     return MakeMission(name);
   };
   absl::StatusOr<std::shared_ptr<Mission>> found = FindMission(name);
-  if (absl::IsNotFound(found.status())) found = directory_->UseOrMake(name, make);
+  if (absl::IsNotFound(found.status())) {
+    MakeRoomForMissions(1);
+    found = directory_->UseOrMake(name, make);
+  }
   ASSIGN_OR_RETURN(std::shared_ptr<Mission> mission, std::move(found));
   absl::MutexLock lock(&mutex_);
   mission->profile().NoteUse();

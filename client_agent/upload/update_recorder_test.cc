@@ -390,11 +390,11 @@ TEST(UpdateRecorderTest, WhatIsKeptIsWhatTheStoreHas) {
       if (random() % 15 != 0) continue;
       scenario.Flush(1000);
       scenario.ExpectKeptIsReplica();
-      ASSERT_FALSE(testing::Test::HasFailure()) << "seed " << seed << " step " << step;
+      ASSERT_FALSE(::testing::Test::HasFailure()) << "seed " << seed << " step " << step;
     }
     scenario.Flush(1000);
     scenario.ExpectWholeIsTheSame();
-    ASSERT_FALSE(testing::Test::HasFailure()) << "seed " << seed;
+    ASSERT_FALSE(::testing::Test::HasFailure()) << "seed " << seed;
   }
 }
 
@@ -414,10 +414,10 @@ TEST(UpdateRecorderTest, ANextProcessGoesOnWithWhatIsKept) {
       if (random() % 4 == 0) scenario.Restart();
       scenario.ExpectEqual();
       scenario.ExpectKeptIsReplica();
-      ASSERT_FALSE(testing::Test::HasFailure()) << "seed " << seed << " step " << step;
+      ASSERT_FALSE(::testing::Test::HasFailure()) << "seed " << seed << " step " << step;
     }
     scenario.ExpectExactPlaces();
-    ASSERT_FALSE(testing::Test::HasFailure()) << "seed " << seed;
+    ASSERT_FALSE(::testing::Test::HasFailure()) << "seed " << seed;
   }
 }
 
@@ -433,7 +433,7 @@ TEST(UpdateRecorderTest, BatchesLimitedInKeyframesConvergeToTheSame) {
     EXPECT_FALSE(scenario.HasChanges());
     scenario.ExpectEqual();
     scenario.ExpectExactPlaces();
-    ASSERT_FALSE(testing::Test::HasFailure()) << "seed " << seed;
+    ASSERT_FALSE(::testing::Test::HasFailure()) << "seed " << seed;
   }
 }
 
@@ -471,7 +471,7 @@ TEST(UpdateRecorderTest, BatchesLimitedInItemsConvergeToTheSame) {
     for (int i = 0; i < 2000 && scenario.HasChanges(); ++i) flush();
     EXPECT_FALSE(scenario.HasChanges());
     scenario.ExpectEqual();
-    ASSERT_FALSE(testing::Test::HasFailure()) << "seed " << seed;
+    ASSERT_FALSE(::testing::Test::HasFailure()) << "seed " << seed;
   }
 }
 
@@ -488,7 +488,7 @@ TEST(UpdateRecorderTest, WhatIsHeldBackIsAllToldAtTheEnd) {
     }
     scenario.ExpectExactPlaces();
     scenario.ExpectEqual();
-    ASSERT_FALSE(testing::Test::HasFailure()) << "seed " << seed;
+    ASSERT_FALSE(::testing::Test::HasFailure()) << "seed " << seed;
   }
 }
 
@@ -502,7 +502,7 @@ TEST(UpdateRecorderTest, WhereFeaturesAreLeftOutTheOthersAreTold) {
     }
     scenario.ExpectExactPlaces();
     scenario.ExpectEqual();
-    ASSERT_FALSE(testing::Test::HasFailure()) << "seed " << seed;
+    ASSERT_FALSE(::testing::Test::HasFailure()) << "seed " << seed;
   }
 }
 
@@ -520,10 +520,10 @@ TEST(UpdateRecorderTest, AStoreThatMovesNoPointsIsToldThemAll) {
       scenario.OpenSession();
       scenario.Flush(1000);
       scenario.ExpectEqual();
-      ASSERT_FALSE(testing::Test::HasFailure()) << "seed " << seed << " step " << step;
+      ASSERT_FALSE(::testing::Test::HasFailure()) << "seed " << seed << " step " << step;
     }
     scenario.ExpectExactPlaces();
-    ASSERT_FALSE(testing::Test::HasFailure()) << "seed " << seed;
+    ASSERT_FALSE(::testing::Test::HasFailure()) << "seed " << seed;
   }
 }
 
@@ -555,7 +555,7 @@ TEST(UpdateRecorderTest, BatchesLimitedInBytesConvergeToTheSame) {
     EXPECT_FALSE(scenario.HasChanges());
     scenario.ExpectEqual();
     scenario.ExpectExactPlaces();
-    ASSERT_FALSE(testing::Test::HasFailure()) << "seed " << seed;
+    ASSERT_FALSE(::testing::Test::HasFailure()) << "seed " << seed;
   }
   EXPECT_GT(all_batches, 80);
 }

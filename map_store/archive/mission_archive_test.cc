@@ -162,15 +162,16 @@ TEST_F(MissionArchiveTest, AMissionThatIsThereIsNotOverwritten) {
   EXPECT_TRUE(absl::IsNotFound(store_->BackUpMission("nowhere").status()));
 }
 
-// Returns a state as programs before profiles wrote it: with another format number, and without a
-// profile at the end.
+// Returns a state as programs before profiles and retirement wrote it: with another format number,
+// and without them at the end.
 std::string AsFormat6(const MissionState& of) {
   std::string state = map_store::EncodeState(of);
   const uint32_t format = 6;
   std::memcpy(state.data(), &format, sizeof(format));
   ArchiveWriter profile;
   profile(of.profile);
-  state.resize(state.size() - profile.Take().size());
+  // That nothing has retired takes eight bytes, and sixteen for each local map.
+  state.resize(state.size() - profile.Take().size() - 8 - 16 * of.order.size());
   return state;
 }
 
@@ -201,9 +202,8 @@ std::string AsFormat4(const MissionState& of) {
   std::string state = AsFormat6(in_islands);
   const uint32_t format = 4;
   std::memcpy(state.data(), &format, sizeof(format));
-  // The anchors take their number, and twelve bytes each; that nothing has retired, eight bytes,
-  // and sixteen for each local map.
-  state.resize(state.size() - 8 - 12 * of.global.points.size() - 8 - 16 * of.order.size());
+  // The anchors take their number, and twelve bytes each.
+  state.resize(state.size() - 8 - 12 * of.global.points.size());
   return state;
 }
 

@@ -33,7 +33,6 @@ using map_store::RocksJournal;
 namespace {
 
 namespace fs = std::filesystem;
-using test_data::kMap;
 using test_data::MakeBatch;
 using ::testing::HasSubstr;
 
@@ -90,14 +89,14 @@ class SleepMissionTest : public ::testing::Test {
     SessionRequest request;
     request.mission = mission;
     request.agent = "alpha";
-    request.local_maps = {kMap};
+    request.local_maps = {test_data::kMap};
     return request;
   }
   // Stores the batch with this number, and ends the session.
   void Upload(const std::string& mission, uint64_t number) {
     std::mt19937 random(7);
     MapUpdateBatch batch;
-    for (uint64_t i = 1; i <= number; ++i) batch = MakeBatch(random, kMap, i);
+    for (uint64_t i = 1; i <= number; ++i) batch = MakeBatch(random, test_data::kMap, i);
     const auto opened = store_->OpenSession(Session(mission));
     ASSERT_TRUE(opened.ok()) << opened.status();
     ASSERT_TRUE(store_->Apply(opened->session_id, batch).ok());
@@ -164,8 +163,8 @@ TEST_F(SleepMissionTest, ARobotThatComesWakesIt) {
   ASSERT_EQ(grant->acknowledged.size(), 1u);
   EXPECT_EQ(grant->acknowledged[0].number, 1u);
   std::mt19937 random(7);
-  MakeBatch(random, kMap, 1);
-  ASSERT_TRUE(uplink->Send(MakeBatch(random, kMap, 2)));
+  MakeBatch(random, test_data::kMap, 1);
+  ASSERT_TRUE(uplink->Send(MakeBatch(random, test_data::kMap, 2)));
   EXPECT_EQ(notes.WaitForAcknowledgements(1), 2u);
   EXPECT_FALSE(GetMission().asleep());
   EXPECT_EQ(GetMission().keyframes(), 4u);
