@@ -4,6 +4,8 @@
 #include <system_error>
 #include <vector>
 
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
 #include "absl/time/clock.h"
 #include "services/convert/resource_names.h"
 #include "services/tool/commands/commands.h"
@@ -12,37 +14,29 @@
 #include "services/tool/mission/file_backups.h"
 #include "services/tool/mission/mission_admin.h"
 #include "services/tool/mission/mission_json.h"
+#include "services/tool/output/result.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::services {
 namespace {
 
-void PrintBackups(const MissionArguments& arguments, const std::vector<v1::StoredBackup>& backups) {
-  if (!arguments.json) {
-    std::printf("%s", FormatBackups(backups).c_str());
-    return;
-  }
+void PrintBackups(const std::vector<v1::StoredBackup>& backups) {
   nlohmann::ordered_json json = nlohmann::ordered_json::array();
   for (const v1::StoredBackup& backup : backups) json.push_back(ToJson(backup));
-  std::printf("%s\n", json.dump(2).c_str());
+  PrintResult(FormatBackups(backups), json);
 }
 
 // Prints one backup, or `what` of it for people.
-void PrintBackup(const MissionArguments& arguments, const char* what,
-                 const v1::StoredBackup& backup) {
-  if (arguments.json) {
-    std::printf("%s\n", ToJson(backup).dump(2).c_str());
-    return;
-  }
-  std::printf("%s: %s, %lu keyframes, %.1f MiB\n", backup.name().c_str(), what,
-              static_cast<unsigned long>(backup.keyframes()),
-              static_cast<double>(backup.bytes()) / (1 << 20));
+void PrintBackup(const char* what, const v1::StoredBackup& backup) {
+  PrintResult(absl::StrFormat("%s: %s, %u keyframes, %.1f MiB\n", backup.name(), what,
+                              backup.keyframes(), static_cast<double>(backup.bytes()) / (1 << 20)),
+              ToJson(backup));
 }
 
 absl::Status StoreBackup(const MissionArguments& arguments) {
   ASSIGN_OR_RETURN(const auto channel, Connect(arguments));
   ASSIGN_OR_RETURN(const v1::StoredBackup made, BackupAdmin(channel).Store(arguments.mission));
-  PrintBackup(arguments, "stored", made);
+  PrintBackup("stored", made);
   return absl::OkStatus();
 }
 
@@ -50,7 +44,7 @@ absl::Status ListBackups(const MissionArguments& arguments) {
   ASSIGN_OR_RETURN(const auto channel, Connect(arguments));
   ASSIGN_OR_RETURN(const std::vector<v1::StoredBackup> backups,
                    BackupAdmin(channel).List(arguments.mission));
-  PrintBackups(arguments, backups);
+  PrintBackups(backups);
   return absl::OkStatus();
 }
 
@@ -58,14 +52,14 @@ absl::Status VerifyBackup(const MissionArguments& arguments) {
   RETURN_IF_ERROR(ParseBackupName(arguments.stored).status());
   ASSIGN_OR_RETURN(const auto channel, Connect(arguments));
   ASSIGN_OR_RETURN(const v1::StoredBackup found, BackupAdmin(channel).Verify(arguments.stored));
-  PrintBackup(arguments, "all checksums fit", found);
+  PrintBackup("all checksums fit", found);
   return absl::OkStatus();
 }
 
 absl::Status Archive(const MissionArguments& arguments) {
   ASSIGN_OR_RETURN(const auto channel, Connect(arguments));
   ASSIGN_OR_RETURN(const v1::StoredBackup made, BackupAdmin(channel).Archive(arguments.mission));
-  PrintBackup(arguments, "archived, and deleted from the store", made);
+  PrintBackup("archived, and deleted from the store", made);
   return absl::OkStatus();
 }
 
@@ -123,25 +117,26 @@ absl::Status Restore(const MissionArguments& arguments) {
   ASSIGN_OR_RETURN(const v1::Mission mission, arguments.file.empty()
                                                   ? RestoreStored(arguments, channel)
                                                   : RestoreFile(arguments, channel));
-  if (arguments.json) {
-    std::printf("%s\n", ToJson(mission).dump(2).c_str());
-    return absl::OkStatus();
-  }
-  std::printf("%s: %u local maps, %lu keyframes, %lu map points\n", mission.name().c_str(),
-              mission.local_maps(), static_cast<unsigned long>(mission.keyframes()),
-              static_cast<unsigned long>(mission.map_points()));
+  PrintResult(
+      absl::StrCat(mission.name(), ": ", mission.local_maps(), " local maps, ", mission.keyframes(),
+                   " keyframes, ", mission.map_points(), " map points\n"),
+      ToJson(mission));
   return absl::OkStatus();
 }
 
 absl::Status BackUpAllMissions(const MissionArguments& arguments) {
   ASSIGN_OR_RETURN(const auto channel, Connect(arguments));
   MissionAdmin admin(channel);
-  return BackUpAll(admin, {arguments.folder, arguments.keep}, absl::Now(),
-                   [](const std::string& mission, const absl::StatusOr<std::string>& file) {
-                     std::printf(
-                         "%s: %s\n", mission.c_str(),
-                         file.ok() ? file->c_str() : std::string(file.status().message()).c_str());
-                   });
+  nlohmann::ordered_json files = nlohmann::ordered_json::array();
+  const auto note = [&files](const std::string& mission, const absl::StatusOr<std::string>& file) {
+    const std::string words(file.ok() ? *file : std::string(file.status().message()));
+    Say(absl::StrCat(mission, ": ", words, "\n"));
+    files.push_back({{"mission", mission}, {file.ok() ? "file" : "error", words}});
+  };
+  const absl::Status status =
+      BackUpAll(admin, {arguments.folder, arguments.keep}, absl::Now(), note);
+  PrintResult("", files);
+  return status;
 }
 
 void AddStoredFlag(CLI::App& action, MissionArguments& arguments) {

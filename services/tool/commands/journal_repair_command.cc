@@ -1,13 +1,16 @@
 // The commands that mend and upgrade a stopped store's folder.
-#include <cstdio>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
 #include "map_store/journal_repair.h"
 #include "map_store/rocks/journal_rehearsal.h"
 #include "services/tool/commands/commands.h"
 #include "services/tool/commands/journal_actions.h"
+#include "services/tool/output/result.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::services {
@@ -26,24 +29,25 @@ struct JournalArguments {
   bool dry_run = false;
 };
 
-void PrintLost(const SalvageReport& salvage) {
+// Returns what is lost, a line each.
+std::vector<std::string> DescribeLost(const SalvageReport& salvage) {
+  std::vector<std::string> lost;
   if (!salvage.not_opened.ok()) {
-    std::printf("lost: the log, and what is newer than the files that are whole (%s)\n",
-                std::string(salvage.not_opened.message()).c_str());
+    lost.push_back(absl::StrCat("lost: the log, and what is newer than the files that are whole (",
+                                salvage.not_opened.message(), ")"));
   }
   if (!salvage.ended.ok()) {
-    std::printf("lost: what comes after record %lu (%s)\n",
-                static_cast<unsigned long>(salvage.last),
-                std::string(salvage.ended.message()).c_str());
+    lost.push_back(absl::StrCat("lost: what comes after record ", salvage.last, " (",
+                                salvage.ended.message(), ")"));
   }
   if (salvage.durable > salvage.last) {
-    std::printf("lost: at least %lu records, up to %lu, which was durable\n",
-                static_cast<unsigned long>(salvage.durable - salvage.last),
-                static_cast<unsigned long>(salvage.durable));
+    lost.push_back(absl::StrCat("lost: at least ", salvage.durable - salvage.last,
+                                " records, up to ", salvage.durable, ", which was durable"));
   }
   for (const auto& [id, why] : salvage.without_features) {
-    std::printf("keyframe %s has lost its features (%s)\n", ToString(id).c_str(), why.c_str());
+    lost.push_back(absl::StrCat("keyframe ", ToString(id), " has lost its features (", why, ")"));
   }
+  return lost;
 }
 
 absl::Status Repair(const JournalArguments& arguments) {
@@ -51,37 +55,64 @@ absl::Status Repair(const JournalArguments& arguments) {
       const RepairReport report,
       map_store::RepairMission(arguments.directory, arguments.mission, arguments.file));
   const SalvageReport& salvage = report.salvage;
-  std::printf(
-      "read: %s and %lu records, up to record %lu\n",
-      salvage.snapshot == 0 ? "no snapshot" : absl::StrCat("snapshot ", salvage.snapshot).c_str(),
-      static_cast<unsigned long>(salvage.records), static_cast<unsigned long>(salvage.last));
-  PrintLost(salvage);
-  std::printf(
-      "%s: mission %s with %zu agents, %zu local maps, %zu keyframes; %zu keyframes were left out; "
-      "%lu bytes\n",
-      arguments.file.c_str(), arguments.mission.c_str(), report.agents, report.local_maps,
-      report.keyframes, report.left_out, static_cast<unsigned long>(report.bytes));
+  const std::vector<std::string> lost = DescribeLost(salvage);
+  std::string text = absl::StrCat(
+      "read: ", salvage.snapshot == 0 ? "no snapshot" : absl::StrCat("snapshot ", salvage.snapshot),
+      " and ", salvage.records, " records, up to record ", salvage.last, "\n");
+  for (const std::string& line : lost) absl::StrAppend(&text, line, "\n");
+  absl::StrAppend(&text, arguments.file, ": mission ", arguments.mission, " with ", report.agents,
+                  " agents, ", report.local_maps, " local maps, ", report.keyframes, " keyframes; ",
+                  report.left_out, " keyframes were left out; ", report.bytes, " bytes\n");
+  PrintResult(text, {{"mission", arguments.mission},
+                     {"file", arguments.file},
+                     {"bytes", report.bytes},
+                     {"agents", report.agents},
+                     {"local_maps", report.local_maps},
+                     {"keyframes", report.keyframes},
+                     {"left_out", report.left_out},
+                     {"snapshot", salvage.snapshot},
+                     {"records", salvage.records},
+                     {"last_record", salvage.last},
+                     {"lost", lost}});
   return absl::OkStatus();
 }
 
-void PrintPlan(const std::string& directory, const UpgradePlan& plan) {
+std::string DescribePlan(const std::string& directory, const UpgradePlan& plan) {
+  if (!plan.needed()) {
+    return absl::StrCat(directory, " is of format ", plan.from,
+                        ", this program's own: nothing is to be done\n");
+  }
+  std::string text;
   for (const MissionToUpgrade& mission : plan.missions) {
-    std::printf("%s: %lu records since its snapshot, features of %lu keyframes; %.1f MiB\n",
-                mission.name.c_str(), static_cast<unsigned long>(mission.records),
-                static_cast<unsigned long>(mission.keyframes),
-                static_cast<double>(mission.bytes) / (1 << 20));
+    absl::StrAppendFormat(&text,
+                          "%s: %u records since its snapshot, features of %u keyframes; %.1f MiB\n",
+                          mission.name, mission.records, mission.keyframes,
+                          static_cast<double>(mission.bytes) / (1 << 20));
   }
-  if (plan.bytes_needed == 0) {
-    std::printf("%s is of format %u and becomes %u: %zu missions change where they are\n",
-                directory.c_str(), plan.from, plan.to, plan.missions.size());
-    return;
+  absl::StrAppend(&text, directory, " is of format ", plan.from, " and becomes ", plan.to, ": ",
+                  plan.missions.size());
+  if (plan.bytes_needed == 0) return text + " missions change where they are\n";
+  absl::StrAppendFormat(&text,
+                        " missions are copied, which takes %.1f MiB more for a while; the disk has "
+                        "%.1f MiB free\n",
+                        static_cast<double>(plan.bytes_needed) / (1 << 20),
+                        static_cast<double>(plan.bytes_free) / (1 << 20));
+  return text;
+}
+
+nlohmann::ordered_json PlanToJson(const UpgradePlan& plan) {
+  nlohmann::ordered_json missions = nlohmann::ordered_json::array();
+  for (const MissionToUpgrade& mission : plan.missions) {
+    missions.push_back({{"name", mission.name},
+                        {"records", mission.records},
+                        {"keyframes", mission.keyframes},
+                        {"bytes", mission.bytes}});
   }
-  std::printf(
-      "%s is of format %u and becomes %u: %zu missions are copied, which takes %.1f MiB more for a "
-      "while; the disk has %.1f MiB free\n",
-      directory.c_str(), plan.from, plan.to, plan.missions.size(),
-      static_cast<double>(plan.bytes_needed) / (1 << 20),
-      static_cast<double>(plan.bytes_free) / (1 << 20));
+  return {{"from_format", plan.from},
+          {"to_format", plan.to},
+          {"bytes_needed", plan.bytes_needed},
+          {"bytes_free", plan.bytes_free},
+          {"missions", missions}};
 }
 
 absl::Status Upgrade(const JournalArguments& arguments) {
@@ -89,18 +120,14 @@ absl::Status Upgrade(const JournalArguments& arguments) {
   if (plan.from == 0) {
     return absl::FailedPreconditionError(absl::StrCat(arguments.directory, " holds no journal"));
   }
-  if (!plan.needed()) {
-    std::printf("%s is of format %u, this program's own: nothing is to be done\n",
-                arguments.directory.c_str(), plan.from);
-    return absl::OkStatus();
-  }
-  PrintPlan(arguments.directory, plan);
-  if (!arguments.dry_run) {
-    RETURN_IF_ERROR(map_store::UpgradeFolder(arguments.directory));
-    std::printf("done: older programs don't read it any more\n");
-    return absl::OkStatus();
-  }
-  if (plan.bytes_free >= plan.bytes_needed) return absl::OkStatus();
+  nlohmann::ordered_json json = PlanToJson(plan);
+  const bool is_done = plan.needed() && !arguments.dry_run;
+  if (is_done) RETURN_IF_ERROR(map_store::UpgradeFolder(arguments.directory));
+  json["upgraded"] = is_done;
+  PrintResult(DescribePlan(arguments.directory, plan) +
+                  (is_done ? "done: older programs don't read it any more\n" : ""),
+              json);
+  if (is_done || plan.bytes_free >= plan.bytes_needed) return absl::OkStatus();
   return absl::ResourceExhaustedError(absl::StrCat("the upgrade wants ", plan.bytes_needed,
                                                    " bytes and the disk has ", plan.bytes_free,
                                                    " free: make room, or move the folder"));

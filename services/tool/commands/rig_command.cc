@@ -113,7 +113,7 @@ absl::StatusOr<RigCheck> CheckSource(const SourceSpec& spec, double seconds) {
   return CheckLiveRig(*camera.stream, camera.description, absl::Seconds(seconds));
 }
 
-nlohmann::ordered_json ToJson(const RigCheck& check) {
+nlohmann::ordered_json RigCheckToJson(const RigCheck& check) {
   nlohmann::ordered_json description = nlohmann::ordered_json::object();
   for (const auto& [name, value] : check.description) description[name] = value;
   nlohmann::ordered_json findings = nlohmann::ordered_json::array();
@@ -132,7 +132,7 @@ absl::Status Check(const CheckArguments& arguments) {
   if (!arguments.rig.empty()) RETURN_IF_ERROR(UseRig(arguments.rig, spec));
   ASSIGN_OR_RETURN(const RigCheck check, CheckSource(spec, arguments.seconds));
   std::string text = FormatRigCheck(check);
-  nlohmann::ordered_json json = ToJson(check);
+  nlohmann::ordered_json json = RigCheckToJson(check);
   if (!arguments.out.empty() && !check.picture.empty()) {
     if (!cv::imwrite(arguments.out, check.picture)) {
       return absl::UnavailableError("cannot write " + arguments.out);

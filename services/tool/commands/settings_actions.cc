@@ -1,23 +1,20 @@
 // Adds `mission create` and `mission set`.
-#include <cstdio>
-
+#include "absl/strings/str_cat.h"
 #include "services/convert/resource_names.h"
 #include "services/tool/commands/mission_arguments.h"
 #include "services/tool/mission/mission_admin.h"
 #include "services/tool/mission/mission_json.h"
 #include "services/tool/mission/mission_settings.h"
+#include "services/tool/output/result.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::services {
 namespace {
 
-void Print(const MissionArguments& arguments, const char* what, const v1::Mission& mission) {
-  if (arguments.json) {
-    std::printf("%s\n", ToJson(mission).dump(2).c_str());
-  } else {
-    std::printf("%s mission %s\n%s", what, LastSegment(mission.name()).c_str(),
-                FormatSettings(mission).c_str());
-  }
+void Print(const char* what, const v1::Mission& mission) {
+  PrintResult(
+      absl::StrCat(what, " mission ", LastSegment(mission.name()), "\n", FormatSettings(mission)),
+      ToJson(mission));
 }
 
 absl::Status Create(const MissionArguments& arguments) {
@@ -30,7 +27,7 @@ absl::Status Create(const MissionArguments& arguments) {
   }
   ASSIGN_OR_RETURN(const auto channel, Connect(arguments));
   ASSIGN_OR_RETURN(const v1::Mission made, MissionAdmin(channel).Create(wanted));
-  Print(arguments, "created", made);
+  Print("created", made);
   return absl::OkStatus();
 }
 
@@ -41,7 +38,7 @@ absl::Status Set(const MissionArguments& arguments) {
   ASSIGN_OR_RETURN(const v1::Mission now, admin.Get(arguments.mission));
   ASSIGN_OR_RETURN(const v1::UpdateMissionRequest request, MakeUpdate(arguments.settings, now));
   ASSIGN_OR_RETURN(const v1::Mission changed, admin.Update(request));
-  Print(arguments, "changed", changed);
+  Print("changed", changed);
   return absl::OkStatus();
 }
 
