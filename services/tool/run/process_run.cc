@@ -132,7 +132,8 @@ absl::Status ProcessRun::StartServers() {
     return absl::OkStatus();
   }
   ASSIGN_OR_RETURN(const std::string worker, StartServer("fusion_worker", {}, false));
-  std::vector<std::string> arguments = {"--worker", worker};
+  // The report is of all that the robots made.
+  std::vector<std::string> arguments = {"--worker", worker, "--keep-everything"};
   if (options_.view) {
     ASSIGN_OR_RETURN(const std::string folder, MakeFreshPath("missions"));
     arguments.insert(arguments.end(), {"--data-dir", folder});
