@@ -337,9 +337,12 @@ TEST_F(SecureServiceTest, NoMethodForgetsTheMission) {
     // It names no mission, and leaves out those that the caller may not look into.
     if (method->name() == "ListMissions") continue;
     std::string request = "{}";
-    for (const char* field : {"name", "parent", "mission"}) {
-      if (method->input_type()->FindFieldByName(field) == nullptr) continue;
-      request = absl::StrCat("{\"", field, "\": \"missions/lab\"}");
+    for (const char* name : {"name", "parent", "mission", "backup"}) {
+      const google::protobuf::FieldDescriptor* field = method->input_type()->FindFieldByName(name);
+      if (field == nullptr) continue;
+      request = field->message_type() != nullptr
+                    ? absl::StrCat("{\"", name, "\": {\"name\": \"missions/lab\"}}")
+                    : absl::StrCat("{\"", name, "\": \"missions/lab\"}");
     }
     if (method->name() == "Sync")
       request = R"({"open": {"mission": "missions/lab", "agent": "o"}})";

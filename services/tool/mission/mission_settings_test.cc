@@ -108,7 +108,7 @@ TEST(MissionSettingsTest, SaysAllThatIsSet) {
   mission.set_created_ns(1);
   const std::string text = FormatSettings(mission);
   EXPECT_THAT(text,
-              AllOf(HasSubstr("Description: line\\n\\x1b[2Jtwo\n"), HasSubstr("Label: site=3\n"),
+              AllOf(HasSubstr("Description: line\\n\\033[2Jtwo\n"), HasSubstr("Label: site=3\n"),
                     HasSubstr("Limits: 5 keyframes, 3 MiB of memory\n"),
                     HasSubstr("Limits of alpha: 8 kbit/s a robot\n"),
                     HasSubstr("Retention: deleted once unused for 1 d\n"),
