@@ -24,13 +24,24 @@ class LocalisedOutbox {
     if (frames_.size() > kMaxFrames) frames_.pop_front();
   }
 
-  // Sends all frames, if the last were sent that long ago.
+  // Sends all frames, if the last were sent that long ago. Called by one thread; others may add
+  // meanwhile.
   void SendTo(Uplink& uplink, absl::Duration interval, absl::Time now) {
+    std::vector<LocalisedFrame> frames;
+    {
+      absl::MutexLock lock(&mutex_);
+      if (frames_.empty() || now - last_ < interval) return;
+      frames.assign(frames_.begin(), frames_.end());
+      frames_.clear();
+    }
+    const bool is_sent = uplink.SendLocalised(frames);
     absl::MutexLock lock(&mutex_);
-    if (frames_.empty() || now - last_ < interval) return;
-    if (!uplink.SendLocalised({frames_.begin(), frames_.end()})) return;
-    last_ = now;
-    frames_.clear();
+    if (is_sent) {
+      last_ = now;
+      return;
+    }
+    frames_.insert(frames_.begin(), frames.begin(), frames.end());
+    while (frames_.size() > kMaxFrames) frames_.pop_front();
   }
 
  private:
