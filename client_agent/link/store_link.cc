@@ -327,10 +327,20 @@ void StoreLink::ConnectIfDue() {
   uplink_->Open(request, this);
 }
 
+// Before its first batch nothing of a local map is safe in the spool.
+bool StoreLink::BeginsInSpool(const Recording& recording) const {
+  return WritesAll() && !recording.closed && !queue_.HasBegun(recording.recorder->local_map());
+}
+
 bool StoreLink::FlushIsDue() const {
   const absl::Duration age = options_.clock() - last_flush_;
   if (!queue_.HasUnsent() && age >= options_.flush_interval) return true;
   if (age >= options_.backlog_flush_interval) return true;
+  const bool begins =
+      std::any_of(recordings_.begin(), recordings_.end(),
+                  [this](const auto& recording)
+                      ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { return BeginsInSpool(*recording); });
+  if (begins && age >= options_.flush_interval) return true;
   return std::any_of(recordings_.begin(), recordings_.end(), [this](const auto& recording) {
     return !recording->closed && (recording->closing || recording->recorder->pending_keyframes() >=
                                                             options_.max_keyframes_per_batch);
@@ -347,7 +357,7 @@ void StoreLink::TakeBatches(bool all) {
     const bool no_frames_come = !all && last_flush_ - frames_.last_added() > options_.max_hold;
     for (auto& recording : recordings_) {
       if (recording->closed) continue;
-      if (no_frames_come) recording->recorder->StopHoldingBack();
+      if (no_frames_come || BeginsInSpool(*recording)) recording->recorder->StopHoldingBack();
       open.push_back(recording.get());
     }
     // Under a budget the first local map may leave nothing for the others: they take turns.

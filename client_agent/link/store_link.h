@@ -187,6 +187,7 @@ class StoreLink : private UplinkListener {
   // Returns true if no local map goes on.
   bool IsFinishing() const;
   bool IsDone() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  bool BeginsInSpool(const Recording& recording) const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   bool FlushIsDue() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   absl::Duration NextBackoff() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 

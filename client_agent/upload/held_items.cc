@@ -201,7 +201,6 @@ absl::Status TellHeldOf(const FoundOfMap& found, Spool& spool, std::vector<Spool
 }  // namespace
 
 absl::Status HeldWriter::Write(const HeldItems& held, uint64_t last_batch, Spool& spool) {
-  if (last_batch == 0) return absl::OkStatus();
   for (const FullKeyframe& keyframe : held.keyframes) {
     MapUpdateBatch batch;
     batch.local_map = held.rest.local_map;

@@ -24,7 +24,7 @@ struct HeldItems {
 // thread-safe.
 class HeldWriter {
  public:
-  // `last_batch` is the number of the last batch before; nothing is written before the first.
+  // `last_batch` is the number of the last batch before, at least 1.
   absl::Status Write(const HeldItems& held, uint64_t last_batch, Spool& spool);
   // It is all in batches now.
   void Release(Spool& spool);

@@ -96,6 +96,7 @@ class UpdateRecorder : public MapObserver {
   // Nothing is held back until the next frame comes.
   void StopHoldingBack();
 
+  LocalMapId local_map() const { return local_map_; }
   bool HasChanges() const;
   // Items that were not told because their values are impossible (slam/exchange/item_checks.h),
   // since the beginning; each is logged. What hangs on such an item is not told either.

@@ -210,6 +210,11 @@ void UploadQueue::TakeSyncError() {
   outbox_.MarkUnwritten(synced);
 }
 
+bool UploadQueue::HasBegun(LocalMapId local_map) const {
+  absl::MutexLock lock(&mutex_);
+  return outbox_.LastNumber(local_map) > 0;
+}
+
 std::optional<uint64_t> UploadQueue::WriteHeld(const HeldItems& held) {
   uint64_t last = 0;
   {
@@ -217,6 +222,7 @@ std::optional<uint64_t> UploadQueue::WriteHeld(const HeldItems& held) {
     if (outbox_.OldestUnwritten() != nullptr) return std::nullopt;
     last = outbox_.LastNumber(held.rest.local_map);
   }
+  if (last == 0) return std::nullopt;
   const uint64_t before = spool_->appended_bytes();
   HeldWriter& writer = held_[held.rest.local_map];
   absl::Status written = writer.Write(held, last, *spool_);

@@ -103,8 +103,11 @@ class UploadQueue {
   void Spill();
   // Moves all batches to the spool, for the next process. Returns whether it has them all.
   bool SpillAll();
+  // Returns whether the local map has a batch.
+  bool HasBegun(LocalMapId local_map) const;
   // Has the spool keep what a local map holds back, in place of what it held before. Returns how
-  // many bytes that took; nullopt: the disk did not take it, or the batches before it.
+  // many bytes that took; nullopt: the disk did not take it, or the batches before it, or there is
+  // no batch yet, which alone says what camera took the keyframes.
   std::optional<uint64_t> WriteHeld(const HeldItems& held);
   // Nothing is held back of the local map any more.
   void ReleaseHeld(LocalMapId local_map);

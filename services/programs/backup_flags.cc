@@ -1,6 +1,7 @@
 #include "services/programs/backup_flags.h"
 
 #include "absl/strings/str_cat.h"
+#include "services/command_line/help_formatter.h"
 #include "services/programs/checks.h"
 #include "slam/util/status_macros.h"
 
@@ -24,10 +25,12 @@ void AddBackupFlags(CLI::App& app, BackupFlags& flags) {
       ->capture_default_str();
   app.add_option("--backup-mb-per-s", flags.mb_per_s, "MB a second that backups write; 0: any")
       ->check(CLI::Range(0.0, 100000.0))
+      ->group(kRareGroup)
       ->capture_default_str();
   app.add_option("--scrub-mb-per-s", flags.scrub_mb_per_s,
                  "MB a second of the data folder that are read again to find damage; 0: never")
       ->check(CLI::Range(0.0, 100000.0))
+      ->group(kRareGroup)
       ->capture_default_str();
 }
 

@@ -14,6 +14,7 @@
 #include "map_store/map_store.h"
 #include "map_store/mission/mission_load.h"
 #include "map_store/rocks/rocks_journal.h"
+#include "services/command_line/help_formatter.h"
 #include "services/convert/resource_names.h"
 #include "services/map_store_service/map_store_service.h"
 #include "services/observe/event_log/server_minutes.h"
@@ -214,6 +215,7 @@ void AddFlags(CLI::App& app, Flags& flags) {
   app.add_option("--min-free-mb", flags.min_free_mb,
                  "MiB that are left free on its disk; with less, agents are told to wait")
       ->check(CLI::Range(0, 1 << 20))
+      ->group(kRareGroup)
       ->capture_default_str();
   AddBackupFlags(app, flags.backup);
   app.add_option(
@@ -234,13 +236,16 @@ void AddFlags(CLI::App& app, Flags& flags) {
   app.add_option("--adjust-threads", flags.store.adjust_threads,
                  "Solver threads of a bundle adjustment")
       ->check(CLI::Range(1, 64))
+      ->group(kRareGroup)
       ->capture_default_str();
   app.add_option("--cull-share", flags.store.cull_share,
                  "Keyframes whose points three others see to this share are culled; 0: none")
       ->check(CLI::Range(0.0, 1.0))
+      ->group(kRareGroup)
       ->capture_default_str();
   app.add_option("--cull-target", flags.store.cull_target,
                  "Keyframes of an island beyond which the most redundant are culled; 0: none")
+      ->group(kRareGroup)
       ->capture_default_str();
   app.add_flag("--keep-everything", flags.keep_everything,
                "Keep also keyframes of closed sessions that others stand in for, and points that "
@@ -250,6 +255,7 @@ void AddFlags(CLI::App& app, Flags& flags) {
       ->capture_default_str();
   app.add_option("--shared-bytes", flags.service.shared_bytes, "Bytes of one shared update, about")
       ->check(CLI::Range(size_t{1024}, size_t{2} << 20))
+      ->group(kRareGroup)
       ->capture_default_str();
   app.add_option("--drain", flags.drain_s, "Seconds that streams have to end after SIGTERM")
       ->check(CLI::Range(0.0, 3600.0))

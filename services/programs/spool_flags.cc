@@ -23,6 +23,7 @@ void AddSpoolFlags(CLI::App& app, SpoolFlags& flags) {
       ->type_name("DIR");
   app.add_option("--spool-mb", flags.mb, "MiB in it at most")
       ->check(CLI::Range(1, 1 << 20))
+      ->group(kRareGroup)
       ->capture_default_str();
   app.add_option("--spool-sync-s", flags.sync_s,
                  "Seconds after which a loss of power takes nothing; 0: only what memory has no "

@@ -68,7 +68,8 @@ class KilledRobotTest : public FaultTest {
     auto spool = OpenSpool(Spool(kill), "mortal");
     EXPECT_TRUE(spool.ok()) << spool.status();
     if (!spool.ok()) return 0;
-    EXPECT_TRUE(TellHeld(**spool).ok());
+    const absl::Status told = TellHeld(**spool);
+    EXPECT_TRUE(told.ok()) << told;
     const absl::StatusOr<KeptMap> kept = ReadNewestKeptMap(**spool);
     EXPECT_TRUE(kept.ok() || absl::IsNotFound(kept.status())) << kept.status();
     return kept.ok() ? kept->next_keyframe() : 0;
