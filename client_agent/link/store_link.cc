@@ -349,6 +349,7 @@ bool StoreLink::FlushIsDue() const {
 
 void StoreLink::TakeBatches(bool all) {
   std::vector<Recording*> open;
+  std::vector<Recording*> beginning;
   {
     absl::MutexLock lock(&mutex_);
     if (!all && !FlushIsDue()) return;
@@ -357,6 +358,7 @@ void StoreLink::TakeBatches(bool all) {
     const bool no_frames_come = !all && last_flush_ - frames_.last_added() > options_.max_hold;
     for (auto& recording : recordings_) {
       if (recording->closed) continue;
+      if (BeginsInSpool(*recording)) beginning.push_back(recording.get());
       if (no_frames_come || BeginsInSpool(*recording)) recording->recorder->StopHoldingBack();
       open.push_back(recording.get());
     }
@@ -370,6 +372,7 @@ void StoreLink::TakeBatches(bool all) {
   for (Recording* recording : open) {
     while (TakeBatchOf(*recording)) queue_.Spill();
   }
+  for (Recording* recording : beginning) recording->recorder->HoldBack();
   absl::MutexLock lock(&mutex_);
   NoteHeldBack();
 }

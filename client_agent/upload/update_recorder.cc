@@ -124,6 +124,11 @@ void UpdateRecorder::StopHoldingBack() {
   holds_back_ = false;
 }
 
+void UpdateRecorder::HoldBack() {
+  absl::MutexLock lock(&mutex_);
+  holds_back_ = true;
+}
+
 bool UpdateRecorder::HasChanges() const {
   absl::MutexLock lock(&mutex_);
   return HasMore();

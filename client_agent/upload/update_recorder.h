@@ -95,6 +95,8 @@ class UpdateRecorder : public MapObserver {
   void AskForExactPlaces();
   // Nothing is held back until the next frame comes.
   void StopHoldingBack();
+  // Holds back again.
+  void HoldBack() ABSL_LOCKS_EXCLUDED(mutex_);
 
   LocalMapId local_map() const { return local_map_; }
   bool HasChanges() const;
