@@ -102,7 +102,7 @@ look() {
   "$programs/corbslam" mission list --server "$address" --tls-ca "$work/certificates/ca.pem" \
     --tls-cert "$work/certificates/operator.pem" --tls-key "$work/certificates/operator.key" \
     > "$work/missions" 2> "$work/problem" || return 1
-  awk '$1 == "missions/lab" && $NF == "idle" {print $3, $4, $5, $6; found = 1} END {exit !found}' \
+  awk '$1 == "missions/lab" && ($NF == "idle" || $NF == "asleep") {print $3, $4, $5, $6; found = 1} END {exit !found}' \
     "$work/missions"
 }
 
