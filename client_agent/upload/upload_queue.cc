@@ -20,7 +20,7 @@ UploadQueue::UploadQueue(const UploadQueueOptions& options, std::unique_ptr<Spoo
   std::set<LocalMapId> cut;
   std::vector<SpooledBatch> in_order = spool_->TakeFound();
   // What stands for earlier batches may have been written after later ones.
-  std::ranges::stable_partition(in_order, [](const SpooledBatch& found) {
+  std::stable_partition(in_order.begin(), in_order.end(), [](const SpooledBatch& found) {
     return found.record.kind == SpoolRecord::Kind::kWholePart ||
            found.record.kind == SpoolRecord::Kind::kWholeEnd;
   });
