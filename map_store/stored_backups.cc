@@ -61,9 +61,11 @@ absl::StatusOr<StoredBackup> StoredBackups::Store(const std::string& mission) {
   return made;
 }
 
-bool StoredBackups::IsUnusedSince(const std::string& mission, const StoredBackup& backup) const {
+bool StoredBackups::SleepsAsStored(const std::string& mission, const StoredBackup& backup) const {
   const absl::StatusOr<MissionInfo> info = store_.GetMission(mission);
-  return info.ok() && info->asleep &&
+  // Fusion may have gone on after the last use, and before the mission fell asleep.
+  return info.ok() && info->asleep && info->revision == backup.facts.revision &&
+         info->keyframes == backup.facts.keyframes &&
          absl::FromUnixNanos(info->profile.last_used_ns) < backup.facts.created;
 }
 
@@ -74,7 +76,7 @@ absl::StatusOr<bool> StoredBackups::StoreIfChanged(const std::string& mission,
     const absl::Duration age = clock_() - backups.back().facts.created;
     // A time to come is one of a clock that was wrong.
     if (age >= absl::ZeroDuration() && age < least_age) return false;
-    if (IsUnusedSince(mission, backups.back()) || shelf_->IsCurrent(backups.back())) return false;
+    if (SleepsAsStored(mission, backups.back()) || shelf_->IsCurrent(backups.back())) return false;
   }
   RETURN_IF_ERROR(Store(mission).status());
   return true;

@@ -48,9 +48,9 @@ class StoredBackups {
   absl::StatusOr<StoredBackup> Archive(const std::string& mission);
 
  private:
-  // Returns whether the mission sleeps and has done so since the backup was made: there is no need
-  // to open its database.
-  bool IsUnusedSince(const std::string& mission, const StoredBackup& backup) const;
+  // Returns whether the mission sleeps and is what the backup holds, as far as its summary tells:
+  // there is no need to open its database.
+  bool SleepsAsStored(const std::string& mission, const StoredBackup& backup) const;
   absl::StatusOr<BackupFacts> FactsOf(const std::string& mission) const;
   // Reads the backup as a start would, without features, and compares it with what it should hold.
   absl::Status CheckReadsBack(const StoredBackup& backup) const;

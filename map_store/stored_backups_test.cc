@@ -121,6 +121,25 @@ TEST_F(StoredBackupsTest, SaysWhatItHoldsAndSharesFiles) {
   EXPECT_EQ(rest->next_page_token, "");
 }
 
+TEST_F(StoredBackupsTest, AMissionThatSleepsIsReadForABackupOnlyWhereItHasChanged) {
+  const auto needs = [this] {
+    now_ += absl::Hours(1);
+    const auto made = backups_->StoreIfChanged("m", absl::ZeroDuration());
+    EXPECT_TRUE(made.ok()) << made.status();
+    return made.ok() && *made;
+  };
+  Stream("m", 3);
+  EXPECT_TRUE(needs());
+  ASSERT_TRUE(store_->SleepMission("m").ok());
+  EXPECT_FALSE(needs());
+  EXPECT_TRUE(store_->GetMission("m")->asleep) << "it was not read for nothing";
+  // Its last use is before the backup by these clocks, as where fusion goes on alone.
+  Stream("m", 1);
+  ASSERT_TRUE(store_->SleepMission("m").ok());
+  EXPECT_TRUE(needs());
+  EXPECT_EQ(Numbers("m").size(), 2u);
+}
+
 TEST_F(StoredBackupsTest, AMissionThatHasNotChangedNeedsNoneButAnotherOfItsNameDoes) {
   const auto needs = [this](absl::Duration least_age) {
     const auto made = backups_->StoreIfChanged("m", least_age);

@@ -122,6 +122,7 @@ absl::StatusOr<MissionDirectory::Lease> MissionDirectory::UseOrMake(absl::string
     if (it->second->stage == Stage::kBeingMade) {
       return absl::UnavailableError(absl::StrCat("mission ", name, " is being made"));
     }
+    RETURN_IF_ERROR(CheckUsable(name, *it->second));
     // One that nothing was written of must not go before this user has it.
     if (it->second->stage == Stage::kAwake) return LeaseOf(it->second);
   }
