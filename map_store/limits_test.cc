@@ -8,9 +8,12 @@
 
 #include "absl/strings/str_cat.h"
 #include "map_store/map_store.h"
+#include "map_store/testing/blank_batch.h"
 
 namespace corbslam::map_store {
 namespace {
+
+using testing::BlankBatch;
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -40,21 +43,6 @@ class LimitsTest : public ::testing::Test {
     return opened->session_id;
   }
 
-  static MapUpdateBatch Batch(LocalMapId local_map, uint64_t number, size_t keypoints = 0) {
-    MapUpdateBatch batch;
-    batch.local_map = local_map;
-    batch.number = number;
-    if (number == 1) {
-      batch.cameras = {
-          std::make_shared<const Camera>(Camera{500, 500, 320, 240, 640, 480, 0.1, 4})};
-    }
-    auto payload = std::make_shared<KeyframePayload>();
-    payload->id = {local_map, static_cast<uint32_t>(number)};
-    payload->features.keypoints.resize(keypoints);
-    payload->features.descriptors.resize(keypoints);
-    batch.full_keyframes = {{payload, Rigid3d::Identity(), {}}};
-    return batch;
-  }
   static void ExpectTooMuch(const absl::Status& status, const std::vector<std::string>& says) {
     EXPECT_EQ(status.code(), absl::StatusCode::kResourceExhausted) << status;
     for (const std::string& part : says) {
@@ -71,9 +59,9 @@ TEST_F(LimitsTest, BytesOfAKeyframe) {
   options_.max_keyframe_bytes = 5000;
   Start();
   const uint64_t a = Open("a");
-  ExpectTooMuch(store_->Apply(a, Batch(kMapA, 1, 200)).status(),
+  ExpectTooMuch(store_->Apply(a, BlankBatch(kMapA, 1, 200)).status(),
                 {"000000000000000a:1", "limit is 5000"});
-  EXPECT_TRUE(store_->Apply(a, Batch(kMapA, 1, 90)).ok());
+  EXPECT_TRUE(store_->Apply(a, BlankBatch(kMapA, 1, 90)).ok());
 }
 
 TEST_F(LimitsTest, BytesOfAnAgentAndNobodyElse) {
@@ -84,16 +72,16 @@ TEST_F(LimitsTest, BytesOfAnAgentAndNobodyElse) {
   uint64_t stored = 0;
   absl::Status status;
   for (uint64_t number = 1; status.ok() && number < 100; ++number) {
-    status = store_->Apply(a, Batch(kMapA, number, 100)).status();
+    status = store_->Apply(a, BlankBatch(kMapA, number, 100)).status();
     stored += status.ok() ? 1 : 0;
   }
   ExpectTooMuch(status, {"agent a has", "limit is 20000", "000000000000000a"});
   EXPECT_GE(stored, 2u);
   EXPECT_LE(stored, 4u);
   // Other local maps of the agent count, too; other agents go on, and so do duplicates.
-  ExpectTooMuch(store_->Apply(a, Batch({0xc}, 1, 100)).status(), {"agent a has"});
-  EXPECT_TRUE(store_->Apply(b, Batch(kMapB, 1, 100)).ok());
-  EXPECT_EQ(store_->Apply(a, Batch(kMapA, 1, 100))->number, stored);
+  ExpectTooMuch(store_->Apply(a, BlankBatch({0xc}, 1, 100)).status(), {"agent a has"});
+  EXPECT_TRUE(store_->Apply(b, BlankBatch(kMapB, 1, 100)).ok());
+  EXPECT_EQ(store_->Apply(a, BlankBatch(kMapA, 1, 100))->number, stored);
   EXPECT_EQ(store_->GetLocalMap("m", kMapA)->keyframes, stored);
 }
 
@@ -102,12 +90,12 @@ TEST_F(LimitsTest, BytesOfAMission) {
   Start();
   const uint64_t a = Open("a");
   const uint64_t b = Open("b");
-  EXPECT_TRUE(store_->Apply(a, Batch(kMapA, 1, 150)).ok());
-  EXPECT_TRUE(store_->Apply(b, Batch(kMapB, 1, 150)).ok());
-  ExpectTooMuch(store_->Apply(b, Batch(kMapB, 2, 150)).status(), {"mission m has", "20000"});
+  EXPECT_TRUE(store_->Apply(a, BlankBatch(kMapA, 1, 150)).ok());
+  EXPECT_TRUE(store_->Apply(b, BlankBatch(kMapB, 1, 150)).ok());
+  ExpectTooMuch(store_->Apply(b, BlankBatch(kMapB, 2, 150)).status(), {"mission m has", "20000"});
   // Another mission has a limit of its own.
   const uint64_t other = *OpenStatus("a", "n");
-  EXPECT_TRUE(store_->Apply(other, Batch({0xd}, 1, 150)).ok());
+  EXPECT_TRUE(store_->Apply(other, BlankBatch({0xd}, 1, 150)).ok());
 }
 
 TEST_F(LimitsTest, MissionsAgentsAndLocalMaps) {
@@ -119,8 +107,8 @@ TEST_F(LimitsTest, MissionsAgentsAndLocalMaps) {
   ExpectTooMuch(OpenStatus("a", "n").status(), {"1 missions"});
   EXPECT_TRUE(OpenStatus("b", "m").ok());
   ExpectTooMuch(OpenStatus("c", "m").status(), {"mission m has 2 agents"});
-  EXPECT_TRUE(store_->Apply(a, Batch(kMapA, 1)).ok());
-  ExpectTooMuch(store_->Apply(a, Batch(kMapB, 1)).status(),
+  EXPECT_TRUE(store_->Apply(a, BlankBatch(kMapA, 1)).ok());
+  ExpectTooMuch(store_->Apply(a, BlankBatch(kMapB, 1)).status(),
                 {"mission m has 1 local maps", "limit is 1"});
 }
 
@@ -146,7 +134,7 @@ TEST_F(LimitsTest, AMissionThatNobodyWroteToIsForgotten) {
   const uint64_t b = Open("b");
   store_->CloseSession(a);
   EXPECT_THAT(names(), ElementsAre("m"));
-  ASSERT_TRUE(store_->Apply(b, Batch(kMapB, 1)).ok());
+  ASSERT_TRUE(store_->Apply(b, BlankBatch(kMapB, 1)).ok());
   store_->CloseSession(b);
   EXPECT_THAT(names(), ElementsAre("m"));
   ExpectTooMuch(OpenStatus("a", "other").status(), {"1 missions"});
@@ -157,7 +145,7 @@ TEST_F(LimitsTest, WhatRefersToNothingWaitsOnlySoLong) {
   options_.max_parked_s = 60;
   Start();
   const uint64_t a = Open("a");
-  ASSERT_TRUE(store_->Apply(a, Batch(kMapA, 1, 4)).ok());
+  ASSERT_TRUE(store_->Apply(a, BlankBatch(kMapA, 1, 4)).ok());
   const auto refer = [](uint64_t number, uint32_t keypoint) {
     MapUpdateBatch batch;
     batch.local_map = kMapA;
@@ -182,7 +170,7 @@ TEST_F(LimitsTest, AParentThatNeverComesWaitsOnce) {
   options_.max_parked_references = 2;
   Start();
   const uint64_t a = Open("a");
-  ASSERT_TRUE(store_->Apply(a, Batch(kMapA, 1)).ok());
+  ASSERT_TRUE(store_->Apply(a, BlankBatch(kMapA, 1)).ok());
   for (uint64_t number = 2; number < 20; ++number) {
     MapUpdateBatch batch;
     batch.local_map = kMapA;

@@ -11,11 +11,14 @@
 #include "map_store/archive/mission_archive.h"
 #include "map_store/ingest/mission_limits.h"
 #include "map_store/map_store.h"
+#include "map_store/testing/blank_batch.h"
 #include "map_store/testing/byte_journal.h"
 #include "map_store/testing/recover_whole.h"
 
 namespace corbslam::map_store {
 namespace {
+
+using testing::BlankBatch;
 
 using testing::ByteJournal;
 using ::testing::HasSubstr;
@@ -73,21 +76,6 @@ class ProfileTest : public ::testing::Test {
     request.agent = agent;
     request.local_maps = local_maps;
     return store_->OpenSession(request)->session_id;
-  }
-  static MapUpdateBatch Batch(LocalMapId local_map, uint64_t number, size_t keypoints = 0) {
-    MapUpdateBatch batch;
-    batch.local_map = local_map;
-    batch.number = number;
-    if (number == 1) {
-      batch.cameras = {
-          std::make_shared<const Camera>(Camera{500, 500, 320, 240, 640, 480, 0.1, 4})};
-    }
-    auto payload = std::make_shared<KeyframePayload>();
-    payload->id = {local_map, static_cast<uint32_t>(number)};
-    payload->features.keypoints.resize(keypoints);
-    payload->features.descriptors.resize(keypoints);
-    batch.full_keyframes = {{payload, Rigid3d::Identity(), {}}};
-    return batch;
   }
   static MapUpdateBatch End(LocalMapId local_map, uint64_t number) {
     MapUpdateBatch batch;
@@ -169,10 +157,10 @@ TEST_F(ProfileTest, AMissionOfRobotsBeginsWithItsFirstBatch) {
   const uint64_t a = Open("a");
   now_ += absl::Seconds(5);
   const int64_t begin_ns = absl::ToUnixNanos(now_);
-  ASSERT_TRUE(store_->Apply(a, Batch(kLimitedA, 1)).ok());
+  ASSERT_TRUE(store_->Apply(a, BlankBatch(kLimitedA, 1)).ok());
   now_ += absl::Minutes(5);
   const int64_t last_ns = absl::ToUnixNanos(now_);
-  ASSERT_TRUE(store_->Apply(a, Batch(kLimitedA, 2)).ok());
+  ASSERT_TRUE(store_->Apply(a, BlankBatch(kLimitedA, 2)).ok());
   EXPECT_EQ(Profile().created_ns, begin_ns);
   EXPECT_EQ(Profile().last_used_ns, last_ns);
   Start();
@@ -187,41 +175,41 @@ TEST_F(ProfileTest, KeyframesOfAMissionAndOfAnAgent) {
   ASSERT_TRUE(store_->CreateMission("m", values).ok());
   const uint64_t a = Open("a");
   const uint64_t b = Open("b");
-  ASSERT_TRUE(store_->Apply(a, Batch(kLimitedA, 1)).ok());
-  ASSERT_TRUE(store_->Apply(a, Batch(kLimitedA, 2)).ok());
-  ExpectTooMuch(store_->Apply(a, Batch(kLimitedA, 3)).status(),
+  ASSERT_TRUE(store_->Apply(a, BlankBatch(kLimitedA, 1)).ok());
+  ASSERT_TRUE(store_->Apply(a, BlankBatch(kLimitedA, 2)).ok());
+  ExpectTooMuch(store_->Apply(a, BlankBatch(kLimitedA, 3)).status(),
                 {"agent a of mission m has 2 keyframes", "1 more", "agent_limits[a].keyframes",
                  "is 2", "batch 3"});
-  ASSERT_TRUE(store_->Apply(b, Batch(kLimitedB, 1)).ok());
-  ExpectTooMuch(store_->Apply(b, Batch(kLimitedB, 2)).status(),
+  ASSERT_TRUE(store_->Apply(b, BlankBatch(kLimitedB, 1)).ok());
+  ExpectTooMuch(store_->Apply(b, BlankBatch(kLimitedB, 2)).status(),
                 {"mission m has 3 keyframes", "limits.keyframes", "is 3"});
   EXPECT_EQ(store_->GetMission("m")->keyframes, 3u);
   // What was stored is acknowledged, and a local map can be closed.
-  EXPECT_EQ(store_->Apply(a, Batch(kLimitedA, 2))->number, 2u);
+  EXPECT_EQ(store_->Apply(a, BlankBatch(kLimitedA, 2))->number, 2u);
   EXPECT_TRUE(store_->Apply(a, End(kLimitedA, 3)).ok());
   // Sessions that stand go on under new limits.
   ASSERT_TRUE(SetLimits({.keyframes = 4}).ok());
-  EXPECT_TRUE(store_->Apply(b, Batch(kLimitedB, 2)).ok());
+  EXPECT_TRUE(store_->Apply(b, BlankBatch(kLimitedB, 2)).ok());
   ASSERT_TRUE(SetLimits({.keyframes = 1}).ok());
-  ExpectTooMuch(store_->Apply(b, Batch(kLimitedB, 3)).status(), {"has 4 keyframes", "is 1 "});
+  ExpectTooMuch(store_->Apply(b, BlankBatch(kLimitedB, 3)).status(), {"has 4 keyframes", "is 1 "});
 }
 
 TEST_F(ProfileTest, MemoryAndDiskOfAMission) {
   ASSERT_TRUE(store_->CreateMission("m", {}).ok());
   const uint64_t a = Open("a");
-  ASSERT_TRUE(store_->Apply(a, Batch(kLimitedA, 1, 1000)).ok());
+  ASSERT_TRUE(store_->Apply(a, BlankBatch(kLimitedA, 1, 1000)).ok());
   const uint64_t memory = store_->GetMission("m")->memory_bytes;
   ASSERT_TRUE(SetLimits({.memory_bytes = memory + 1000}).ok());
-  ExpectTooMuch(store_->Apply(a, Batch(kLimitedA, 2, 1000)).status(),
+  ExpectTooMuch(store_->Apply(a, BlankBatch(kLimitedA, 2, 1000)).status(),
                 {absl::StrCat("mission m has ", memory, " bytes in memory"), "limits.memory_bytes",
                  absl::StrCat("is ", memory + 1000)});
   ASSERT_TRUE(SetLimits({.disk_bytes = 10'000}).ok());
   journal_->disk_bytes = 9'999;
-  ExpectTooMuch(store_->Apply(a, Batch(kLimitedA, 2, 1000)).status(),
+  ExpectTooMuch(store_->Apply(a, BlankBatch(kLimitedA, 2, 1000)).status(),
                 {"mission m has 9999 bytes on disk", "limits.disk_bytes", "is 10000"});
   EXPECT_EQ(store_->GetMission("m")->keyframes, 1u);
   journal_->disk_bytes = 0;
-  EXPECT_TRUE(store_->Apply(a, Batch(kLimitedA, 2, 10)).ok());
+  EXPECT_TRUE(store_->Apply(a, BlankBatch(kLimitedA, 2, 10)).ok());
 }
 
 TEST_F(ProfileTest, TheStoresOwnLimitsHoldAsWell) {
@@ -230,7 +218,8 @@ TEST_F(ProfileTest, TheStoresOwnLimitsHoldAsWell) {
   ASSERT_TRUE(store_->CreateMission("m", {}).ok());
   ASSERT_TRUE(SetLimits({.keyframes = 1'000'000, .memory_bytes = uint64_t{1} << 40}).ok());
   const uint64_t a = Open("a");
-  ExpectTooMuch(store_->Apply(a, Batch(kLimitedA, 1, 1000)).status(), {"mission m has", "20000"});
+  ExpectTooMuch(store_->Apply(a, BlankBatch(kLimitedA, 1, 1000)).status(),
+                {"mission m has", "20000"});
 }
 
 TEST_F(ProfileTest, AnAgentSendsNoFasterThanItMayButForABurst) {

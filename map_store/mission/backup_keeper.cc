@@ -34,8 +34,7 @@ void BackupKeeper::Stop() {
 }
 
 void BackupKeeper::Run() {
-  const absl::Status lowered = LowerThreadPriority(kBackupStepsLower);
-  LOG_IF(WARNING, !lowered.ok()) << "backups may hold up robots: " << lowered;
+  StepBehindRobots(kBackupStepsLower, "backups");
   absl::Duration pause = absl::ZeroDuration();
   while (signal_.WaitFor(pause)) {
     const absl::Time due = RunIfDue();

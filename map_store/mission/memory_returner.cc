@@ -1,7 +1,5 @@
 #include "map_store/mission/memory_returner.h"
 
-#include <glog/logging.h>
-
 #include <cstdint>
 
 #include "slam/util/resident_memory.h"
@@ -28,8 +26,7 @@ void MemoryReturner::Stop() {
 
 void MemoryReturner::Run() {
   // The allocator's locks are held meanwhile, a piece at a time.
-  const absl::Status lowered = LowerThreadPriority(kPriorityStepsLower);
-  LOG_IF(WARNING, !lowered.ok()) << "giving memory back may hold up robots: " << lowered;
+  StepBehindRobots(kPriorityStepsLower, "giving memory back");
   for (uint64_t seen = 0; signal_.Wait(seen) && signal_.WaitFor(kPause);) give_back_();
 }
 

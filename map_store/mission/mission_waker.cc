@@ -1,7 +1,5 @@
 #include "map_store/mission/mission_waker.h"
 
-#include <glog/logging.h>
-
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -80,8 +78,7 @@ std::vector<MissionWaker::Then> MissionWaker::TakeWaiting(const std::string& mis
 }
 
 void MissionWaker::Run() {
-  const absl::Status lowered = LowerThreadPriority(kWakerStepsLower);
-  LOG_IF(WARNING, !lowered.ok()) << "missions that wake may hold up robots: " << lowered;
+  StepBehindRobots(kWakerStepsLower, "missions that wake");
   while (true) {
     std::string mission;
     {

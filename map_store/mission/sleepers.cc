@@ -39,8 +39,7 @@ void Sleepers::Stop() {
 
 void Sleepers::Run() {
   // Robots wait for the other threads, but nobody waits for this one.
-  const absl::Status lowered = LowerThreadPriority(kSleeperStepsLower);
-  LOG_IF(WARNING, !lowered.ok()) << "missions that fall asleep may hold up robots: " << lowered;
+  StepBehindRobots(kSleeperStepsLower, "missions that fall asleep");
   while (signal_.WaitFor(kBetweenLooks)) {
     PutUnusedToSleep();
     while (memory_.IsShort() && !signal_.stopped() && MakeRoom(/*in_haste=*/false)) {

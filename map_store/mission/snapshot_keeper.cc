@@ -27,8 +27,7 @@ void SnapshotKeeper::Stop() {
 
 void SnapshotKeeper::Run() {
   // Robots wait for the other threads, but nobody waits for this one.
-  const absl::Status lowered = LowerThreadPriority(kStepsLower);
-  LOG_IF(WARNING, !lowered.ok()) << "snapshots may hold up robots: " << lowered;
+  StepBehindRobots(kStepsLower, "snapshots");
   absl::Time next_try = absl::InfinitePast();
   for (uint64_t seen = 0; signal_.Wait(seen);) {
     if (clock_() < next_try) continue;

@@ -44,8 +44,7 @@ bool JournalScrubber::Pause(absl::Duration pause) {
 }
 
 void JournalScrubber::Run() {
-  const absl::Status lowered = LowerThreadPriority(kScrubStepsLower);
-  LOG_IF(WARNING, !lowered.ok()) << "looking for damage may hold up robots: " << lowered;
+  StepBehindRobots(kScrubStepsLower, "looking for damage");
   while (Pause(kBetweenScrubs)) {
     RunRound([this](uint64_t bytes) {
       return Pause(absl::Seconds(static_cast<double>(bytes) / static_cast<double>(bytes_per_s_)));

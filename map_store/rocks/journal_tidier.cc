@@ -45,8 +45,7 @@ bool JournalTidier::Wait() {
 
 void JournalTidier::Run() {
   // Robots wait for the other threads, but nobody waits for this one.
-  const absl::Status lowered = LowerThreadPriority(kStepsLower);
-  LOG_IF(WARNING, !lowered.ok()) << "tidying the journal may hold up robots: " << lowered;
+  StepBehindRobots(kStepsLower, "tidying the journal");
   absl::Time next_warning = absl::InfinitePast();
   while (Wait()) {
     for (const std::shared_ptr<MissionJournal>& mission : missions_()) {

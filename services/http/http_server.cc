@@ -1,7 +1,5 @@
 #include "services/http/http_server.h"
 
-#include <glog/logging.h>
-
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
 #include <deque>
@@ -40,8 +38,7 @@ class HttpServer::Loop {
   void Start() {
     listener_.Accept([this](tcp::socket socket) { Serve(std::move(socket)); });
     thread_ = std::thread([this] {
-      const absl::Status lowered = LowerThreadPriority(kStepsLower);
-      LOG_IF(WARNING, !lowered.ok()) << "scrapes may hold up robots: " << lowered;
+      StepBehindRobots(kStepsLower, "scrapes");
       context_.run();
     });
   }

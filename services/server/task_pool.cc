@@ -1,7 +1,5 @@
 #include "services/server/task_pool.h"
 
-#include <glog/logging.h>
-
 #include <algorithm>
 #include <utility>
 
@@ -79,8 +77,7 @@ void TaskPool::RunTasks() {
 }
 
 void TaskPool::RunLookUps() {
-  const absl::Status lowered = LowerThreadPriority(kLookUpStepsLower);
-  LOG_IF(WARNING, !lowered.ok()) << "look-ups may hold up robots: " << lowered;
+  StepBehindRobots(kLookUpStepsLower, "look-ups");
   while (true) {
     LookUp look_up;
     {

@@ -27,4 +27,9 @@ absl::Status LowerThreadPriority(int steps) {
                           "; permit setpriority where a filter of system calls is in force"));
 }
 
+void StepBehindRobots(int steps, absl::string_view what) {
+  const absl::Status lowered = LowerThreadPriority(steps);
+  LOG_IF(WARNING, !lowered.ok()) << what << " may hold up robots: " << lowered;
+}
+
 }  // namespace corbslam

@@ -3,6 +3,7 @@
 #define CORBSLAM_SLAM_UTIL_THREAD_PRIORITY_H_
 
 #include "absl/status/status.h"
+#include "absl/strings/string_view.h"
 
 namespace corbslam {
 
@@ -11,6 +12,10 @@ namespace corbslam {
 // lower than its process however that was started, as by `nice`. An error names what the system
 // says; the thread can go on with what it has.
 absl::Status LowerThreadPriority(int steps);
+
+// Does so for a thread for which no robot waits. If it can't be, the log says that `what` may hold
+// up robots, and the thread goes on.
+void StepBehindRobots(int steps, absl::string_view what);
 
 }  // namespace corbslam
 

@@ -16,6 +16,7 @@
 #include "absl/time/clock.h"
 #include "client_agent/live/gstreamer/device_pipelines.h"
 #include "client_agent/live/gstreamer/gst_source.h"
+#include "client_agent/live/gstreamer/testing/open_live.h"
 #include "client_agent/source/frame_stream.h"
 #include "client_agent/source/source_spec.h"
 
@@ -23,24 +24,13 @@ namespace corbslam::client_agent {
 namespace {
 
 using ::testing::HasSubstr;
-
-constexpr char kStereo[] =
-    "rig: 1\nkind: stereo\nrectified: true\nbaseline_m: 0.1\ncameras:\n"
-    "  - {size_px: [160, 120], focal_px: [100, 100], principal_px: [80, 60]}\n"
-    "  - {size_px: [160, 120], focal_px: [100, 100], principal_px: [80, 60]}\n";
+using testing::kSmallStereoRig;
+using testing::OpenLive;
 
 std::string StereoRig() {
   const std::string path = ::testing::TempDir() + "/aravis_rig.yaml";
-  std::ofstream(path) << kStereo;
+  std::ofstream(path) << kSmallStereoRig;
   return path;
-}
-
-absl::StatusOr<std::unique_ptr<FrameStream>> Open(const std::string& source) {
-  RegisterGstSources();
-  const auto spec = ParseSourceSpec(source);
-  if (!spec.ok()) return spec.status();
-  const absl::Notification never;
-  return spec->settings->OpenLive(never);
 }
 
 // The camera that aravis has for tests is in the same process, and off until it is asked for.
@@ -72,7 +62,7 @@ TEST(AravisSourceTest, PlaysACameraWithTheDevicesTimes) {
   if (!EnableFakeCamera()) GTEST_SKIP() << "aravis is not installed (libaravis-0.8-0)";
   // Its Mono16, and the colours of its filter where the plugin for them is here, come as grey.
   for (const std::string format : {"", "&format=GRAY16_LE"}) {
-    const auto stream = Open(absl::StrCat(
+    const auto stream = OpenLive(absl::StrCat(
         "aravis:Fake_1?layout=side-by-side&size=320x120&rate=25&rig=", StereoRig(), format));
     ASSERT_TRUE(stream.ok()) << stream.status();
     const std::vector<StreamFrame> frames = Play(**stream, 5);
@@ -97,14 +87,14 @@ TEST(AravisSourceTest, PlaysACameraWithTheDevicesTimes) {
 
 TEST(AravisSourceTest, ACameraThatIsNotThereIsSaid) {
   if (!EnableFakeCamera()) GTEST_SKIP() << "aravis is not installed (libaravis-0.8-0)";
-  const auto stream = Open("aravis:Nobody?layout=side-by-side&rig=" + StereoRig());
+  const auto stream = OpenLive("aravis:Nobody?layout=side-by-side&rig=" + StereoRig());
   EXPECT_THAT(std::string(stream.status().message()), HasSubstr("Nobody"));
 }
 
 TEST(AravisSourceTest, WithoutThePluginItsPackageIsNamed) {
   RegisterGstSources();
   if (IsGstSourceHere("aravis")) GTEST_SKIP() << "aravis is installed";
-  const auto stream = Open("aravis:any?layout=side-by-side&rig=" + StereoRig());
+  const auto stream = OpenLive("aravis:any?layout=side-by-side&rig=" + StereoRig());
   EXPECT_THAT(std::string(stream.status().message()), HasSubstr("libaravis-0.8-0"));
 }
 
@@ -120,7 +110,7 @@ TEST(AravisSourceTest, SaysWhatIsWrong) {
                {"aravis:A?layout=side-by-side&rate=30.5", "frames a second"},
                {"aravis:A?layout=side-by-side", "a live camera needs its rig"}};
   for (const auto& [options, says] : cases) {
-    const auto stream = Open(options);
+    const auto stream = OpenLive(options);
     EXPECT_FALSE(stream.ok()) << options;
     EXPECT_THAT(std::string(stream.status().message()), HasSubstr(says)) << options;
   }

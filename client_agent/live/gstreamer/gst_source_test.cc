@@ -19,6 +19,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_replace.h"
 #include "absl/time/clock.h"
+#include "client_agent/live/gstreamer/testing/open_live.h"
 #include "client_agent/source/frame_reader.h"
 #include "client_agent/source/frame_stream.h"
 #include "client_agent/source/source_spec.h"
@@ -27,11 +28,9 @@ namespace corbslam::client_agent {
 namespace {
 
 using ::testing::HasSubstr;
+using testing::kSmallStereoRig;
+using testing::OpenLive;
 
-constexpr char kStereo[] =
-    "rig: 1\nkind: stereo\nrectified: true\nbaseline_m: 0.1\ncameras:\n"
-    "  - {size_px: [160, 120], focal_px: [100, 100], principal_px: [80, 60]}\n"
-    "  - {size_px: [160, 120], focal_px: [100, 100], principal_px: [80, 60]}\n";
 constexpr char kRgbd[] =
     "rig: 1\nkind: rgbd\ndepth: {units_per_m: 1000}\ncameras:\n"
     "  - {size_px: [160, 120], focal_px: [100, 100], principal_px: [80, 60]}\n";
@@ -46,14 +45,6 @@ std::string WriteRig(const std::string& text) {
   const std::string path = ::testing::TempDir() + "/gst_rig.yaml";
   std::ofstream(path) << text;
   return path;
-}
-
-absl::StatusOr<std::unique_ptr<FrameStream>> Open(const std::string& source) {
-  RegisterGstSources();
-  const auto spec = ParseSourceSpec(source);
-  if (!spec.ok()) return spec.status();
-  const absl::Notification never;
-  return spec->settings->OpenLive(never);
 }
 
 struct Played {
@@ -80,9 +71,9 @@ Played Play(FrameStream& stream, size_t most = 1000) {
 // Two pipelines begin apart by what the machine is busy with: here half a frame may lie between
 // them.
 TEST(GstSourceTest, TwoPipelinesAreAPair) {
-  const auto stream = Open(absl::StrCat("gst:", TestCamera(12, "is-live=true pattern=white"),
-                                        " || ", TestCamera(12, "is-live=true pattern=black"),
-                                        "?pair_within_ms=25&rig=", WriteRig(kStereo)));
+  const auto stream = OpenLive(absl::StrCat("gst:", TestCamera(12, "is-live=true pattern=white"),
+                                            " || ", TestCamera(12, "is-live=true pattern=black"),
+                                            "?pair_within_ms=25&rig=", WriteRig(kSmallStereoRig)));
   ASSERT_TRUE(stream.ok()) << stream.status();
   const Played played = Play(**stream);
   EXPECT_TRUE(played.end.ok()) << played.end;
@@ -108,8 +99,8 @@ TEST(GstSourceTest, OnePictureHoldsBothHalves) {
                                    ? TestCamera(8, "is-live=true pattern=gradient", 320)
                                    : "videotestsrc num-buffers=8 is-live=true pattern=gradient ! "
                                      "video/x-raw,width=160,height=240,framerate=20/1";
-    const auto stream =
-        Open(absl::StrCat("gst:", camera, "?layout=", layout, "&rig=", WriteRig(kStereo)));
+    const auto stream = OpenLive(
+        absl::StrCat("gst:", camera, "?layout=", layout, "&rig=", WriteRig(kSmallStereoRig)));
     ASSERT_TRUE(stream.ok()) << stream.status();
     const Played played = Play(**stream);
     ASSERT_GE(played.came, 5u) << layout;
@@ -129,10 +120,10 @@ TEST(GstSourceTest, OnePictureHoldsBothHalves) {
 
 TEST(GstSourceTest, DepthComesAsASecondPipeline) {
   const auto stream =
-      Open(absl::StrCat("gst:", TestCamera(8, "is-live=true"),
-                        " || videotestsrc num-buffers=8 is-live=true pattern=white ! "
-                        "video/x-raw,format=GRAY16_LE,width=160,height=120,framerate=20/1",
-                        "?pair_within_ms=25&rig=", WriteRig(kRgbd)));
+      OpenLive(absl::StrCat("gst:", TestCamera(8, "is-live=true"),
+                            " || videotestsrc num-buffers=8 is-live=true pattern=white ! "
+                            "video/x-raw,format=GRAY16_LE,width=160,height=120,framerate=20/1",
+                            "?pair_within_ms=25&rig=", WriteRig(kRgbd)));
   ASSERT_TRUE(stream.ok()) << stream.status();
   const Played played = Play(**stream);
   ASSERT_GE(played.came, 5u);
@@ -167,8 +158,8 @@ std::string Pictures(const std::string& name, const cv::Size& size, int type) {
 // Grey and depth come as they were recorded, to the bit, each with the other's.
 TEST(GstSourceTest, RecordedDepthIsTheSameToTheBit) {
   const auto stream =
-      Open(absl::StrCat("gst:", Pictures("grey", {160, 120}, CV_8UC1), " || ",
-                        Pictures("depth", {160, 120}, CV_16UC1), "?rig=", WriteRig(kRgbd)));
+      OpenLive(absl::StrCat("gst:", Pictures("grey", {160, 120}, CV_8UC1), " || ",
+                            Pictures("depth", {160, 120}, CV_16UC1), "?rig=", WriteRig(kRgbd)));
   ASSERT_TRUE(stream.ok()) << stream.status();
   const Played played = Play(**stream);
   EXPECT_TRUE(played.end.ok()) << played.end;
@@ -194,8 +185,8 @@ TEST(GstSourceTest, DepthIsRegisteredByTheRig) {
                "[50, 50], principal_px: [39.75, 29.75]}, colour_from_depth: [1, 0, 0, 0, 0, 1, 0, "
                "0, 0, 0, 1, 0, 0, 0, 0, 1]}"}});
   const auto stream =
-      Open(absl::StrCat("gst:", Pictures("grey", {160, 120}, CV_8UC1), " || ",
-                        Pictures("small", {80, 60}, CV_16UC1), "?rig=", WriteRig(rig)));
+      OpenLive(absl::StrCat("gst:", Pictures("grey", {160, 120}, CV_8UC1), " || ",
+                            Pictures("small", {80, 60}, CV_16UC1), "?rig=", WriteRig(rig)));
   ASSERT_TRUE(stream.ok()) << stream.status();
   const Played played = Play(**stream);
   ASSERT_GE(played.frames.size(), 1u);
@@ -206,8 +197,8 @@ TEST(GstSourceTest, DepthIsRegisteredByTheRig) {
     const int grey = frame.images.grey.at<uint8_t>(0, 0) / 20;
     EXPECT_EQ(frame.images.depth.at<uint16_t>(0, 0), 1000 + 700 * (grey - 6));
   }
-  EXPECT_THAT(std::string(Open(absl::StrCat("gst:", TestCamera(3), " || ", TestCamera(3),
-                                            "?register=1&rig=", WriteRig(kRgbd)))
+  EXPECT_THAT(std::string(OpenLive(absl::StrCat("gst:", TestCamera(3), " || ", TestCamera(3),
+                                                "?register=1&rig=", WriteRig(kRgbd)))
                               .status()
                               .message()),
               HasSubstr("the rig must say through which lens it is measured"));
@@ -215,8 +206,9 @@ TEST(GstSourceTest, DepthIsRegisteredByTheRig) {
 
 // A device that goes away and comes back: one stream, whose times go on.
 TEST(GstSourceTest, ACameraThatWentAwayIsWaitedFor) {
-  const auto stream = Open(absl::StrCat("gst:", TestCamera(6, "is-live=true", 320),
-                                        "?restart=1&layout=side-by-side&rig=", WriteRig(kStereo)));
+  const auto stream =
+      OpenLive(absl::StrCat("gst:", TestCamera(6, "is-live=true", 320),
+                            "?restart=1&layout=side-by-side&rig=", WriteRig(kSmallStereoRig)));
   ASSERT_TRUE(stream.ok()) << stream.status();
   const Played played = Play(**stream, 11);
   ASSERT_EQ(played.frames.size(), 11u) << played.end;
@@ -249,10 +241,10 @@ class Listener : public google::LogSink {
 TEST(GstSourceTest, PicturesWithoutTimesHaveThoseAtWhichTheyCameAndItIsSaidOnce) {
   const Listener listener;
   const auto stream =
-      Open(absl::StrCat("gst:fakesrc format=time sizetype=fixed sizemax=38400 num-buffers=8 ! "
-                        "video/x-raw,format=GRAY8,width=320,height=120,framerate=20/1 ! "
-                        "identity sleep-time=20000?layout=side-by-side&rig=",
-                        WriteRig(kStereo)));
+      OpenLive(absl::StrCat("gst:fakesrc format=time sizetype=fixed sizemax=38400 num-buffers=8 ! "
+                            "video/x-raw,format=GRAY8,width=320,height=120,framerate=20/1 ! "
+                            "identity sleep-time=20000?layout=side-by-side&rig=",
+                            WriteRig(kSmallStereoRig)));
   ASSERT_TRUE(stream.ok()) << stream.status();
   const Played played = Play(**stream);
   EXPECT_TRUE(played.end.ok()) << played.end;
@@ -267,8 +259,8 @@ TEST(GstSourceTest, PicturesWithoutTimesHaveThoseAtWhichTheyCameAndItIsSaidOnce)
 
 // What ends by itself has no more to give, unless somebody says otherwise.
 TEST(GstSourceTest, AFileEndsTheStream) {
-  const auto stream = Open(
-      absl::StrCat("gst:", TestCamera(5, "", 320), "?layout=side-by-side&rig=", WriteRig(kStereo)));
+  const auto stream = OpenLive(absl::StrCat(
+      "gst:", TestCamera(5, "", 320), "?layout=side-by-side&rig=", WriteRig(kSmallStereoRig)));
   ASSERT_TRUE(stream.ok()) << stream.status();
   const Played played = Play(**stream);
   EXPECT_TRUE(played.end.ok()) << played.end;
@@ -276,7 +268,7 @@ TEST(GstSourceTest, AFileEndsTheStream) {
 }
 
 TEST(GstSourceTest, SaysWhatIsWrong) {
-  const std::string rig = WriteRig(kStereo);
+  const std::string rig = WriteRig(kSmallStereoRig);
   const struct {
     std::string source, says;
   } cases[] = {
@@ -293,7 +285,7 @@ TEST(GstSourceTest, SaysWhatIsWrong) {
       {"v4l2:/dev/video0?layout=side-by-side&size=640&rig=" + rig, "wants WIDTHxHEIGHT"},
       {"v4l2:/dev/video0?layout=side-by-side&rate=0&rig=" + rig, "frames a second"}};
   for (const auto& [source, says] : cases) {
-    const auto stream = Open(source);
+    const auto stream = OpenLive(source);
     EXPECT_FALSE(stream.ok()) << source;
     EXPECT_THAT(std::string(stream.status().message()), HasSubstr(says)) << source;
   }
@@ -301,11 +293,12 @@ TEST(GstSourceTest, SaysWhatIsWrong) {
 
 // As a recording's: the numbers of pictures of another size.
 TEST(GstSourceTest, AnImprobableRigMustBeTrusted) {
-  const std::string askew = absl::StrReplaceAll(kStereo, {{"[80, 60]", "[120, 60]"}});
+  const std::string askew = absl::StrReplaceAll(kSmallStereoRig, {{"[80, 60]", "[120, 60]"}});
   const std::string source =
       absl::StrCat("gst:", TestCamera(3, "", 320), "?layout=side-by-side&rig=", WriteRig(askew));
-  EXPECT_THAT(std::string(Open(source).status().message()), HasSubstr("cx 120 px of 160 can't be"));
-  const auto trusted = Open(source + "&trust-calibration=1");
+  EXPECT_THAT(std::string(OpenLive(source).status().message()),
+              HasSubstr("cx 120 px of 160 can't be"));
+  const auto trusted = OpenLive(source + "&trust-calibration=1");
   EXPECT_TRUE(trusted.ok()) << trusted.status();
 }
 
