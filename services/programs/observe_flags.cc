@@ -1,5 +1,7 @@
 #include "services/programs/observe_flags.h"
 
+#include "services/command_line/help_formatter.h"
+
 namespace corbslam::services {
 
 void AddMetricsFlag(CLI::App& app, ObserveFlags& flags) {
@@ -11,7 +13,8 @@ void AddMetricsFlag(CLI::App& app, ObserveFlags& flags) {
 void AddTraceFlag(CLI::App& app, ObserveFlags& flags) {
   app.add_option("--trace-file", flags.trace_file,
                  "File to write the keyframes' ways to, as Chrome's trace events")
-      ->capture_default_str();
+      ->capture_default_str()
+      ->group(kRareGroup);
 }
 
 }  // namespace corbslam::services
