@@ -45,8 +45,8 @@ void AddPlaces(const MissionState& state, const LocalMapState& local_map, const 
   };
   const std::vector<PlaceCandidate> found = local_map.database.Query(bag, query);
   const IslandId island = state.FindIslandOf(local_map.id)->id;
-  for (CandidateGroup& group :
-       GroupByCovisibility(local_map.map, found, options.max_candidate_groups)) {
+  // One local map may be the whole mission: it may give all places.
+  for (CandidateGroup& group : GroupByCovisibility(local_map.map, found, search.max_places)) {
     places.push_back({island, std::move(group)});
   }
 }

@@ -23,7 +23,7 @@ struct PlacesOfIsland {
 struct PlaceSearch {
   std::optional<PosePrior> prior;
   bool all_islands = false;
-  size_t max_places = 6;  // Of all islands together.
+  size_t max_places = 12;  // Of all islands together.
 };
 
 // Returns keyframes that share words with the picture, the best of each group of covisible ones, by

@@ -4,7 +4,8 @@
 A robot maps a simulated drive (alone, in a store with one worker). Then pictures of the same drive are
 looked up: the very same ones, others taken half a frame later, and others yet at another exposure.
 Right is what lies within 0.5 m and 5 degrees of where the robot itself had that place in its map: the
-map's own error is not counted. Prints a table, and JSON with --json. Programs are found in --bin.
+map's own error is not counted, and the map must not have moved meanwhile. --keep FOLDER keeps the map,
+or takes it from there. Prints a table, and JSON with --json. Programs are found in --bin.
 """
 import argparse
 import bisect
@@ -29,6 +30,8 @@ def parse_arguments():
     parser.add_argument("--drive", default="sim:city?seed=7&length=1500")
     parser.add_argument("--frames", type=int, default=1200, help="of the drive that is mapped")
     parser.add_argument("--pictures", type=int, default=200, help="that are looked up of each kind")
+    parser.add_argument("--camera", default=KITTI_CAMERA, help="fx fy cx cy of its pictures")
+    parser.add_argument("--keep", help="folder with map.backup: made, or used where it is there")
     parser.add_argument("--json", help="file for the results")
     return parser.parse_args()
 
@@ -119,7 +122,7 @@ def look_up(store, arguments, folder, name, options, poses):
     times = [float(line) for line in open(pictures / "times.txt")]
     files = sorted((pictures / "image_0").glob("*.png"))[:arguments.pictures]
     asked = store.run("corbslam", "localize", "--server", store.address, "--insecure", "--mission",
-                      "m", "--camera", KITTI_CAMERA, "--json", *map(str, files))
+                      "m", "--camera", arguments.camera, "--json", *map(str, files))
     if not asked.stdout:
         sys.exit(asked.stderr)
     answers = json.loads(asked.stdout)
@@ -142,26 +145,57 @@ def look_up(store, arguments, folder, name, options, poses):
     return row
 
 
-def build_map(store, arguments, folder):
+def map_drive(store, arguments):
     mapped = store.run("simulated_agent", "--source",
                        with_options(arguments.drive, f"frames=0:{arguments.frames - 1}"),
                        "--server", store.address, "--insecure", "--mission", "m", "--agent", "a")
     if mapped.returncode != 0:
         sys.exit(mapped.stderr)
-    for _ in range(600):
-        shown = store.run("corbslam", "mission", "show", "--server", store.address, "--insecure",
-                          "--mission", "m", "--json")
-        mission = json.loads(shown.stdout)
-        if mission.get("fusion_idle", True):
-            break
+
+
+def mission_of(store, *command):
+    done = store.run("corbslam", "mission", *command, "--server", store.address, "--insecure",
+                     "--mission", "m")
+    if done.returncode != 0:
+        sys.exit(done.stderr)
+    return done.stdout
+
+
+def at_rest(store):
+    """The mission once fusion has nothing to do any more."""
+    for _ in range(3600):
+        mission = json.loads(mission_of(store, "show", "--json"))
+        if mission["mission"]["fusion_idle"]:
+            return mission
         time.sleep(1)
+    sys.exit("fusion does not come to rest")
+
+
+def poses_of(store, folder, agent="a"):
     out = folder / "a.tum"
-    exported = store.run("corbslam", "mission", "export", "--server", store.address, "--insecure",
-                         "--mission", "m", "--agent", "a", "--format", "tum", "--poses-of",
-                         "rectified", "--out", str(out))
-    if exported.returncode != 0:
-        sys.exit(exported.stderr)
-    return mission, read_tum(out)
+    mission_of(store, "export", "--agent", agent, "--format", "tum", "--poses-of", "rectified",
+               "--out", str(out))
+    return read_tum(out)
+
+
+def build_map(store, arguments, folder):
+    map_drive(store, arguments)
+    mission = at_rest(store)
+    return mission, poses_of(store, folder)
+
+
+def kept_map(store, arguments, folder):
+    """As build_map, from a backup where there is one."""
+    kept = pathlib.Path(arguments.keep) / "map.backup"
+    if kept.exists():
+        mission_of(store, "restore", "--file", str(kept))
+    else:
+        kept.parent.mkdir(parents=True, exist_ok=True)
+        map_drive(store, arguments)
+        at_rest(store)
+        mission_of(store, "backup", "--out", str(kept))
+    mission = at_rest(store)
+    return mission, poses_of(store, folder)
 
 
 def main():
@@ -171,14 +205,18 @@ def main():
         store = Store(arguments.bin, folder)
         try:
             time.sleep(1)
-            mission, poses = build_map(store, arguments, folder)
+            mission, poses = (kept_map if arguments.keep else build_map)(store, arguments, folder)
             keyframes = re.search(r'"keyframes":\s*(\d+)', json.dumps(mission))
             rows = [look_up(store, arguments, folder, kind, options, poses)
                     for kind, options in (("the same", ""), ("half a frame later", "&phase=0.5"),
                                           ("darker", "&phase=0.5&exposure=0.9"),
                                           ("gamma 1.4", "&phase=0.5&gamma=1.4"))]
+            after = poses_of(store, folder)
+            moved = max(math.dist(a[1:4], b[1:4]) for a, b in zip(poses, after))
         finally:
             store.stop()
+    if moved > 0.01:
+        sys.exit(f"the map moved by {moved:.3f} m while pictures were looked up: no row is right")
     print(f"map of {keyframes.group(1) if keyframes else '?'} keyframes, {len(poses)} frames")
     print("pictures             asked right wrong  median m   p95 m worst m  p50 ms  p99 ms  stages")
     for row in rows:

@@ -71,7 +71,7 @@ class Run:
         for _ in range(900):
             shown = self.store.run("corbslam", "mission", "show", "--server", self.store.address,
                                    "--insecure", "--mission", "m", "--json")
-            if shown.returncode == 0 and json.loads(shown.stdout).get("fusion_idle", True):
+            if shown.returncode == 0 and json.loads(shown.stdout)["mission"]["fusion_idle"]:
                 break
             time.sleep(1)
         poses, out = self.folder / f"{self.name}.global.tum", self.folder / f"{self.name}.errors.json"
