@@ -16,6 +16,8 @@
 namespace corbslam::map_store {
 namespace {
 
+using Candidate = VerifyOverlapRequest::Candidate;
+
 size_t Gap(const LocalMapState& local_map, KeyframeId a, KeyframeId b) {
   const size_t first = local_map.arrival.at(a);
   const size_t second = local_map.arrival.at(b);
@@ -59,6 +61,33 @@ bool AreLinked(const MissionState& state, KeyframeId query, KeyframeId candidate
   const std::vector<SharedLandmark> shared = FindSharedLandmarks(state, query, candidate);
   if (shared.empty() || std::cmp_less(shared.size(), options.min_shared_landmarks)) return false;
   return LandmarkDisagreementPx(state, query, candidate, shared) <= options.loop_residual_px;
+}
+
+// So many of a local map's first keyframes are held against the end of its robot's one before.
+constexpr size_t kFirstKeyframes = 5;
+
+// Returns the local map that the same robot began last before this one; null without.
+const LocalMapState* MapBefore(const MissionState& state, const LocalMapState& local_map) {
+  for (size_t i = local_map.order; i-- > 0;) {
+    const LocalMapState* before = state.FindLocalMap(state.order[i]);
+    if (before != nullptr && before->agent == local_map.agent) return before;
+  }
+  return nullptr;
+}
+
+// Returns where the robot was last in `task.against` if the query is one of its first keyframes
+// after it: a robot that goes on in a new local map (to bound its memory, or after a pause) most
+// often does so where it was. Words alone find that place only among others that look like it.
+std::optional<KeyframeId> EndOfMapBefore(const MissionState& state, const QueryTask& task) {
+  const LocalMapState& own = *state.FindLocalMap(task.query.local_map);
+  const LocalMapState* before = MapBefore(state, own);
+  if (before == nullptr || before->id != task.against) return std::nullopt;
+  if (own.arrival.at(task.query) >= kFirstKeyframes) return std::nullopt;
+  for (size_t i = before->settled; i-- > 0;) {
+    const KeyframeId id = before->arrived[i];
+    if (before->map.FindKeyframe(id) != nullptr) return id;
+  }
+  return std::nullopt;
 }
 
 bool IsComplete(const VerifyOverlapRequest& request) {
@@ -124,6 +153,12 @@ std::vector<VerifyOverlapRequest::Candidate> FindCandidates(const MissionState& 
       continue;
     }
     candidates.push_back({best, group.best.shared_words});
+  }
+  const std::optional<KeyframeId> end = EndOfMapBefore(state, task);
+  if (end.has_value() && std::ranges::find(candidates, *end, &Candidate::id) == candidates.end() &&
+      !AreLinked(state, task.query, *end, options)) {
+    const auto words = std::ranges::find(found, *end, &PlaceCandidate::id);
+    candidates.insert(candidates.begin(), {*end, words == found.end() ? 0 : words->shared_words});
   }
   return candidates;
 }

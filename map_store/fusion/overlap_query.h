@@ -17,10 +17,11 @@
 namespace corbslam::map_store {
 
 // Returns keyframes of `task.against` that may show the query's place, best first: settled ones
-// that share enough words, the best of each of the best groups of covisible keyframes. There are
-// none where the two are linked already (an accepted overlap close by, or landmarks that both see
-// where the global layer has them), or where nobody would call it a loop (near the query in its own
-// local map).
+// that share enough words, the best of each of the best groups of covisible keyframes; first of
+// all, for the first keyframes of a robot's local map, the last one of its local map before. There
+// are none where the two are linked already (an accepted overlap close by, or landmarks that both
+// see where the global layer has them), or where nobody would call it a loop (near the query in its
+// own local map).
 std::vector<VerifyOverlapRequest::Candidate> FindCandidates(const MissionState& state,
                                                             const QueryTask& task,
                                                             const MapStoreOptions& options);

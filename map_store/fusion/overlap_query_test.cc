@@ -132,5 +132,40 @@ TEST(VerifyRequestTest, HoldsThemAlsoWhereTheyTouch) {
   EXPECT_GT(worker.touching, 5);
 }
 
+// Two local maps of robots of these names, the second of which begins where the first one ends, in
+// a world in which words find nothing. Returns the candidates that a worker is asked about.
+Ids CandidatesWithoutWords(const char* first, const char* second) {
+  const SyntheticMap map_a = MakeRingMap(0xa, 0, 14);
+  const SyntheticMap map_b = MakeRingMap(0xb, 52, 14);
+  struct Worker : TruthfulWorker {
+    using TruthfulWorker::TruthfulWorker;
+    absl::StatusOr<VerifyOverlapResult> VerifyOverlap(const VerifyOverlapRequest& request,
+                                                      const ProgressCallback& progress) override {
+      EXPECT_LT(request.query.index, 5u);
+      for (const auto& candidate : request.candidates) asked.push_back(candidate.id);
+      return TruthfulWorker::VerifyOverlap(request, progress);
+    }
+    Ids asked;
+  } worker({&map_a, &map_b});
+  MapStoreOptions options = DeterministicOptions();
+  options.min_shared_words = 1000000;
+  MapStore store(options, TheWorld().vocabulary, std::make_unique<InMemoryJournal>(), &worker);
+  TestAgent a(store, kMission, first, map_a);
+  EXPECT_TRUE(a.Stream().ok());
+  EXPECT_TRUE(a.Close().ok());
+  TestAgent b(store, kMission, second, map_b);
+  EXPECT_TRUE(b.Stream().ok());
+  EXPECT_TRUE(store.RunFusionUntilIdle(kMission).ok());
+  return worker.asked;
+}
+
+TEST(CandidatesTest, ARobotsNextLocalMapIsHeldAgainstWhereItWas) {
+  EXPECT_THAT(CandidatesWithoutWords("a", "a"), ::testing::Contains(KeyframeId{{0xa}, 13}));
+}
+
+TEST(CandidatesTest, AnotherRobotsIsNot) {
+  EXPECT_THAT(CandidatesWithoutWords("a", "b"), ::testing::IsEmpty());
+}
+
 }  // namespace
 }  // namespace corbslam::map_store
