@@ -8,6 +8,7 @@
 #include "glog/logging.h"
 #include "slam/fusing/map_fusing.h"
 #include "slam/optimisation/bundle_adjustment.h"
+#include "slam/util/resident_memory.h"
 #include "slam/verification/neighbourhood.h"
 
 namespace corbslam::client_agent {
@@ -186,6 +187,7 @@ bool LoopCloser::StepAdjustment() {
     adjusting_ = true;
     adjustment_wanted_ = false;
   }
+  const ReturnsFreeMemory returns;  // Of a copy of the whole map, and as much again to adjust it.
   const uint64_t generation = generation_.load();
   const LocalMapId own = map_.local_map();
   const Map map =
