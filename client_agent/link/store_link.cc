@@ -405,11 +405,21 @@ void StoreLink::NoteHeldBack() {
   held_back_.NoteWaiting(waiting, options_.clock());
 }
 
+UplinkHold StoreLink::FindHold() const {
+  if (!has_link_ || session_ == Session::kOpen) return UplinkHold::kNone;
+  // What is tried again is held for the reason of the last time, until that is over.
+  const absl::Status& why = session_ == Session::kRefused ? refusal_ : closed_;
+  if (absl::IsResourceExhausted(why)) return UplinkHold::kNoRoom;
+  if (absl::IsUnavailable(why) || absl::IsDeadlineExceeded(why)) return UplinkHold::kAway;
+  return why.ok() ? UplinkHold::kOpening : UplinkHold::kRefused;
+}
+
 UploadStatus StoreLink::upload() const {
   UploadStatus status = queue_.status();
   absl::MutexLock lock(&mutex_);
   status.held_back = held_back_.status(options_.clock());
   status.refused_items = refused_items_;
+  status.hold = FindHold();
   for (const auto& recording : recordings_) {
     status.refused_items += recording->recorder->refused_items();
   }
@@ -518,6 +528,7 @@ void StoreLink::OnSessionOpened(const SessionGrant& grant) {
   NoteCapabilities(grant.capabilities);
   GiveUp(queue_.Resume(grant));
   session_ = Session::kOpen;
+  closed_ = absl::OkStatus();
   opened_ = options_.clock();
   wake_ = true;
 }

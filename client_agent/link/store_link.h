@@ -184,6 +184,7 @@ class StoreLink : private UplinkListener {
   bool IsBudgeted() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void NoteTransport();
   void NoteHeldBack() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  UplinkHold FindHold() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   std::string DescribeWhatIsLeft() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void SendUnsent();
   void SendLocalised(bool all);

@@ -319,6 +319,14 @@ absl::Status CheckTracked(const RobotReport& report) {
   return absl::OkStatus();
 }
 
+// Returns the status of a robot that has begun: what it met then is not wrong usage
+// (docs/exit_codes.md).
+absl::Status AsFailure(const absl::Status& status) {
+  if (!absl::IsInvalidArgument(status)) return status;
+  return absl::FailedPreconditionError(
+      absl::StrCat("INVALID_ARGUMENT while it ran: ", status.message()));
+}
+
 std::vector<absl::Status> CheckPlaces(const Flags& flags) {
   std::vector<absl::Status> found;
   if (!flags.server.empty()) found.push_back(CheckFlagServer("--server", flags.server));
@@ -435,14 +443,15 @@ absl::Status Run(const Flags& given_flags) {
     AnnounceAddress(server->address());
   }
   PlayedFrames frames;
-  const absl::Status played =
-      PlayStream(*source.stream, recording != nullptr ? *recording : *watched, flags.pace,
-                 stop.stopped(), frames, [&](const TrackingResult& result, uint64_t dropped) {
-                   observers->SetDropped(dropped);
-                   if (recorder != nullptr) recorder->OnResult(result, dropped);
-                   if (server != nullptr) service.OnFrame(result, dropped);
-                 },
-                 rate.get());
+  const absl::Status played = PlayStream(
+      *source.stream, recording != nullptr ? *recording : *watched, flags.pace, stop.stopped(),
+      frames,
+      [&](const TrackingResult& result, uint64_t dropped) {
+        observers->SetDropped(dropped);
+        if (recorder != nullptr) recorder->OnResult(result, dropped);
+        if (server != nullptr) service.OnFrame(result, dropped);
+      },
+      rate.get());
   // What became of the recording is in the log: it is no failure of the robot.
   if (recorder != nullptr) recorder->Finish().IgnoreError();
   // A frame that can't be read ends the drive, but what was mapped until then stays.
@@ -454,9 +463,9 @@ absl::Status Run(const Flags& given_flags) {
   RobotReport report = MakeReport(flags, *agent, source, frames, uplink.get());
   report.settings = settings->Report();
   RETURN_IF_ERROR(WriteResults(flags, *agent, calibration, report));
-  RETURN_IF_ERROR(played);
+  RETURN_IF_ERROR(AsFailure(played));
   RETURN_IF_ERROR(CheckTracked(report));
-  return finished;
+  return AsFailure(finished);
 }
 
 void AddFlags(CLI::App& app, Flags& flags) {

@@ -31,8 +31,8 @@ class FrameRateLimit {
       return false;
     }
     // The schedule is kept where the frame is nearly in time, so that the rate holds on average.
-    const bool keeps = due_ns_ != kNever && early_ns <= kWaver * interval_ns &&
-                       early_ns > -interval_ns;
+    const bool keeps =
+        due_ns_ != kNever && early_ns <= kWaver * interval_ns && early_ns > -interval_ns;
     due_ns_ = (keeps ? due_ns_ : timestamp_ns) + static_cast<int64_t>(interval_ns);
     return true;
   }
