@@ -126,8 +126,9 @@ class MapStore {
   // Returns, once only, whether somebody has called AskForExactPlaces for the session's agent.
   bool TakeExactPlacesWanted(uint64_t session_id);
   // Sets what is called when NextShared, TakeExactPlacesWanted or NewerSettings may have something,
-  // or the session was fenced. Null removes the listener. It is not called for the session's own batches, after
-  // which NextShared may have something for who wants what is near it (ShareMode::kNearby).
+  // or the session was fenced. Null removes the listener. It is not called for the session's own
+  // batches, after which NextShared may have something for who wants what is near it
+  // (ShareMode::kNearby).
   void SetSharedListener(uint64_t session_id, std::function<void()> listener);
 
   // Fusion. All these functions return NOT_FOUND for an unknown mission.

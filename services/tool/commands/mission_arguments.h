@@ -25,7 +25,7 @@ struct MissionArguments {
   std::string mission;
   std::string file;
   bool json = false;
-  MissionSettings settings;  // Of `create` and `set`.
+  MissionSettings settings;           // Of `create` and `set`.
   RobotSettingsFlags robot_settings;  // Of `settings`.
   // These are of stored backups: missions/M/backups/N, a time, and a new mission's name.
   std::string stored;
@@ -55,7 +55,8 @@ CLI::App* AddMissionAction(CLI::App& mission, const char* name, const char* what
 void AddMissionFlag(CLI::App& action, MissionArguments& arguments);
 void AddJsonFlag(CLI::App& action, MissionArguments& arguments);
 
-// These add `mission create` and `mission set`; `mission settings`; `mission show`; and `mission export`.
+// These add `mission create` and `mission set`; `mission settings`; `mission show`; and `mission
+// export`.
 void AddSettingActions(CLI::App& mission, const std::shared_ptr<MissionArguments>& arguments,
                        Command& chosen);
 void AddRobotSettingsAction(CLI::App& mission, const std::shared_ptr<MissionArguments>& arguments,

@@ -41,12 +41,9 @@ const v1::SignedRobotSettings* FindSettings(const v1::RobotSettingsList& list,
 // given stays. The new version is the time in seconds, or one more than the last if that is not
 // newer. PERMISSION_DENIED where the store's are not signed by `private_key_pem`: nobody is to sign
 // what a store made up; with `replace` they are left out, but for their version.
-absl::StatusOr<v1::SignedRobotSettings> MakeSettings(const RobotSettingsFlags& flags,
-                                                     const std::string& mission,
-                                                     const std::string& agent,
-                                                     const v1::SignedRobotSettings* now,
-                                                     const std::string& private_key_pem,
-                                                     absl::Time time);
+absl::StatusOr<v1::SignedRobotSettings> MakeSettings(
+    const RobotSettingsFlags& flags, const std::string& mission, const std::string& agent,
+    const v1::SignedRobotSettings* now, const std::string& private_key_pem, absl::Time time);
 
 // Says what is set, a line for each setting; its signature is not checked.
 std::string FormatSettings(const v1::RobotSettingsList& list);
