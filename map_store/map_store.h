@@ -125,9 +125,10 @@ class MapStore {
   absl::Status AskForExactPlaces(absl::string_view mission, const std::string& agent);
   // Returns, once only, whether somebody has called AskForExactPlaces for the session's agent.
   bool TakeExactPlacesWanted(uint64_t session_id);
-  // Sets what is called when NextShared or TakeExactPlacesWanted may have something, or the session
-  // was fenced. Null removes the listener. It is not called for the session's own batches, after
-  // which NextShared may have something for who wants what is near it (ShareMode::kNearby).
+  // Sets what is called when NextShared, TakeExactPlacesWanted or NewerSettings may have something,
+  // or the session was fenced. Null removes the listener. It is not called for the session's own
+  // batches, after which NextShared may have something for who wants what is near it
+  // (ShareMode::kNearby).
   void SetSharedListener(uint64_t session_id, std::function<void()> listener);
 
   // Fusion. All these functions return NOT_FOUND for an unknown mission.
@@ -171,9 +172,17 @@ class MapStore {
   // ALREADY_EXISTS; INVALID_ARGUMENT for a name or a profile that is none; RESOURCE_EXHAUSTED.
   absl::Status CreateMission(const std::string& mission, const MissionProfile& profile);
   // Changes these fields of the mission's profile to those of `values`. The change is durable when
-  // the function returns, and counts for sessions that are open.
+  // the function returns, and counts for sessions that are open. ABORTED, naming both, if another
+  // MissionProfile::revision was expected than there is.
   absl::Status UpdateMission(absl::string_view mission, const MissionProfile& values,
-                             const std::vector<ProfileField>& fields);
+                             const std::vector<ProfileField>& fields,
+                             std::optional<uint64_t> expected_revision = std::nullopt);
+  // Keeps settings for one robot of the mission, which need not have come yet, or for all (empty
+  // agent), and tells them to those that are connected; durable likewise. Errors: PutSettings.
+  absl::Status SetRobotSettings(absl::string_view mission, const std::string& agent,
+                                const SignedSettings& settings);
+  // Returns the settings that the session's robot was not told yet (ProfileKeeper::NewerSettings).
+  std::vector<SignedSettings> NewerSettings(uint64_t session_id, SettingsVersions& told) const;
   // Deletes the missions that nobody has used for as long as their retention, and writes down when
   // the others were used. The store's own thread does this once a minute, unless
   // `options.deterministic`.

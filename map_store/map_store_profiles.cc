@@ -53,9 +53,25 @@ absl::Status MapStore::CreateMission(const std::string& name, const MissionProfi
 }
 
 absl::Status MapStore::UpdateMission(absl::string_view mission_name, const MissionProfile& values,
-                                     const std::vector<ProfileField>& fields) {
+                                     const std::vector<ProfileField>& fields,
+                                     std::optional<uint64_t> expected_revision) {
   ASSIGN_OR_RETURN(const std::shared_ptr<Mission> mission, FindMission(mission_name));
-  return mission->profile().Update(values, fields);
+  return mission->profile().Update(values, fields, expected_revision);
+}
+
+absl::Status MapStore::SetRobotSettings(absl::string_view mission_name, const std::string& agent,
+                                        const SignedSettings& settings) {
+  ASSIGN_OR_RETURN(const std::shared_ptr<Mission> mission, FindMission(mission_name));
+  RETURN_IF_ERROR(mission->profile().SetRobotSettings(agent, settings));
+  mission->listeners().CallAllBut(/*except_session=*/0);
+  return absl::OkStatus();
+}
+
+std::vector<SignedSettings> MapStore::NewerSettings(uint64_t session_id,
+                                                    SettingsVersions& told) const {
+  const absl::StatusOr<Session> session = FindSession(session_id);
+  if (!session.ok()) return {};
+  return session->mission->profile().NewerSettings(session->agent, told);
 }
 
 absl::Duration MapStore::PaceUplink(uint64_t session_id, uint64_t bytes) {

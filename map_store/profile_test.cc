@@ -90,6 +90,10 @@ class ProfileTest : public ::testing::Test {
       EXPECT_THAT(std::string(status.message()), HasSubstr(part));
     }
   }
+  static void ExpectRefusedBytes(const absl::Status& status) {
+    EXPECT_TRUE(absl::IsInvalidArgument(status)) << status;
+    EXPECT_THAT(std::string(status.message()), HasSubstr("at most 1048576"));
+  }
   bool IsThere() { return store_->GetMission("m").ok(); }
 
   MapStoreOptions options_;
@@ -138,6 +142,46 @@ TEST_F(ProfileTest, WhatIsNoMissionIsNotMade) {
   options_.max_missions = 1;
   Start();
   EXPECT_TRUE(absl::IsResourceExhausted(store_->CreateMission("n", {})));
+}
+
+TEST_F(ProfileTest, OfTwoChangesOfOneRevisionTheSecondIsAborted) {
+  ASSERT_TRUE(store_->CreateMission("m", {}).ok());
+  MissionProfile values;
+  values.description = "first";
+  ASSERT_TRUE(store_->UpdateMission("m", values, {ProfileField::kDescription}, 0).ok());
+  values.description = "second";
+  const absl::Status late = store_->UpdateMission("m", values, {ProfileField::kDescription}, 0);
+  EXPECT_TRUE(absl::IsAborted(late)) << late;
+  EXPECT_THAT(std::string(late.message()), HasSubstr("settings_revision 1"));
+  EXPECT_EQ(Profile().description, "first");
+  Start();
+  EXPECT_EQ(Profile().revision, 1u);
+}
+
+TEST_F(ProfileTest, RobotsSettingsGrowInVersionAndLast) {
+  ASSERT_TRUE(store_->CreateMission("m", {}).ok());
+  const std::string signature(64, 's');
+  ASSERT_TRUE(store_->SetRobotSettings("m", "a", {3, "three", signature}).ok());
+  EXPECT_TRUE(absl::IsFailedPrecondition(store_->SetRobotSettings("m", "a", {3, "x", signature})));
+  EXPECT_TRUE(absl::IsInvalidArgument(store_->SetRobotSettings("m", "a", {4, "x", "short"})));
+  EXPECT_TRUE(absl::IsInvalidArgument(store_->SetRobotSettings("m", "a b", {4, "x", signature})));
+  EXPECT_TRUE(absl::IsNotFound(store_->SetRobotSettings("n", "a", {4, "x", signature})));
+  ASSERT_TRUE(store_->SetRobotSettings("m", "", {1, "all", signature}).ok());
+  Start();
+  SettingsVersions told;
+  const uint64_t session = Open("a");
+  const std::vector<SignedSettings> settings = store_->NewerSettings(session, told);
+  ASSERT_EQ(settings.size(), 2u);
+  EXPECT_EQ(settings[0].bytes, "all");
+  EXPECT_EQ(settings[1].bytes, "three");
+  EXPECT_THAT(store_->NewerSettings(session, told), IsEmpty());
+  // Of all robots together there is a bound.
+  const std::string large(64 << 10, 'x');
+  absl::Status status;
+  for (int i = 0; i < 20; ++i) {
+    status.Update(store_->SetRobotSettings("m", absl::StrCat("r", i), {1, large, signature}));
+  }
+  ExpectRefusedBytes(status);
 }
 
 TEST_F(ProfileTest, AChangeIsOfItsFieldsAndLasts) {

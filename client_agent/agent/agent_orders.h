@@ -2,6 +2,7 @@
 #ifndef CORBSLAM_CLIENT_AGENT_AGENT_AGENT_ORDERS_H_
 #define CORBSLAM_CLIENT_AGENT_AGENT_AGENT_ORDERS_H_
 
+#include <cstdint>
 #include <functional>
 #include <optional>
 #include <utility>
@@ -9,16 +10,25 @@
 #include "absl/base/thread_annotations.h"
 #include "absl/status/status.h"
 #include "absl/synchronization/mutex.h"
+#include "slam/exchange/uplink.h"
 #include "slam/sensor/image_check.h"
 #include "slam/sensor/sensor.h"
 
 namespace corbslam::client_agent {
+
+// Bounds that change while the robot runs; nullopt: as it was. 0 is no bound.
+struct ChangedLimits {
+  std::optional<uint64_t> uplink_bytes_per_second = std::nullopt;
+  std::optional<uint64_t> max_map_bytes = std::nullopt;
+  std::optional<ShareScope> share = std::nullopt;
+};
 
 // What is to be done before a frame is tracked.
 struct OrdersForFrame {
   bool mapping_paused = false;
   bool open_local_map = false;
   std::optional<PictureMask> mask = std::nullopt;
+  ChangedLimits limits = {};
 };
 
 // Thread-safe.
@@ -65,6 +75,12 @@ class AgentOrders {
     if (const absl::Status fits = CheckMask(mask, camera_); !fits.ok()) return fits;
     next_.mask = mask;
     return absl::OkStatus();
+  }
+
+  // Takes the place of limits that no frame has followed yet.
+  void SetLimits(const ChangedLimits& limits) {
+    absl::MutexLock lock(&mutex_);
+    next_.limits = limits;
   }
 
   // The agent says that a frame was tracked: the local map is not empty.

@@ -35,6 +35,17 @@ TEST(AgentOrdersTest, EachOrderIsTakenOnceAndThePauseStays) {
   EXPECT_FALSE(orders.Take().mapping_paused);
 }
 
+TEST(AgentOrdersTest, LimitsAreTakenOnce) {
+  AgentOrders orders;
+  orders.SetLimits({.uplink_bytes_per_second = 5});
+  orders.SetLimits({.uplink_bytes_per_second = 7, .share = ShareScope{ShareMode::kNone}});
+  const ChangedLimits limits = orders.Take().limits;
+  EXPECT_EQ(limits.uplink_bytes_per_second, 7u);
+  EXPECT_FALSE(limits.max_map_bytes.has_value());
+  EXPECT_EQ(limits.share->mode, ShareMode::kNone);
+  EXPECT_FALSE(orders.Take().limits.uplink_bytes_per_second.has_value());
+}
+
 TEST(AgentOrdersTest, MappingIsNotPausedInAMapThatIsEmpty) {
   AgentOrders orders;
   ASSERT_TRUE(orders.OpenLocalMap().ok());

@@ -125,6 +125,7 @@ SingleAgent::SingleAgent(const AgentOptions& options, std::unique_ptr<Sensor> se
       camera_(std::make_shared<const Camera>(sensor_->camera())),
       vocabulary_(std::move(vocabulary)),
       random_(SeedOf(options)),
+      max_map_bytes_(options.max_map_bytes),
       inquiry_(options.ask_place, MakeInquiryOptions(options), !options.deterministic),
       link_(std::make_unique<StoreLink>(
           MakeStoreLinkOptions(options, recorded_camera), uplink,
@@ -267,12 +268,19 @@ bool SingleAgent::Use(const PlaceAnswer& answer) {
                                       answer.camera_from_global * global_from_local->ToRigid());
 }
 
+void SingleAgent::Follow(const ChangedLimits& limits) {
+  max_map_bytes_ = limits.max_map_bytes.value_or(max_map_bytes_);
+  if (limits.uplink_bytes_per_second) link_->SetUplinkRate(*limits.uplink_bytes_per_second);
+  if (limits.share) link_->SetShare(*limits.share);
+}
+
 void SingleAgent::FollowOrders() {
   if (options_.orders == nullptr) return;
   const OrdersForFrame orders = options_.orders->Take();
   // AgentOrders has judged the mask.
   if (orders.mask.has_value()) sensor_->SetMask(*orders.mask).IgnoreError();
   if (orders.open_local_map) BeginLocalMap();
+  Follow(orders.limits);
   mapping_paused_ = orders.mapping_paused;
   current().tracker().PauseMapping(mapping_paused_);
 }

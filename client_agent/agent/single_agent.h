@@ -53,6 +53,7 @@ class SingleAgent : public Agent {
   void NoteResumed(const TrackingResult& result);
   void NoteNotResumed(const std::string& why);
   void FollowOrders();
+  void Follow(const ChangedLimits& limits);
   void Watch(const Features& features);
   // Asks where the frame was that was tracked last, if it is lost or its map is in no place.
   void AskForPlace(const TrackingResult& result);
@@ -92,6 +93,7 @@ class SingleAgent : public Agent {
   std::shared_ptr<LocalMapSession> current_session_;
   SmoothPose smooth_pose_;
   bool warned_of_late_link_ = false;
+  uint64_t max_map_bytes_;       // AgentOptions::max_map_bytes, or what orders said since.
   bool mapping_paused_ = false;  // By the orders for the newest frame.
   // While the camera is sought in a local map that an earlier process began.
   struct Resuming {

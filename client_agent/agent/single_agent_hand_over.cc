@@ -11,7 +11,7 @@ HandOverEvidence SingleAgent::GatherEvidence() const {
   HandOverEvidence evidence;
   evidence.map_bytes = current().map_bytes();
   // The rest is of interest for a full map only.
-  if (evidence.map_bytes <= options_.max_map_bytes) return evidence;
+  if (evidence.map_bytes <= max_map_bytes_) return evidence;
   evidence.own_keyframes = current().map().own_items().keyframes;
   evidence.outbox_has_room = link_->upload().room.ok();
   evidence.mapping_idle = current().IsIdle();
@@ -21,8 +21,8 @@ HandOverEvidence SingleAgent::GatherEvidence() const {
 }
 
 void SingleAgent::HandOverIfFull(const TrackingResult& result) {
-  if (options_.max_map_bytes == 0) return;
-  const HandOverLimits limits = {.max_map_bytes = options_.max_map_bytes};
+  if (max_map_bytes_ == 0) return;
+  const HandOverLimits limits = {.max_map_bytes = max_map_bytes_};
   const HandOverEvidence evidence = GatherEvidence();
   const HandOverVerdict verdict = JudgeHandOver(limits, evidence, result);
   if (verdict == HandOverVerdict::kLinkIsLate) WarnOfLateLink(evidence.map_bytes);
@@ -30,7 +30,7 @@ void SingleAgent::HandOverIfFull(const TrackingResult& result) {
   const std::optional<HandedFrame> handed = current().tracker().HandOver();
   if (!handed.has_value()) return;
   LOG(INFO) << "the local map takes " << (evidence.map_bytes >> 20) << " MiB of "
-            << (options_.max_map_bytes >> 20) << " that it may: the robot goes on in a new one";
+            << (max_map_bytes_ >> 20) << " that it may: the robot goes on in a new one";
   HandOver(*handed);
 }
 
@@ -48,7 +48,7 @@ void SingleAgent::HandOver(const HandedFrame& handed) {
 void SingleAgent::WarnOfLateLink(uint64_t map_bytes) {
   if (std::exchange(warned_of_late_link_, true)) return;
   LOG(WARNING)
-      << "the local map takes " << (map_bytes >> 20) << " MiB of " << (options_.max_map_bytes >> 20)
+      << "the local map takes " << (map_bytes >> 20) << " MiB of " << (max_map_bytes_ >> 20)
       << " that it may, and nothing of it can leave memory before the map store or a spool "
          "takes what waits: the robot's memory grows until then";
 }

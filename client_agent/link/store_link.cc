@@ -38,6 +38,7 @@ StoreLink::StoreLink(const StoreLinkOptions& options, Uplink* uplink, ComputeWor
       compute_words_(std::move(compute_words)),
       queue_(MakeQueueOptions(options, goes_on), std::move(spool)),
       budget_(options.uplink_bytes_per_second),
+      share_(options.share),
       random_(options.seed) {}
 
 StoreLink::~StoreLink() {
@@ -78,7 +79,7 @@ void StoreLink::BeginLocalMap(GuardedMap& map, MapJobs& jobs, const KeptMap* kep
     DeliverFrames();
     for (auto& earlier : recordings_) earlier->closing = true;
     // What was shared was placed in the map that ends, so that the store must tell it again.
-    reopen_ = !recordings_.empty();
+    reopen_ |= !recordings_.empty();
     inbox_.swap(inbox);
     share_watch_ = ShareWatch();
     recorder->SetPointsFollow(store_moves_points_);
@@ -204,7 +205,7 @@ absl::Status StoreLink::Finish(absl::Duration timeout) {
 std::string StoreLink::DescribeWhatIsLeft() const {
   if (!budget_.is_bounded()) return "";
   return absl::StrCat(" (", queue_.status().batches, " batches; held back by a budget of ",
-                      options_.uplink_bytes_per_second,
+                      budget_.bytes_per_second(),
                       " bytes a second: ", ToString(held_back_.status(options_.clock()).items),
                       ")");
 }
@@ -302,6 +303,13 @@ absl::Duration StoreLink::NextBackoff() {
   return longest * jitter(random_);
 }
 
+void StoreLink::SetShare(const ShareScope& share) {
+  absl::MutexLock lock(&mutex_);
+  if (share == share_) return;
+  share_ = share;
+  reopen_ = wake_ = true;
+}
+
 void StoreLink::ConnectIfDue() {
   SessionRequest request;
   bool close_first = false;
@@ -320,7 +328,7 @@ void StoreLink::ConnectIfDue() {
     request = {options_.mission, options_.agent, last_revision_, queue_.local_maps()};
     request.capabilities.coded_features = true;
     request.downlink_bytes_per_second = options_.downlink_bytes_per_second;
-    request.share = options_.share;
+    request.share = share_;
     request.localise_only = options_.localise_only;
   }
   if (close_first) uplink_->Close();
@@ -397,11 +405,21 @@ void StoreLink::NoteHeldBack() {
   held_back_.NoteWaiting(waiting, options_.clock());
 }
 
+UplinkHold StoreLink::FindHold() const {
+  if (!has_link_ || session_ == Session::kOpen) return UplinkHold::kNone;
+  // What is tried again is held for the reason of the last time, until that is over.
+  const absl::Status& why = session_ == Session::kRefused ? refusal_ : closed_;
+  if (absl::IsResourceExhausted(why)) return UplinkHold::kNoRoom;
+  if (absl::IsUnavailable(why) || absl::IsDeadlineExceeded(why)) return UplinkHold::kAway;
+  return why.ok() ? UplinkHold::kOpening : UplinkHold::kRefused;
+}
+
 UploadStatus StoreLink::upload() const {
   UploadStatus status = queue_.status();
   absl::MutexLock lock(&mutex_);
   status.held_back = held_back_.status(options_.clock());
   status.refused_items = refused_items_;
+  status.hold = FindHold();
   for (const auto& recording : recordings_) {
     status.refused_items += recording->recorder->refused_items();
   }
@@ -510,6 +528,7 @@ void StoreLink::OnSessionOpened(const SessionGrant& grant) {
   NoteCapabilities(grant.capabilities);
   GiveUp(queue_.Resume(grant));
   session_ = Session::kOpen;
+  closed_ = absl::OkStatus();
   opened_ = options_.clock();
   wake_ = true;
 }

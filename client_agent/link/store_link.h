@@ -111,6 +111,11 @@ class StoreLink : private UplinkListener {
   // Takes where a frame was of a robot that localises only, for which the two above do nothing.
   void AddLocalised(const LocalisedFrame& frame);
 
+  // Changes StoreLinkOptions::uplink_bytes_per_second.
+  void SetUplinkRate(uint64_t bytes_per_second) { budget_.SetRate(bytes_per_second); }
+  // Changes StoreLinkOptions::share: the session is opened again to say so.
+  void SetShare(const ShareScope& share);
+
   void Start();
   // Sends all there is, now; with a budget, as much as that has.
   void Step();
@@ -179,6 +184,7 @@ class StoreLink : private UplinkListener {
   bool IsBudgeted() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void NoteTransport();
   void NoteHeldBack() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  UplinkHold FindHold() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   std::string DescribeWhatIsLeft() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void SendUnsent();
   void SendLocalised(bool all);
@@ -224,6 +230,7 @@ class StoreLink : private UplinkListener {
   // Whether the last session's store moves points with their keyframes.
   bool store_moves_points_ ABSL_GUARDED_BY(mutex_) = true;
   bool reopen_ ABSL_GUARDED_BY(mutex_) = false;
+  ShareScope share_ ABSL_GUARDED_BY(mutex_);  // What is asked for now.
   HeldBackWatch held_back_ ABSL_GUARDED_BY(mutex_);
   // Under a budget, counts whose turn it is among the local maps that are told.
   size_t turn_ ABSL_GUARDED_BY(mutex_) = 0;

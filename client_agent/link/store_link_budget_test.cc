@@ -314,6 +314,28 @@ TEST_F(StoreLinkBudgetTest, TheStoreIsToldWhatTheRobotWantsToHear) {
   EXPECT_EQ(uplink_.requests[0].share, (ShareScope{ShareMode::kNearby, 12}));
 }
 
+TEST_F(StoreLinkBudgetTest, AnotherScopeOpensTheSessionAnew) {
+  StartRobot();
+  manager_->Step();
+  manager_->SetShare(ShareScope());
+  manager_->Step();
+  EXPECT_EQ(uplink_.requests.size(), 1u) << "nothing has changed";
+  manager_->SetShare({ShareMode::kCorrections});
+  manager_->Step();
+  ASSERT_EQ(uplink_.requests.size(), 2u);
+  EXPECT_EQ(uplink_.requests[1].share.mode, ShareMode::kCorrections);
+}
+
+TEST_F(StoreLinkBudgetTest, ARateThatChangesHoldsFromThenOn) {
+  StartRobot();
+  AddMap(kOwn);
+  manager_->Step();
+  ASSERT_LT(Told(UpdateKind::kKeyframes), 10u);
+  manager_->SetUplinkRate(0);
+  manager_->Step();
+  EXPECT_EQ(Told(UpdateKind::kKeyframes), 10u);
+}
+
 TEST_F(StoreLinkBudgetTest, TheThreadKeepsToItToo) {
   options_.flush_interval = absl::Milliseconds(1);
   StartRobot();

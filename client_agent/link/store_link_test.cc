@@ -154,6 +154,25 @@ TEST_F(StoreLinkTest, ARobotWhoseNameIsTakenTriesAgain) {
   EXPECT_TRUE(manager_->Finish(absl::Seconds(1)).ok());
 }
 
+TEST_F(StoreLinkTest, SaysWhyNothingGoesUp) {
+  EXPECT_EQ(manager_->upload().hold, UplinkHold::kOpening);
+  uplink_.reachable = false;
+  AddKeyframe({kOwn, 0});
+  manager_->Step();
+  EXPECT_EQ(manager_->upload().hold, UplinkHold::kAway);
+  uplink_.refusal = absl::ResourceExhaustedError("mission m has 5 keyframes; that is the limit");
+  manager_->Step();
+  EXPECT_EQ(manager_->upload().hold, UplinkHold::kNoRoom);
+  EXPECT_GT(manager_->upload().memory_bytes, 0u);
+  uplink_.refusal = absl::AlreadyExistsError("connected already, as another process");
+  manager_->Step();
+  EXPECT_EQ(manager_->upload().hold, UplinkHold::kRefused);
+  uplink_.refusal = absl::OkStatus();
+  uplink_.reachable = true;
+  manager_->Step();
+  EXPECT_EQ(manager_->upload().hold, UplinkHold::kNone);
+}
+
 TEST_F(StoreLinkTest, FinishSaysWhenTheStoreIsNotReached) {
   uplink_.reachable = false;
   AddKeyframe({kOwn, 0});

@@ -19,6 +19,17 @@ bool LinkBudget::is_bounded() const {
   return bucket_.is_bounded() && !lifted_;
 }
 
+void LinkBudget::SetRate(uint64_t bytes_per_second) {
+  absl::MutexLock lock(&mutex_);
+  bytes_per_second_ = bytes_per_second;
+  bucket_ = ByteBucket(bytes_per_second);
+}
+
+uint64_t LinkBudget::bytes_per_second() const {
+  absl::MutexLock lock(&mutex_);
+  return bytes_per_second_;
+}
+
 void LinkBudget::Lift() {
   absl::MutexLock lock(&mutex_);
   lifted_ = true;

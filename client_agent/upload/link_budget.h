@@ -20,9 +20,13 @@ namespace corbslam::client_agent {
 class LinkBudget {
  public:
   // With 0 there is no bound, and nothing below ever says no.
-  explicit LinkBudget(uint64_t bytes_per_second) : bucket_(bytes_per_second) {}
+  explicit LinkBudget(uint64_t bytes_per_second)
+      : bytes_per_second_(bytes_per_second), bucket_(bytes_per_second) {}
 
   bool is_bounded() const;
+  // Sets another rate, or 0; what was spent of the one before counts no more.
+  void SetRate(uint64_t bytes_per_second);
+  uint64_t bytes_per_second() const;
   // Lifts the bound for good, for when nothing will be sent any more.
   void Lift();
 
@@ -42,6 +46,7 @@ class LinkBudget {
 
  private:
   mutable absl::Mutex mutex_;
+  uint64_t bytes_per_second_ ABSL_GUARDED_BY(mutex_);
   ByteBucket bucket_ ABSL_GUARDED_BY(mutex_);
   bool lifted_ ABSL_GUARDED_BY(mutex_) = false;
   // Bytes that were written or waiting when the transport was last noted.

@@ -25,6 +25,16 @@
 
 namespace corbslam::client_agent {
 
+// Why what waits for the map store does not go up.
+enum class UplinkHold {
+  kNone,     // A session stands: it goes up, as fast as store and link take it.
+  kOpening,  // A session was asked for and is not granted: the store reads a mission that slept.
+  kAway,     // Nobody answers.
+  kNoRoom,   // The store refuses: a limit of the mission, of its disk or of its memory.
+  kRefused,  // The store refuses for another reason.
+};
+constexpr size_t kUplinkHolds = 5;
+
 struct UploadStatus {
   size_t batches = 0;
   uint64_t memory_bytes = 0;
@@ -44,6 +54,8 @@ struct UploadStatus {
   uint64_t refused_items = 0;
   // What is in no batch yet. The queue doesn't know it; the link fills it in.
   HeldBack held_back;
+  // Likewise.
+  UplinkHold hold = UplinkHold::kNone;
 };
 
 struct UploadQueueOptions {

@@ -170,6 +170,7 @@ std::string AsFormat6(const MissionState& of) {
   std::memcpy(state.data(), &format, sizeof(format));
   ArchiveWriter profile;
   profile(of.profile);
+  map_store::NewerFields(profile, of.profile);
   // That nothing has retired takes eight bytes, and sixteen for each local map.
   state.resize(state.size() - profile.Take().size() - 8 - 16 * of.order.size());
   return state;
@@ -283,6 +284,10 @@ TEST_F(MissionArchiveTest, AProfileGoesAlong) {
                                   {Field::kDescription, Field::kLabels, Field::kLimits,
                                    Field::kAgentLimits, Field::kRetention, Field::kOrigin})
                   .ok());
+  const SignedSettings settings{3, "signed", std::string(64, 's')};
+  ASSERT_TRUE(store_->SetRobotSettings("m", "alpha", settings).ok());
+  values.revision = 1;
+  values.robot_settings["alpha"] = settings;
   const auto read = Read(BackUp());
   ASSERT_TRUE(read.ok()) << read.status();
   values.created_ns = read->profile.created_ns;
@@ -290,6 +295,27 @@ TEST_F(MissionArchiveTest, AProfileGoesAlong) {
   EXPECT_EQ(read->profile, values);
   EXPECT_GT(values.created_ns, 0);
   EXPECT_GE(values.last_used_ns, values.created_ns);
+}
+
+// Programs before settings of robots wrote states without them at the end.
+TEST_F(MissionArchiveTest, AStateFromBeforeSettingsIsReadAndHasNone) {
+  MissionProfile values;
+  values.description = "kept";
+  ASSERT_TRUE(store_->UpdateMission("m", values, {ProfileField::kDescription}).ok());
+  ASSERT_TRUE(store_->SetRobotSettings("m", "", {1, "x", std::string(64, 's')}).ok());
+  const auto state = *Read(BackUp());
+  EXPECT_EQ(state.profile.robot_settings.size(), 1u);
+  std::string bytes = map_store::EncodeState(state);
+  const uint32_t format = 7;
+  std::memcpy(bytes.data(), &format, sizeof(format));
+  ArchiveWriter newer;
+  map_store::NewerFields(newer, state.profile);
+  bytes.resize(bytes.size() - newer.Take().size());
+  const auto read = map_store::DecodeState(bytes, nullptr);
+  ASSERT_TRUE(read.ok()) << read.status();
+  EXPECT_EQ(read->profile.description, "kept");
+  EXPECT_TRUE(read->profile.robot_settings.empty());
+  EXPECT_EQ(read->profile.revision, 0u);
 }
 
 TEST_F(MissionArchiveTest, ABackupFromBeforeProfilesIsReadAndHasNone) {

@@ -79,11 +79,13 @@ namespace {
 
 // Format 3 has no recorded cameras, which follow everything else; in format 4 points are placed in
 // their islands and not in an anchor; in format 5 lenses have five numbers (value_fields.h); up to
-// format 6 missions have no profile, and the store lets go of nothing.
+// format 6 missions have no profile, and the store lets go of nothing; in format 7 profiles have no
+// revision, and no settings of robots.
 constexpr uint32_t kOldestStateFormat = 3;
 constexpr uint32_t kFirstWithAnchors = 5;
 constexpr uint32_t kFirstWithProfile = 7;
-constexpr uint32_t kStateFormat = 7;
+constexpr uint32_t kFirstWithSettings = 8;
+constexpr uint32_t kStateFormat = 8;
 
 absl::Status Unreadable(absl::string_view what) {
   return absl::DataLossError(absl::StrCat(what, " can't be read: its bytes are damaged"));
@@ -405,6 +407,8 @@ std::string EncodeRecord(const JournalRecord& record) {
     WriteTail(
         adjust->plan_bytes != nullptr ? adjust->plan_bytes->anchors : EncodeAnchors(adjust->plan),
         writer);
+  } else if (const auto* profile = std::get_if<ProfileRecord>(&record)) {
+    NewerFields(writer, profile->profile);
   }
   return writer.Take();
 }
@@ -424,6 +428,11 @@ absl::StatusOr<JournalRecord> DecodeRecord(std::string_view bytes, const Feature
     std::vector<uint32_t> anchors;
     reader(anchors);
     RETURN_IF_ERROR(SetAnchors(anchors, *plan));
+  }
+  // Records of journals before format 13 end before.
+  if (auto* profile = std::get_if<ProfileRecord>(&record);
+      profile != nullptr && reader.left() > 0) {
+    NewerFields(reader, profile->profile);
   }
   if (!reader.done()) return Unreadable("a journal record");
   if (update == nullptr) return record;
@@ -455,6 +464,7 @@ std::string EncodeState(const MissionState& state) {
   for (const auto& [id, placed] : state.global.points) anchors.push_back(placed.anchor);
   writer(anchors, state.profile);
   RetiredFields(writer, state);
+  NewerFields(writer, state.profile);
   return writer.Take();
 }
 
@@ -507,6 +517,7 @@ absl::StatusOr<MissionState> DecodeState(std::string_view bytes, const FeatureLo
     reader(state.profile);
     RetiredFields(reader, state);
   }
+  if (format >= kFirstWithSettings) NewerFields(reader, state.profile);
   if (!reader.done()) return Unreadable("a mission's snapshot");
   RETURN_IF_ERROR(ValidateState(state));
   IndexPoints(state);

@@ -195,6 +195,15 @@ void Fields(Archive& archive, T& profile) {
   }
   if (has_origin) archive(*profile.origin);
 }
+template <typename Archive, MayBeConst<SignedSettings> T>
+void Fields(Archive& archive, T& settings) {
+  archive(settings.version, settings.bytes, settings.signature);
+}
+// These stand apart, at the end of a record and of a state: the format is older.
+template <typename Archive, MayBeConst<MissionProfile> T>
+void NewerFields(Archive& archive, T& profile) {
+  archive(profile.revision, profile.robot_settings);
+}
 template <typename Archive, MayBeConst<ProfileRecord> T>
 void Fields(Archive& archive, T& record) {
   archive(record.profile);

@@ -1,7 +1,9 @@
 #include "map_store/mission/profile_keeper.h"
 
 #include <algorithm>
+#include <utility>
 
+#include "absl/strings/str_cat.h"
 #include "map_store/records/record_application.h"
 #include "slam/util/status_macros.h"
 
@@ -39,13 +41,50 @@ absl::Status ProfileKeeper::Begin(MissionProfile profile) {
 }
 
 absl::Status ProfileKeeper::Update(const MissionProfile& values,
-                                   const std::vector<ProfileField>& fields) {
+                                   const std::vector<ProfileField>& fields,
+                                   std::optional<uint64_t> expected_revision) {
+  return Change([&](MissionProfile& profile) -> absl::Status {
+    if (expected_revision.value_or(profile.revision) != profile.revision) {
+      return absl::AbortedError(
+          absl::StrCat("mission ", strand_.name(), " has settings_revision ", profile.revision,
+                       ", and the change was made of ", *expected_revision,
+                       ": somebody has changed it meanwhile; read it again and change that"));
+    }
+    PutFields(values, fields, profile);
+    ++profile.revision;
+    return absl::OkStatus();
+  });
+}
+
+absl::Status ProfileKeeper::SetRobotSettings(const std::string& agent,
+                                             const SignedSettings& settings) {
+  return Change([&](MissionProfile& profile) { return PutSettings(agent, settings, profile); });
+}
+
+std::vector<SignedSettings> ProfileKeeper::NewerSettings(const std::string& agent,
+                                                         SettingsVersions& told) const {
+  return strand_.WithState([&](const MissionState& state) {
+    std::vector<SignedSettings> found;
+    const auto take = [&](const std::string& of) -> uint64_t {
+      const auto entry = state.profile.robot_settings.find(of);
+      if (entry == state.profile.robot_settings.end()) return 0;
+      found.push_back(entry->second);
+      return entry->second.version;
+    };
+    const uint64_t of_all = take("");
+    const SettingsVersions now{of_all, take(agent)};
+    if (std::exchange(told, now) == now) found.clear();
+    return found;
+  });
+}
+
+absl::Status ProfileKeeper::Change(const std::function<absl::Status(MissionProfile&)>& change) {
   NoteUse();
   {
     absl::MutexLock turn(&strand_.turn());
     if (strand_.IsDeleted()) return strand_.Deleted();
     MissionProfile profile = Get();
-    PutFields(values, fields, profile);
+    RETURN_IF_ERROR(change(profile));
     // A mission to which no robot has sent anything yet begins here.
     const bool is_new = strand_.state_in_turn().local_maps.empty() && strand_.appended() == 0;
     if (is_new) profile.created_ns = profile.last_used_ns;

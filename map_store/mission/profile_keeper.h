@@ -4,7 +4,9 @@
 
 #include <atomic>
 #include <cstdint>
+#include <functional>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -31,8 +33,15 @@ class ProfileKeeper {
   // Makes the mission, of which nothing was written, with what is set in `profile`. It is durable
   // when the function returns OK. INVALID_ARGUMENT: ValidateProfile.
   absl::Status Begin(MissionProfile profile);
-  // Changes these fields to those of `values`; the same holds. NOT_FOUND once it is deleted.
-  absl::Status Update(const MissionProfile& values, const std::vector<ProfileField>& fields);
+  // Changes these fields to those of `values`; the same holds. NOT_FOUND once it is deleted;
+  // ABORTED if `expected_revision` is given and is not the profile's.
+  absl::Status Update(const MissionProfile& values, const std::vector<ProfileField>& fields,
+                      std::optional<uint64_t> expected_revision = std::nullopt);
+  // Does PutSettings; the same holds.
+  absl::Status SetRobotSettings(const std::string& agent, const SignedSettings& settings);
+  // Returns those that hold for an agent, those of all robots first, unless they are those that
+  // `told` has the versions of, which follow; there may be none.
+  std::vector<SignedSettings> NewerSettings(const std::string& agent, SettingsVersions& told) const;
 
   // Notes that somebody uses the mission now.
   void NoteUse() { used_ns_ = ToProfileTime(strand_.environment().clock()); }
@@ -55,6 +64,8 @@ class ProfileKeeper {
     ByteBucket bucket{0};
   };
 
+  // Changes the profile by `change`, which may return an error instead.
+  absl::Status Change(const std::function<absl::Status(MissionProfile&)>& change);
   absl::Status Write(const MissionProfile& profile) ABSL_EXCLUSIVE_LOCKS_REQUIRED(strand_.turn());
   int64_t LastUse(const MissionProfile& recorded) const;
 

@@ -511,7 +511,7 @@ TEST_F(RocksJournalTest, TheFormatBeforeBecomesThisOneSoThatOlderProgramsRefuseI
   guard.reset(raw);
   std::string format;
   ASSERT_TRUE(guard->Get({}, map_store::FormatKey(), &format).ok());
-  EXPECT_EQ(format, std::string("\x0c\0\0\0", 4));
+  EXPECT_EQ(format, std::string("\x0d\0\0\0", 4));
 }
 
 // Makes of a journal what programs of older formats wrote: one database with all missions.
@@ -521,7 +521,7 @@ void MakeShared(const std::string& folder, const std::string& format) {
   const std::unique_ptr<rocksdb::DB> shared(raw);
   std::string before;
   ASSERT_TRUE(shared->Get({}, map_store::FormatKey(), &before).ok());
-  EXPECT_EQ(before, std::string("\x0c\0\0\0", 4));
+  EXPECT_EQ(before, std::string("\x0d\0\0\0", 4));
   ASSERT_TRUE(rocksdb::DB::OpenForReadOnly({}, MissionFolder(folder), &raw).ok());
   const std::unique_ptr<rocksdb::DB> own(raw);
   const std::unique_ptr<rocksdb::Iterator> it(own->NewIterator({}));
@@ -573,9 +573,9 @@ TEST_F(RocksJournalTest, AJournalWithoutProfilesBecomesOneThatOlderProgramsRefus
   const std::string local = DumpLocal(kMission, *store);
   store.reset();
   const std::string eleven("\x0b\0\0\0", 4);
-  const std::string twelve("\x0c\0\0\0", 4);
-  EXPECT_EQ(SwapFormat(options.directory, eleven), twelve);
-  EXPECT_EQ(SwapFormat(MissionFolder(options.directory), eleven), twelve);
+  const std::string now("\x0d\0\0\0", 4);
+  EXPECT_EQ(SwapFormat(options.directory, eleven), now);
+  EXPECT_EQ(SwapFormat(MissionFolder(options.directory), eleven), now);
   store = Open(options);
   ASSERT_NE(store, nullptr);
   EXPECT_EQ(DumpLocal(kMission, *store), local);
@@ -583,8 +583,8 @@ TEST_F(RocksJournalTest, AJournalWithoutProfilesBecomesOneThatOlderProgramsRefus
   values.description = "set";
   ASSERT_TRUE(store->UpdateMission(kMission, values, {ProfileField::kDescription}).ok());
   store.reset();
-  EXPECT_EQ(SwapFormat(options.directory, twelve), twelve);
-  EXPECT_EQ(SwapFormat(MissionFolder(options.directory), twelve), twelve);
+  EXPECT_EQ(SwapFormat(options.directory, now), now);
+  EXPECT_EQ(SwapFormat(MissionFolder(options.directory), now), now);
   store = Open(options);
   ASSERT_NE(store, nullptr);
   EXPECT_EQ(store->GetMission(kMission)->profile.description, "set");

@@ -94,6 +94,39 @@ absl::Status CheckTime(absl::string_view field, int64_t time_ns) {
   return absl::InvalidArgumentError(absl::StrCat(field, " is ", time_ns, ", must be at least 0"));
 }
 
+// Returns "the settings of robot NAME", or of all.
+std::string SettingsOf(const std::string& agent) {
+  if (agent.empty()) return "the settings of all robots";
+  return absl::StrCat("the settings of robot ", Shown(agent));
+}
+
+absl::Status CheckSettings(const std::string& agent, const SignedSettings& settings) {
+  const bool is_agent = IsWord(agent) && absl::ascii_isalnum(static_cast<unsigned char>(agent[0]));
+  if (!agent.empty() && !is_agent) {
+    return absl::InvalidArgumentError(
+        absl::StrCat(SettingsOf(agent),
+                     " are for a name that no robot can have: 1 to 63 letters, digits, dots, "
+                     "dashes and underscores, the first a letter or digit"));
+  }
+  if (settings.version == 0 || settings.signature.size() != kSignatureBytes) {
+    return absl::InvalidArgumentError(
+        absl::StrCat(SettingsOf(agent), " have version ", settings.version, " and a signature of ",
+                     settings.signature.size(), " bytes, must have at least version 1 and ",
+                     kSignatureBytes, " bytes"));
+  }
+  return CheckAtMost(SettingsOf(agent), settings.bytes.size(), kMaxSettingsBytes, "bytes");
+}
+
+absl::Status CheckAllSettings(const std::map<std::string, SignedSettings>& all) {
+  size_t bytes = 0;
+  for (const auto& [agent, settings] : all) {
+    RETURN_IF_ERROR(CheckSettings(agent, settings));
+    bytes += agent.size() + settings.bytes.size();
+  }
+  RETURN_IF_ERROR(CheckAtMost("robot_settings", all.size(), kMaxAgentLimits + 1, "entries"));
+  return CheckAtMost("robot_settings", bytes, kMaxAllSettingsBytes, "bytes, of all robots,");
+}
+
 }  // namespace
 
 absl::Status ValidateProfile(const MissionProfile& profile) {
@@ -103,6 +136,7 @@ absl::Status ValidateProfile(const MissionProfile& profile) {
   RETURN_IF_ERROR(CheckLimits("limits", profile.limits));
   RETURN_IF_ERROR(CheckAgentLimits(profile.agent_limits));
   if (profile.origin.has_value()) RETURN_IF_ERROR(CheckOrigin(*profile.origin));
+  RETURN_IF_ERROR(CheckAllSettings(profile.robot_settings));
   RETURN_IF_ERROR(CheckTime("created_ns", profile.created_ns));
   return CheckTime("last_used_ns", profile.last_used_ns);
 }
@@ -131,6 +165,19 @@ void PutFields(const MissionProfile& values, const std::vector<ProfileField>& fi
         break;
     }
   }
+}
+
+absl::Status PutSettings(const std::string& agent, const SignedSettings& settings,
+                         MissionProfile& profile) {
+  RETURN_IF_ERROR(CheckSettings(agent, settings));
+  const auto before = profile.robot_settings.find(agent);
+  if (before != profile.robot_settings.end() && settings.version <= before->second.version) {
+    return absl::FailedPreconditionError(absl::StrCat(
+        SettingsOf(agent), " have version ", settings.version, ", must be newer than version ",
+        before->second.version, ", which the map store has: read those, and sign anew"));
+  }
+  profile.robot_settings[agent] = settings;
+  return absl::OkStatus();
 }
 
 uint64_t UplinkLimit(const MissionProfile& profile, const std::string& agent) {

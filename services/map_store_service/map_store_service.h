@@ -31,6 +31,8 @@ using MapStoreBackupMethods =
         v1::MapStore::WithCallbackMethod_RestoreStoredBackup<
             v1::MapStore::WithCallbackMethod_VerifyStoredBackup<
                 v1::MapStore::WithCallbackMethod_ArchiveMission<v1::MapStore::Service>>>>>;
+using MapStoreSettingsMethods = v1::MapStore::WithCallbackMethod_SetRobotSettings<
+    v1::MapStore::WithCallbackMethod_GetRobotSettings<MapStoreBackupMethods>>;
 using MapStoreMethods = v1::MapStore::WithRawCallbackMethod_Sync<v1::MapStore::WithCallbackMethod_WatchMap<
     v1::MapStore::WithCallbackMethod_WatchEvents<v1::MapStore::WithCallbackMethod_ReplayMap<
         v1::MapStore::WithCallbackMethod_ListMissions<v1::MapStore::WithCallbackMethod_GetMission<
@@ -47,7 +49,7 @@ using MapStoreMethods = v1::MapStore::WithRawCallbackMethod_Sync<v1::MapStore::W
                                                     v1::MapStore::WithCallbackMethod_CreateMission<
                                                         v1::MapStore::WithCallbackMethod_UpdateMission<
                                                             v1::MapStore::WithCallbackMethod_SleepMission<
-                                                                MapStoreBackupMethods>>>>>>>>>>>>>>>>>>>>>>>>>;
+                                                                MapStoreSettingsMethods>>>>>>>>>>>>>>>>>>>>>>>>>;
 
 // Returns OK if the caller may open a session as this agent of this mission.
 using SessionCheck = std::function<absl::Status(
@@ -147,6 +149,12 @@ class MapStoreService : public MapStoreMethods {
   grpc::ServerUnaryReactor* CreateMission(grpc::CallbackServerContext* context,
                                           const v1::CreateMissionRequest* request,
                                           v1::Mission* response) override;
+  grpc::ServerUnaryReactor* SetRobotSettings(grpc::CallbackServerContext* context,
+                                             const v1::SetRobotSettingsRequest* request,
+                                             v1::RobotSettingsList* response) override;
+  grpc::ServerUnaryReactor* GetRobotSettings(grpc::CallbackServerContext* context,
+                                             const v1::GetRobotSettingsRequest* request,
+                                             v1::RobotSettingsList* response) override;
   grpc::ServerUnaryReactor* UpdateMission(grpc::CallbackServerContext* context,
                                           const v1::UpdateMissionRequest* request,
                                           v1::Mission* response) override;

@@ -48,6 +48,7 @@ void ToProto(const MissionProfile& profile, v1::Mission* proto) {
     ToProto(limits, &(*proto->mutable_agent_limits())[agent]);
   }
   proto->set_retention_s(profile.retention_s);
+  proto->set_settings_revision(profile.revision);
   proto->set_created_ns(profile.created_ns);
   proto->set_last_used_ns(profile.last_used_ns);
   if (!profile.origin.has_value()) return;

@@ -12,6 +12,7 @@
 #include "services/convert/shared_update.h"
 #include "services/convert/status.h"
 #include "services/map_store_service/map_store_service.h"
+#include "services/map_store_service/settings_to_proto.h"
 #include "services/map_store_service/sync_reactor.h"
 #include "slam/util/status_macros.h"
 
@@ -263,6 +264,9 @@ absl::Status SyncReactor::Open(const v1::OpenSession& open) {
   }
   const MapStore::OpenedSession& opened = *session;
   session_id_ = opened.session_id;
+  if (std::ranges::count(open.capabilities(), v1::CAPABILITY_ROBOT_SETTINGS) > 0) {
+    told_settings_.emplace();
+  }
   pacer_ = SharePacer(request.downlink_bytes_per_second);
   moves_what_is_shared_ = request.share.mode == ShareMode::kNearby;
   for (SyncObserver* observer : observers_) observer->OnOpened(who_);
@@ -346,6 +350,16 @@ void SyncReactor::OnBudget() {
   Note([this]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { paced_ = false; });
 }
 
+void SyncReactor::SendSettings() {
+  if (!told_settings_.has_value()) return;
+  const std::vector<map_store::SignedSettings> settings =
+      store_.NewerSettings(*session_id_, *told_settings_);
+  if (settings.empty()) return;
+  v1::SyncResponse response;
+  *response.mutable_settings() = ToProto(settings);
+  Reply(response);
+}
+
 void SyncReactor::Share() {
   if (!MayShare()) return;
   {
@@ -358,6 +372,7 @@ void SyncReactor::Share() {
     response.mutable_exact_places();
     Reply(response);
   }
+  SendSettings();
   const absl::StatusOr<std::optional<SharedUpdate>> update =
       store_.NextShared(*session_id_, pacer_.Allow(shared_bytes_, absl::Now()));
   if (!update.ok()) return End(update.status());

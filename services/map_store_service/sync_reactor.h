@@ -86,6 +86,7 @@ class SyncReactor : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteB
   // more.
   bool MayShare();
   void OnBudget();
+  void SendSettings();
   void SendShared(const SharedUpdate& update);
   void Reply(const v1::SyncResponse& response);
   // Leaves the store and says how the stream ends.
@@ -116,6 +117,8 @@ class SyncReactor : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteB
   map_store::BatchTransfer transfer_;
   std::string awaited_;  // The next part of an unfinished batch; empty: none is awaited.
   SharePacer pacer_;
+  // The settings that the agent was told; nullopt: it doesn't understand any.
+  std::optional<map_store::SettingsVersions> told_settings_;
   // True: what the agent itself says, too, changes what it is to be told.
   bool moves_what_is_shared_ = false;
 

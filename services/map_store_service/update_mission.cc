@@ -1,5 +1,6 @@
 #include <glog/logging.h>
 
+#include <optional>
 #include <vector>
 
 #include "absl/strings/str_join.h"
@@ -23,7 +24,10 @@ grpc::ServerUnaryReactor* MapStoreService::UpdateMission(grpc::CallbackServerCon
     ASSIGN_OR_RETURN(const std::string mission, ParseMissionName(request->mission().name()));
     ASSIGN_OR_RETURN(const std::vector<ProfileField> fields,
                      FieldsFromProto(request->update_mask()));
-    RETURN_IF_ERROR(store_.UpdateMission(mission, ProfileFromProto(request->mission()), fields));
+    std::optional<uint64_t> expected;
+    if (request->has_expected_revision()) expected = request->expected_revision();
+    RETURN_IF_ERROR(
+        store_.UpdateMission(mission, ProfileFromProto(request->mission()), fields, expected));
     LOG(INFO) << LogFields{.mission = mission}
               << "mission changed: " << absl::StrJoin(request->update_mask().paths(), ", ");
     ASSIGN_OR_RETURN(const MissionInfo info, store_.GetMission(mission));

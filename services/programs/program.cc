@@ -40,6 +40,8 @@ int Validate(const Program& program, const std::string& name) {
 
 int ExitCode(const absl::Status& status) {
   if (status.ok()) return EXIT_SUCCESS;
+  // A program says so of its flags and their files alone (Program::run).
+  if (absl::IsInvalidArgument(status)) return kWrongUsage;
   return absl::IsDeadlineExceeded(status) ? EX_TEMPFAIL : EXIT_FAILURE;
 }
 

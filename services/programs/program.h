@@ -13,7 +13,8 @@
 namespace corbslam::services {
 
 struct Program {
-  // Runs until the program is told to stop, or its work is done.
+  // Runs until the program is told to stop, or its work is done. INVALID_ARGUMENT is of flags and
+  // of the files that they name, before anything has begun: the program ends with kWrongUsage.
   std::function<absl::Status()> run;
   // Returns everything that `run` would refuse before it starts, the files that flags name
   // included; OK statuses are ignored. Starts and changes nothing.

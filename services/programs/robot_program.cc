@@ -7,6 +7,7 @@
 #include <map>
 #include <memory>
 #include <random>
+#include <set>
 #include <string>
 #include <variant>
 #include <vector>
@@ -27,6 +28,7 @@
 #include "services/programs/checks.h"
 #include "services/programs/default_vocabulary.h"
 #include "services/programs/link_flags.h"
+#include "services/programs/live_settings.h"
 #include "services/programs/memory_flags.h"
 #include "services/programs/observe_flags.h"
 #include "services/programs/program.h"
@@ -38,6 +40,7 @@
 #include "services/programs/robot/robot_source.h"
 #include "services/programs/robot/source_json.h"
 #include "services/programs/robot_observers.h"
+#include "services/programs/settings_flags.h"
 #include "services/programs/share_flags.h"
 #include "services/programs/spool_flags.h"
 #include "services/programs/start_lines.h"
@@ -65,7 +68,7 @@ using client_agent::UseRig;
 
 namespace {
 
-struct Flags {
+struct Flags : SettableFlags {
   std::string source;
   std::string rig;
   std::string frames;
@@ -79,16 +82,13 @@ struct Flags {
   std::string trajectory;
   PosesOf poses_of = PosesOf::kRecordedCamera;
   std::string vocabulary = DefaultVocabularyPath();
-  int features = 0;
   uint64_t seed = 0;
   int solver_threads = 1;
   double finish_s = 120;
   SpoolFlags spool;
   uint64_t outbox_mb = 64;
-  std::string upload = "features=all";
-  LinkFlags link;
-  ShareFlags share;
-  MemoryFlags memory;
+  SettingsFlags settings;
+  std::set<std::string> given;  // Of SettableFlags.
   RecordFlags record;
   bool stay = false;
   bool strict = false;
@@ -180,9 +180,6 @@ AgentOptions MakeAgentOptions(const Flags& flags, const FeatureSelection& upload
   options.max_map_bytes = MaxMapBytes(flags.memory, options.max_outbox_bytes);
   // The trajectory is asked for at the end, or by other programs at any time.
   options.keep_trajectory = !flags.trajectory.empty() || !flags.listen.empty();
-  if (!flags.listen.empty()) {
-    options.orders = std::make_shared<AgentOrders>();
-  }
   options.events = std::make_shared<client_agent::AgentEvents>();
   const bool stereo = std::holds_alternative<StereoCalibration>(calibration);
   options.sensor.orb.features = flags.features != 0 ? flags.features : stereo ? 2000 : 1000;
@@ -245,10 +242,49 @@ absl::StatusOr<std::shared_ptr<grpc::Channel>> MakeStoreChannel(const Flags& fla
   return MakeChannel(flags.server, credentials);
 }
 
-// Returns null without a channel.
-std::unique_ptr<Uplink> MakeUplink(const Flags& flags, std::shared_ptr<grpc::Channel> channel) {
+// Checks what the map store may set.
+absl::Status CheckSettable(const Flags& flags) {
+  const bool has_server = !flags.server.empty();
+  RETURN_IF_ERROR(CheckMemoryFlags(flags.memory, flags.share, flags.outbox_mb << 20,
+                                   has_server || !flags.spool.folder.empty()));
+  RETURN_IF_ERROR(CheckShareFlags(ShareOf(flags), has_server));
+  RETURN_IF_ERROR(CheckLocaliseOnly(flags));
+  return ParseUpload(flags).status();
+}
+
+Flags With(const SettableFlags& set, Flags flags) {
+  static_cast<SettableFlags&>(flags) = set;
+  return flags;
+}
+
+absl::StatusOr<std::unique_ptr<LiveSettings>> MakeLiveSettings(
+    const Flags& flags, const std::shared_ptr<AgentOrders>& orders,
+    const std::shared_ptr<FrameRateLimit>& rate) {
+  const auto limits = [flags](const SettableFlags& set) {
+    const Flags now = With(set, flags);
+    return client_agent::ChangedLimits{
+        .uplink_bytes_per_second = BytesPerSecond(now.link.uplink_kbps),
+        .max_map_bytes = MaxMapBytes(now.memory, now.outbox_mb << 20),
+        .share = ScopeOf(ShareOf(now))};
+  };
+  return LiveSettings::Make(
+      {.files = flags.settings,
+       .mission = flags.mission,
+       .agent = flags.agent,
+       .flags = flags,
+       .given = flags.given,
+       .orders = orders,
+       .rate = rate,
+       .check = [flags](const SettableFlags& set) { return CheckSettable(With(set, flags)); },
+       .limits = limits});
+}
+
+// Returns null without a channel. `settings` is not owned and must outlive the uplink.
+std::unique_ptr<Uplink> MakeUplink(const Flags& flags, std::shared_ptr<grpc::Channel> channel,
+                                   LiveSettings& settings) {
   if (channel == nullptr) return nullptr;
   RemoteUplinkOptions options;
+  options.on_settings = [&settings](const auto& list) { settings.OnSettings(list); };
   options.take_over = flags.take_over;
   return MakeRemoteUplink(std::move(channel), options);
 }
@@ -283,6 +319,14 @@ absl::Status CheckTracked(const RobotReport& report) {
   return absl::OkStatus();
 }
 
+// Returns the status of a robot that has begun: what it met then is not wrong usage
+// (docs/exit_codes.md).
+absl::Status AsFailure(const absl::Status& status) {
+  if (!absl::IsInvalidArgument(status)) return status;
+  return absl::FailedPreconditionError(
+      absl::StrCat("INVALID_ARGUMENT while it ran: ", status.message()));
+}
+
 std::vector<absl::Status> CheckPlaces(const Flags& flags) {
   std::vector<absl::Status> found;
   if (!flags.server.empty()) found.push_back(CheckFlagServer("--server", flags.server));
@@ -293,11 +337,13 @@ std::vector<absl::Status> CheckPlaces(const Flags& flags) {
   const bool has_server = !flags.server.empty();
   found.push_back(CheckMemoryFlags(flags.memory, flags.share, flags.outbox_mb << 20,
                                    has_server || !flags.spool.folder.empty()));
+  found.push_back(CheckSettingsFlags(flags.settings, has_server));
   found.push_back(CheckShareFlags(ShareOf(flags), has_server));
   found.push_back(CheckPace(flags));
   found.push_back(CheckLocaliseOnly(flags));
   found.push_back(CheckRecording(flags.record));
-  for (const std::string& file : {flags.stats, flags.trajectory, flags.held_map}) {
+  for (const std::string& file :
+       {flags.stats, flags.trajectory, flags.held_map, flags.settings.kept}) {
     if (!file.empty()) found.push_back(CheckFolderOf(file));
   }
   const std::vector<absl::Status> observing = CheckObserving(flags.observe);
@@ -320,18 +366,24 @@ std::vector<absl::Status> Check(const Flags& flags) {
   return found;
 }
 
-absl::Status Run(const Flags& flags) {
-  RETURN_IF_ERROR(CheckNameSegment("--mission", flags.mission));
-  RETURN_IF_ERROR(CheckNameSegment("--agent", flags.agent));
+absl::Status Run(const Flags& given_flags) {
+  RETURN_IF_ERROR(CheckNameSegment("--mission", given_flags.mission));
+  RETURN_IF_ERROR(CheckNameSegment("--agent", given_flags.agent));
   // The places are checked first: hours of mapping must not be lost because of a folder that isn't
   // there.
-  for (const absl::Status& place : CheckPlaces(flags)) RETURN_IF_ERROR(place);
+  for (const absl::Status& place : CheckPlaces(given_flags)) RETURN_IF_ERROR(place);
+  RETURN_IF_ERROR(ParseUpload(given_flags).status());
+  const auto orders = std::make_shared<AgentOrders>();
+  const auto rate = std::make_shared<FrameRateLimit>();
+  ASSIGN_OR_RETURN(const std::shared_ptr<grpc::Channel> channel, MakeStoreChannel(given_flags));
+  ASSIGN_OR_RETURN(const std::unique_ptr<LiveSettings> settings,
+                   MakeLiveSettings(given_flags, orders, rate));
+  const Flags flags = With(settings->Begin(channel), given_flags);
   ASSIGN_OR_RETURN(const FeatureSelection upload, ParseUpload(flags));
   ASSIGN_OR_RETURN(std::unique_ptr<Spool> spool,
                    OpenSpool(flags.spool, AgentName(flags.mission, flags.agent)));
   // The uplink outlives the agent, which closes it.
-  ASSIGN_OR_RETURN(const std::shared_ptr<grpc::Channel> channel, MakeStoreChannel(flags));
-  const std::unique_ptr<Uplink> uplink = MakeUplink(flags, channel);
+  const std::unique_ptr<Uplink> uplink = MakeUplink(flags, channel, *settings);
   ASSIGN_OR_RETURN(const auto observers,
                    RobotObservers::Make(flags.observe, flags.mission, flags.agent));
   if (uplink != nullptr) {
@@ -351,6 +403,7 @@ absl::Status Run(const Flags& flags) {
   RETURN_IF_ERROR(CheckPosesOf(calibration, flags.poses_of));
   ASSIGN_OR_RETURN(const RecordedCamera recorded, RecordedCameraOf(calibration));
   AgentOptions options = MakeAgentOptions(flags, upload, calibration);
+  if (uplink != nullptr || !flags.listen.empty()) options.orders = orders;
   if (uplink != nullptr) observers->LogEvents(options.events);
   if (channel != nullptr) options.ask_place = MakePlaceAsker(channel, flags.mission);
   if (options.max_map_bytes > 0) {
@@ -368,6 +421,7 @@ absl::Status Run(const Flags& flags) {
   ASSIGN_OR_RETURN(const auto agent,
                    Agent::Create(options, calibration, vocabulary, observers->Watch(uplink.get()),
                                  std::move(spool)));
+  settings->GiveMask();
   Agent* const watched = observers->Watch(agent.get());
   const auto recording =
       recorder != nullptr ? recorder->Watch(watched, options.orders.get()) : nullptr;
@@ -389,13 +443,15 @@ absl::Status Run(const Flags& flags) {
     AnnounceAddress(server->address());
   }
   PlayedFrames frames;
-  const absl::Status played =
-      PlayStream(*source.stream, recording != nullptr ? *recording : *watched, flags.pace,
-                 stop.stopped(), frames, [&](const TrackingResult& result, uint64_t dropped) {
-                   observers->SetDropped(dropped);
-                   if (recorder != nullptr) recorder->OnResult(result, dropped);
-                   if (server != nullptr) service.OnFrame(result, dropped);
-                 });
+  const absl::Status played = PlayStream(
+      *source.stream, recording != nullptr ? *recording : *watched, flags.pace, stop.stopped(),
+      frames,
+      [&](const TrackingResult& result, uint64_t dropped) {
+        observers->SetDropped(dropped);
+        if (recorder != nullptr) recorder->OnResult(result, dropped);
+        if (server != nullptr) service.OnFrame(result, dropped);
+      },
+      rate.get());
   // What became of the recording is in the log: it is no failure of the robot.
   if (recorder != nullptr) recorder->Finish().IgnoreError();
   // A frame that can't be read ends the drive, but what was mapped until then stays.
@@ -404,11 +460,12 @@ absl::Status Run(const Flags& flags) {
     AnnounceFinished();
     stop.stopped().WaitForNotification();
   }
-  const RobotReport report = MakeReport(flags, *agent, source, frames, uplink.get());
+  RobotReport report = MakeReport(flags, *agent, source, frames, uplink.get());
+  report.settings = settings->Report();
   RETURN_IF_ERROR(WriteResults(flags, *agent, calibration, report));
-  RETURN_IF_ERROR(played);
+  RETURN_IF_ERROR(AsFailure(played));
   RETURN_IF_ERROR(CheckTracked(report));
-  return finished;
+  return AsFailure(finished);
 }
 
 void AddFlags(CLI::App& app, Flags& flags) {
@@ -479,6 +536,7 @@ void AddFlags(CLI::App& app, Flags& flags) {
   AddLinkFlags(app, flags.link);
   AddShareFlags(app, flags.share);
   AddMemoryFlags(app, flags.memory);
+  AddSettingsFlags(app, flags.settings, flags.max_rate_hz);
   AddRecordFlags(app, flags.record);
   app.add_flag("--localise-only", flags.localise_only,
                "Map nothing: track the camera in what others mapped")
@@ -506,7 +564,11 @@ int RunRobot(const std::string& program, int argc, char** argv) {
   Flags flags;
   CLI::App app("One robot of a shared exploration", program);
   AddFlags(app, flags);
-  return RunProgram(app, argc, argv, {[&] { return Run(flags); }, [&] { return Check(flags); }});
+  const auto run = [&] {
+    flags.given = GivenFlags(app);
+    return Run(flags);
+  };
+  return RunProgram(app, argc, argv, {run, [&] { return Check(flags); }});
 }
 
 }  // namespace corbslam::services

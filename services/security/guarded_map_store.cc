@@ -153,6 +153,22 @@ grpc::ServerUnaryReactor* GuardedMapStore::UpdateMission(grpc::CallbackServerCon
   return status.ok() ? service_.UpdateMission(context, request, response) : Refuse(context, status);
 }
 
+grpc::ServerUnaryReactor* GuardedMapStore::SetRobotSettings(
+    grpc::CallbackServerContext* context, const v1::SetRobotSettingsRequest* request,
+    v1::RobotSettingsList* response) {
+  const absl::Status status = Check(*context, Action::kAdminister, request->name());
+  return status.ok() ? service_.SetRobotSettings(context, request, response)
+                     : Refuse(context, status);
+}
+
+grpc::ServerUnaryReactor* GuardedMapStore::GetRobotSettings(
+    grpc::CallbackServerContext* context, const v1::GetRobotSettingsRequest* request,
+    v1::RobotSettingsList* response) {
+  const absl::Status status = Check(*context, Action::kLook, request->name());
+  return status.ok() ? service_.GetRobotSettings(context, request, response)
+                     : Refuse(context, status);
+}
+
 grpc::ServerUnaryReactor* GuardedMapStore::DeleteMission(grpc::CallbackServerContext* context,
                                                          const v1::DeleteMissionRequest* request,
                                                          v1::DeleteMissionResponse* response) {

@@ -72,6 +72,12 @@ class GuardedMapStore : public MapStoreMethods {
   grpc::ServerUnaryReactor* UpdateMission(grpc::CallbackServerContext* context,
                                           const v1::UpdateMissionRequest* request,
                                           v1::Mission* response) override;
+  grpc::ServerUnaryReactor* SetRobotSettings(grpc::CallbackServerContext* context,
+                                             const v1::SetRobotSettingsRequest* request,
+                                             v1::RobotSettingsList* response) override;
+  grpc::ServerUnaryReactor* GetRobotSettings(grpc::CallbackServerContext* context,
+                                             const v1::GetRobotSettingsRequest* request,
+                                             v1::RobotSettingsList* response) override;
   grpc::ServerUnaryReactor* DeleteMission(grpc::CallbackServerContext* context,
                                           const v1::DeleteMissionRequest* request,
                                           v1::DeleteMissionResponse* response) override;

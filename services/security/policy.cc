@@ -96,6 +96,8 @@ const std::map<absl::string_view, Action>& OwnMethods() {
       {"/corbslam.v1.MapStore/GetMission", Action::kLook},
       {"/corbslam.v1.MapStore/CreateMission", Action::kAdminister},
       {"/corbslam.v1.MapStore/UpdateMission", Action::kAdminister},
+      {"/corbslam.v1.MapStore/SetRobotSettings", Action::kAdminister},
+      {"/corbslam.v1.MapStore/GetRobotSettings", Action::kLook},
       {"/corbslam.v1.MapStore/DeleteMission", Action::kAdminister},
       {"/corbslam.v1.MapStore/SleepMission", Action::kAdminister},
       {"/corbslam.v1.MapStore/BackupMission", Action::kAdminister},

@@ -36,6 +36,7 @@ class RemoteUplink : public Uplink {
         transport_(std::make_shared<SyncTransport>()),
         sessions_(std::make_shared<Sessions>()) {
     transport_->stub = v1::MapStore::NewStub(channel);
+    transport_->on_settings = options.on_settings;
   }
   ~RemoteUplink() override { Close(); }
 

@@ -6,8 +6,10 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 
+#include "corbslam/v1/robot_settings.pb.h"
 #include "slam/exchange/uplink.h"
 
 namespace corbslam::services {
@@ -24,6 +26,10 @@ struct RemoteUplinkOptions {
   bool take_over = false;
   // Most bytes that may wait for the network; a batch that finds more waiting is refused by Send.
   size_t max_queued_bytes = 8u << 20;
+  // Told of all settings that the store has for this robot: after a session has begun, if there are
+  // any, and when they change. Nobody has checked who signed them. Called as the listener is, and
+  // after Close not any more; null: the store is not asked for any.
+  std::function<void(const v1::RobotSettingsList&)> on_settings = nullptr;
 };
 
 // Makes an uplink whose thread contract and effect are those of Uplink. One Open makes one attempt

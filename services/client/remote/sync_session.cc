@@ -24,6 +24,9 @@ SyncSession::SyncSession(std::shared_ptr<SyncTransport> transport, const Session
       on_done_(std::move(on_done)) {
   v1::SyncRequest open;
   ToProto(request, open.mutable_open());
+  if (transport_->on_settings != nullptr) {
+    open.mutable_open()->add_capabilities(v1::CAPABILITY_ROBOT_SETTINGS);
+  }
   absl::MutexLock lock(&mutex_);
   Push(std::move(open));
 }
@@ -213,6 +216,9 @@ absl::Status SyncSession::Handle(const v1::SyncResponse& response) {
       return HandleShared(response.shared());
     case v1::SyncResponse::kExactPlaces:
       listener_->OnExactPlacesWanted();
+      return absl::OkStatus();
+    case v1::SyncResponse::kSettings:
+      if (transport_->on_settings != nullptr) transport_->on_settings(response.settings());
       return absl::OkStatus();
     case v1::SyncResponse::PART_NOT_SET:
       break;

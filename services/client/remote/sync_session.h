@@ -26,6 +26,8 @@ struct SyncTransport {
   // Bytes on the wire, both ways.
   std::atomic<uint64_t> bytes_up{0};
   std::atomic<uint64_t> bytes_down{0};
+  // RemoteUplinkOptions::on_settings.
+  std::function<void(const v1::RobotSettingsList&)> on_settings;
   // True once the store has granted a session.
   std::atomic<bool> was_granted{false};
 };

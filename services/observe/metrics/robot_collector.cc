@@ -1,5 +1,7 @@
 #include "services/observe/metrics/robot_collector.h"
 
+#include <array>
+
 #include "services/observe/metrics/families.h"
 
 namespace corbslam::services {
@@ -8,6 +10,8 @@ using client_agent::AgentStatus;
 using client_agent::HeldBack;
 using client_agent::kUpdateKindNames;
 using client_agent::kUpdateKinds;
+using client_agent::kUplinkHolds;
+using client_agent::UpdateKind;
 using client_agent::UploadStatus;
 
 namespace {
@@ -48,6 +52,23 @@ void AddOutbox(const UploadStatus& upload, Families& families) {
                    Number(upload.refused_items));
 }
 
+// All reasons are there always, so that a rule need not know which were.
+void AddHeld(const UploadStatus& upload, Families& families) {
+  constexpr std::array<const char*, kUplinkHolds> kReasons = {"none", "opening", "away", "no_room",
+                                                              "refused"};
+  const auto add = [&](const char* name, const char* what, uint64_t held) {
+    for (size_t reason = 1; reason < kUplinkHolds; ++reason) {
+      const bool is_why = static_cast<size_t>(upload.hold) == reason;
+      families.Gauge(name, what, is_why ? Number(held) : 0, {{"reason", kReasons[reason]}});
+    }
+  };
+  add("corbslam_robot_uplink_held_bytes",
+      "Bytes of batches that don't go up, because no session stands, by why.",
+      upload.memory_bytes + upload.spool_bytes);
+  add("corbslam_robot_uplink_held_keyframes", "Keyframes that wait in the map besides, likewise.",
+      upload.held_back.items[static_cast<size_t>(UpdateKind::kKeyframes)]);
+}
+
 void AddHeldBack(const HeldBack& held, Families& families) {
   for (size_t kind = 0; kind < kUpdateKinds; ++kind) {
     families.Gauge("corbslam_robot_held_back_items",
@@ -69,6 +90,7 @@ std::vector<prometheus::MetricFamily> RobotCollector::Collect() const {
                  {{"mission", mission_}, {"agent", name_}});
   AddMap(status, families);
   AddOutbox(status.upload, families);
+  AddHeld(status.upload, families);
   AddHeldBack(status.upload.held_back, families);
   families.Counter("corbslam_robot_sent_bytes_total", "Bytes sent to the map store.",
                    uplink_ != nullptr ? Number(uplink_->bytes_up()) : 0);

@@ -32,12 +32,13 @@ namespace {
 
 // Notes what is not the robot's doing: frames that `stream` passed over, and that it is slow.
 void WatchStream(const FrameStream& stream, const PacedStream& paced, LeftOutLog& left_out,
-                 SlowSourceLog& slow, PlayedFrames& frames) {
+                 SlowSourceLog& slow, const FrameRateLimit* limit, PlayedFrames& frames) {
   const absl::Time now = absl::Now();
   frames.left_out = left_out.Tell(stream, now);
   slow.Tell(paced.source_pace(), stream.interval_s(), now);
   frames.source_pace = paced.source_pace();
   frames.dropped = paced.dropped() + stream.overtaken();
+  if (limit != nullptr) frames.dropped += limit->left_out();
 }
 
 // Begins a new local map when the frame is of another drive than the one before.
@@ -69,7 +70,8 @@ void TellListener(const TrackingResult& result, uint64_t dropped, FrameStream& s
 absl::Status PlayStream(
     FrameStream& stream, Agent& agent, Pace pace, const absl::Notification& stop,
     PlayedFrames& frames,
-    const std::function<void(const TrackingResult&, uint64_t dropped)>& on_frame) {
+    const std::function<void(const TrackingResult&, uint64_t dropped)>& on_frame,
+    FrameRateLimit* limit) {
   PacedStream paced(stream, pace, stop);
   LeftOutLog left_out;
   SlowSourceLog slow;
@@ -77,9 +79,10 @@ absl::Status PlayStream(
   NoPoseLog no_pose;
   while (true) {
     const absl::StatusOr<std::optional<StreamFrame>> next = paced.Next();
-    WatchStream(stream, paced, left_out, slow, frames);
+    WatchStream(stream, paced, left_out, slow, limit, frames);
     RETURN_IF_ERROR(next.status());
     if (!next->has_value()) return absl::OkStatus();
+    if (limit != nullptr && !limit->Takes((*next)->images.timestamp_ns)) continue;
     FollowDrive((*next)->frame, drive, agent);
     ASSIGN_OR_RETURN(const TrackingResult result, agent.Track((*next)->images));
     ++frames.played;

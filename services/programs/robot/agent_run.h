@@ -11,6 +11,7 @@
 #include "client_agent/agent/agent.h"
 #include "client_agent/source/frame_stream.h"
 #include "client_agent/source/source_description.h"
+#include "services/programs/robot/frame_rate_limit.h"
 #include "services/programs/robot/paced_stream.h"
 #include "services/programs/robot/relocalisation_count.h"
 #include "services/programs/robot/robot_report.h"
@@ -32,11 +33,12 @@ struct PlayedFrames {
 // left out, counted and logged (of a camera seldom, with counts); a source that is too slow for its
 // own times is logged; the agent
 // begins a new local map where the stream's time jumps back. A stream that fails ends with its
-// status, after the frames that came before.
+// status, after the frames that came before. Frames that `limit` does not take count as dropped.
 absl::Status PlayStream(
     client_agent::FrameStream& stream, client_agent::Agent& agent, Pace pace,
     const absl::Notification& stop, PlayedFrames& frames,
-    const std::function<void(const client_agent::TrackingResult&, uint64_t dropped)>& on_frame);
+    const std::function<void(const client_agent::TrackingResult&, uint64_t dropped)>& on_frame,
+    FrameRateLimit* limit = nullptr);
 
 // Returns what looked wrong over a whole run: `at_start`, then what the agent's sensor found,
 // frames that were left out, and that nothing was tracked.

@@ -57,6 +57,8 @@ struct OutboxReport {
 struct RobotReport {
   std::string name;
   std::string source;
+  // What of the map store's settings for robots it took and refused; null: it took none at all.
+  nlohmann::ordered_json settings;
   // What the robot knew of its source (services/programs/robot/source_json.h); null if it didn't
   // get as far.
   nlohmann::ordered_json source_description;

@@ -20,6 +20,7 @@ void VisitFields(Report& report, Visitor& visit) {
   visit("/name", report.name);
   visit("/source", report.source);
   visit("/source_description", report.source_description);
+  visit("/settings", report.settings);
   visit("/frames", report.frames);
   visit("/tracked", report.tracked);
   visit("/dropped", report.dropped);

@@ -15,6 +15,7 @@
 #include "services/security/security_options.h"
 #include "services/tool/commands/commands.h"
 #include "services/tool/mission/mission_settings.h"
+#include "services/tool/mission/robot_settings.h"
 
 namespace corbslam::services {
 
@@ -24,7 +25,8 @@ struct MissionArguments {
   std::string mission;
   std::string file;
   bool json = false;
-  MissionSettings settings;  // Of `create` and `set`.
+  MissionSettings settings;           // Of `create` and `set`.
+  RobotSettingsFlags robot_settings;  // Of `settings`.
   // These are of stored backups: missions/M/backups/N, a time, and a new mission's name.
   std::string stored;
   std::string at;
@@ -32,9 +34,9 @@ struct MissionArguments {
   // These are of `backup-all`.
   std::string folder;
   size_t keep = 7;
-  // `export` alone has the four fields below.
+  std::string agent;  // Of `export` and `settings`.
+  // `export` alone has the three fields below.
   std::string format;
-  std::string agent;
   std::string poses_of;  // Empty if the flag was not given.
   uint32_t moments = 0;  // 0 if the flag was not given.
 };
@@ -53,9 +55,12 @@ CLI::App* AddMissionAction(CLI::App& mission, const char* name, const char* what
 void AddMissionFlag(CLI::App& action, MissionArguments& arguments);
 void AddJsonFlag(CLI::App& action, MissionArguments& arguments);
 
-// These add `mission create` and `mission set`; `mission show`; and `mission export`.
+// These add `mission create` and `mission set`; `mission settings`; `mission show`; and `mission
+// export`.
 void AddSettingActions(CLI::App& mission, const std::shared_ptr<MissionArguments>& arguments,
                        Command& chosen);
+void AddRobotSettingsAction(CLI::App& mission, const std::shared_ptr<MissionArguments>& arguments,
+                            Command& chosen);
 void AddShowAction(CLI::App& mission, const std::shared_ptr<MissionArguments>& arguments,
                    Command& chosen);
 void AddExportAction(CLI::App& mission, const std::shared_ptr<MissionArguments>& arguments,

@@ -66,6 +66,7 @@ void AddMissionCommand(CLI::App& app, Command& chosen) {
   CLI::App* list = AddMissionAction(*mission, "list", "The missions of a map store", &ListMissions,
                                     arguments, chosen);
   AddJsonFlag(*list, *arguments);
+  AddRobotSettingsAction(*mission, arguments, chosen);
   AddShowAction(*mission, arguments, chosen);
   AddSettingActions(*mission, arguments, chosen);
   AddExportAction(*mission, arguments, chosen);

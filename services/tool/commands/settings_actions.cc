@@ -35,9 +35,8 @@ absl::Status Set(const MissionArguments& arguments) {
   RETURN_IF_ERROR(CheckNameSegment("NAME", arguments.mission));
   ASSIGN_OR_RETURN(const auto channel, Connect(arguments));
   MissionAdmin admin(channel);
-  ASSIGN_OR_RETURN(const v1::Mission now, admin.Get(arguments.mission));
-  ASSIGN_OR_RETURN(const v1::UpdateMissionRequest request, MakeUpdate(arguments.settings, now));
-  ASSIGN_OR_RETURN(const v1::Mission changed, admin.Update(request));
+  const auto change = [&](const v1::Mission& now) { return MakeUpdate(arguments.settings, now); };
+  ASSIGN_OR_RETURN(const v1::Mission changed, admin.Change(arguments.mission, change));
   Print("changed", changed);
   return absl::OkStatus();
 }

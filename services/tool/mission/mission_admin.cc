@@ -15,6 +15,7 @@ namespace corbslam::services {
 namespace {
 
 constexpr size_t kPieceBytes = 1 << 20;
+constexpr int kAttempts = 5;
 constexpr absl::Duration kSleepTimeout = absl::Minutes(10);
 
 }  // namespace
@@ -62,6 +63,40 @@ absl::StatusOr<v1::Mission> MissionAdmin::Update(const v1::UpdateMissionRequest&
   v1::Mission changed;
   RETURN_IF_ERROR(ToStatus(stub_->UpdateMission(&context, request, &changed), "UpdateMission"));
   return changed;
+}
+
+absl::StatusOr<v1::Mission> MissionAdmin::Change(
+    const std::string& mission,
+    const std::function<absl::StatusOr<v1::UpdateMissionRequest>(const v1::Mission& now)>& change) {
+  for (int attempt = 1;; ++attempt) {
+    ASSIGN_OR_RETURN(const v1::Mission now, Get(mission));
+    ASSIGN_OR_RETURN(v1::UpdateMissionRequest request, change(now));
+    request.set_expected_revision(now.settings_revision());
+    absl::StatusOr<v1::Mission> changed = Update(request);
+    if (!absl::IsAborted(changed.status()) || attempt == kAttempts) return changed;
+  }
+}
+
+absl::StatusOr<v1::RobotSettingsList> MissionAdmin::GetSettings(const std::string& name) {
+  grpc::ClientContext context;
+  SetDeadline(context);
+  v1::GetRobotSettingsRequest request;
+  request.set_name(name);
+  v1::RobotSettingsList found;
+  RETURN_IF_ERROR(ToStatus(stub_->GetRobotSettings(&context, request, &found), "GetRobotSettings"));
+  return found;
+}
+
+absl::StatusOr<v1::RobotSettingsList> MissionAdmin::SetSettings(
+    const std::string& name, const v1::SignedRobotSettings& settings) {
+  grpc::ClientContext context;
+  SetDeadline(context);
+  v1::SetRobotSettingsRequest request;
+  request.set_name(name);
+  *request.mutable_settings() = settings;
+  v1::RobotSettingsList set;
+  RETURN_IF_ERROR(ToStatus(stub_->SetRobotSettings(&context, request, &set), "SetRobotSettings"));
+  return set;
 }
 
 absl::Status MissionAdmin::ReadBackup(

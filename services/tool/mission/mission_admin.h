@@ -29,6 +29,16 @@ class MissionAdmin {
   absl::StatusOr<v1::Mission> Get(const std::string& mission);
   absl::StatusOr<v1::Mission> Create(const v1::Mission& mission);
   absl::StatusOr<v1::Mission> Update(const v1::UpdateMissionRequest& request);
+  // Gets what Update would change, has `change` make the request of it, and does so again where
+  // somebody else changed the mission meanwhile; ABORTED once that has happened five times.
+  absl::StatusOr<v1::Mission> Change(
+      const std::string& mission,
+      const std::function<absl::StatusOr<v1::UpdateMissionRequest>(const v1::Mission& now)>&
+          change);
+  // These are of robots' settings; `name` is a mission's or an agent's.
+  absl::StatusOr<v1::RobotSettingsList> GetSettings(const std::string& name);
+  absl::StatusOr<v1::RobotSettingsList> SetSettings(const std::string& name,
+                                                    const v1::SignedRobotSettings& settings);
   // Writes the mission to a file, durably, and returns its size in bytes. ALREADY_EXISTS if there
   // is a file of that name. A file under this name is always whole.
   absl::StatusOr<uint64_t> BackUp(const std::string& mission, const std::string& path,

@@ -1,0 +1,82 @@
+// Has a robot run with the settings that its map store has for it, from its start on and as they
+// change.
+#ifndef CORBSLAM_SERVICES_PROGRAMS_LIVE_SETTINGS_H_
+#define CORBSLAM_SERVICES_PROGRAMS_LIVE_SETTINGS_H_
+
+#include <grpcpp/channel.h>
+
+#include <functional>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "absl/base/thread_annotations.h"
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "absl/synchronization/mutex.h"
+#include "client_agent/agent/agent_orders.h"
+#include "services/programs/robot/frame_rate_limit.h"
+#include "services/programs/settings_book.h"
+#include "services/programs/settings_flags.h"
+
+namespace corbslam::services {
+
+struct LiveSettingsOptions {
+  SettingsFlags files;
+  std::string mission;
+  std::string agent;
+  // The robot's own flags, and which of them somebody gave.
+  SettableFlags flags;
+  std::set<std::string> given;
+  // What wants changes while the robot runs.
+  std::shared_ptr<client_agent::AgentOrders> orders;
+  std::shared_ptr<FrameRateLimit> rate;
+  // Says whether the robot can run with such flags.
+  std::function<absl::Status(const SettableFlags&)> check;
+  // Returns the limits that such flags are.
+  std::function<client_agent::ChangedLimits(const SettableFlags&)> limits;
+};
+
+// Says in the log which settings it takes from where, and which it refuses and why. Thread-safe.
+class LiveSettings {
+ public:
+  // Reads the files: INVALID_ARGUMENT (CheckSettingsFlags).
+  static absl::StatusOr<std::unique_ptr<LiveSettings>> Make(LiveSettingsOptions options);
+
+  // Before the robot begins: asks the store, for ten seconds at most, and returns the flags that it
+  // is to begin with. Where the store does not answer, what was kept holds.
+  SettableFlags Begin(const std::shared_ptr<grpc::Channel>& channel);
+  // Gives the robot, which is there now, the mask that it begins with.
+  void GiveMask();
+  // Takes what the store tells later.
+  void OnSettings(const v1::RobotSettingsList& list);
+
+  // Returns what the statistics say: versions, settings taken, refusals; null without keys.
+  nlohmann::ordered_json Report() const;
+
+ private:
+  LiveSettings(LiveSettingsOptions options, std::optional<SettingsBook> book);
+
+  // Takes settings and returns whether the robot is to run with other flags than before.
+  bool Take(const v1::RobotSettingsList& list) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void Refuse(const absl::Status& why) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void SetMask() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void SayWhatNeedsARestart() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+
+  const LiveSettingsOptions options_;
+  mutable absl::Mutex mutex_;
+  // Nullopt: no keys are trusted.
+  std::optional<SettingsBook> book_ ABSL_GUARDED_BY(mutex_);
+  bool said_ignored_ ABSL_GUARDED_BY(mutex_) = false;
+  SettableFlags flags_ ABSL_GUARDED_BY(mutex_);  // With what was taken.
+  SettableFlags begun_ ABSL_GUARDED_BY(mutex_);  // Those that the robot began with.
+  std::vector<std::string> lines_ ABSL_GUARDED_BY(mutex_);
+  std::set<std::string> refused_ ABSL_GUARDED_BY(mutex_);
+};
+
+}  // namespace corbslam::services
+
+#endif  // CORBSLAM_SERVICES_PROGRAMS_LIVE_SETTINGS_H_

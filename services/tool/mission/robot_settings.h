@@ -1,0 +1,54 @@
+// Makes what an operator signs for a mission's robots, and says in words what is set.
+#ifndef CORBSLAM_SERVICES_TOOL_MISSION_ROBOT_SETTINGS_H_
+#define CORBSLAM_SERVICES_TOOL_MISSION_ROBOT_SETTINGS_H_
+
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "absl/time/time.h"
+#include "corbslam/v1/robot_settings.pb.h"
+
+namespace corbslam::services {
+
+// What was given on the command line.
+struct RobotSettingsFlags {
+  std::optional<uint32_t> features = std::nullopt;
+  std::optional<double> max_rate_hz = std::nullopt;
+  std::optional<uint64_t> memory_budget_mb = std::nullopt;  // MiB.
+  std::optional<std::string> upload = std::nullopt;         // features=all, =mapped or =N.
+  std::optional<std::string> share = std::nullopt;
+  std::optional<double> share_radius_m = std::nullopt;
+  std::optional<uint64_t> uplink_kbps = std::nullopt;
+  std::optional<std::string> mask = std::nullopt;  // File of a PNG.
+  std::vector<std::string> unset = {};             // Names of the flags above, without dashes.
+  bool replace = false;
+  std::string key = {};  // File of the private key.
+};
+
+// Returns whether nothing is to be changed.
+bool IsEmpty(const RobotSettingsFlags& flags);
+
+// Finds the settings of this agent (empty: of all robots) in a list; null if there are none.
+const v1::SignedRobotSettings* FindSettings(const v1::RobotSettingsList& list,
+                                            const std::string& agent);
+
+// Makes of the settings that the store has, or of none, those that are to be signed: what was not
+// given stays. The new version is the time in seconds, or one more than the last if that is not
+// newer. PERMISSION_DENIED where the store's are not signed by `private_key_pem`: nobody is to sign
+// what a store made up; with `replace` they are left out, but for their version.
+absl::StatusOr<v1::SignedRobotSettings> MakeSettings(
+    const RobotSettingsFlags& flags, const std::string& mission, const std::string& agent,
+    const v1::SignedRobotSettings* now, const std::string& private_key_pem, absl::Time time);
+
+// Says what is set, a line for each setting; its signature is not checked.
+std::string FormatSettings(const v1::RobotSettingsList& list);
+nlohmann::ordered_json ToJson(const v1::RobotSettingsList& list);
+
+}  // namespace corbslam::services
+
+#endif  // CORBSLAM_SERVICES_TOOL_MISSION_ROBOT_SETTINGS_H_
