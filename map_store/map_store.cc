@@ -231,7 +231,7 @@ absl::StatusOr<std::vector<uint64_t>> MapStore::RetractOverlap(absl::string_view
 
 absl::StatusOr<bool> MapStore::IsFusionIdle(absl::string_view mission_name) const {
   ASSIGN_OR_RETURN(const std::shared_ptr<Mission> mission, FindMission(mission_name));
-  return mission->fusion().IsIdle() && !mission->retiring().IsDue();
+  return mission->fusion().IsIdle() && !mission->retiring().IsDue() && !mission->joining().IsDue();
 }
 
 absl::Status MapStore::WaitUntilFusionIdle(absl::string_view mission_name,

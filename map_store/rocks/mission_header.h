@@ -14,11 +14,11 @@ namespace corbslam::map_store {
 // kJournalFormat when they are opened; others are refused. Format 5 has no recorded cameras, in
 // format 6 no points follow keyframes, in format 7 no features are coded, in format 8 fusion's
 // points are not anchored, in format 9 every lens is a RadialTangential of five numbers, up to
-// format 10 all missions are in one database, and in format 11 missions have no profile and no
-// keyframes retire.
+// format 10 all missions are in one database, in format 11 missions have no profile and no
+// keyframes retire, and in format 12 no local map becomes a part of another or is deleted.
 inline constexpr uint32_t kOldestJournalFormat = 5;
 inline constexpr uint32_t kLastSharedFormat = 10;
-inline constexpr uint32_t kJournalFormat = 12;
+inline constexpr uint32_t kJournalFormat = 13;
 
 // Returns the format's number as it stands under its key. DATA_LOSS for bytes that are no number,
 // FAILED_PRECONDITION for a format that this program doesn't read; `written_by` is the version of
