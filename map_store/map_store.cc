@@ -229,6 +229,12 @@ absl::StatusOr<std::vector<uint64_t>> MapStore::RetractOverlap(absl::string_view
   return mission->fusion().RetractOverlap(overlap, keep_apart);
 }
 
+absl::StatusOr<ForgottenLocalMaps> MapStore::ForgetLocalMaps(absl::string_view mission_name,
+                                                             const ForgetRequest& request) {
+  ASSIGN_OR_RETURN(const std::shared_ptr<Mission> mission, FindMission(mission_name));
+  return mission->joining().Forget(request);
+}
+
 absl::StatusOr<bool> MapStore::IsFusionIdle(absl::string_view mission_name) const {
   ASSIGN_OR_RETURN(const std::shared_ptr<Mission> mission, FindMission(mission_name));
   return mission->fusion().IsIdle() && !mission->retiring().IsDue() && !mission->joining().IsDue();
