@@ -124,7 +124,7 @@ TEST(LocalMapJoiningTest, ATrajectoryGoesThroughOneSessionAfterTheOther) {
   MissionState state = MakeManyStarts(4);
   JoinAll(state, 1);
   const auto trajectory =
-      ComputeTrajectory(state, "r", TrajectoryFrame::kGlobal, false, PosesOf::kCamera);
+      ComputeTrajectory(state, "r", TrajectoryFrame::kGlobal, false, PosesOf::kRectifiedCamera);
   ASSERT_TRUE(trajectory.ok()) << trajectory.status();
   ASSERT_EQ(trajectory->poses.size(), 4 * kKeyframesOfStart);
   for (size_t i = 0; i < trajectory->poses.size(); ++i) {

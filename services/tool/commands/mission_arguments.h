@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "absl/status/status.h"
@@ -32,6 +33,10 @@ struct MissionArguments {
   // These are of `backup-all`.
   std::string folder;
   size_t keep = 7;
+  // These are of `forget`.
+  std::string before;
+  std::optional<uint32_t> keep_local_maps;
+  bool dry_run = false;
   // `export` alone has the four fields below.
   std::string format;
   std::string agent;
@@ -59,6 +64,9 @@ void AddSettingActions(CLI::App& mission, const std::shared_ptr<MissionArguments
 void AddShowAction(CLI::App& mission, const std::shared_ptr<MissionArguments>& arguments,
                    Command& chosen);
 void AddExportAction(CLI::App& mission, const std::shared_ptr<MissionArguments>& arguments,
+                     Command& chosen);
+// Adds `mission forget`.
+void AddForgetAction(CLI::App& mission, const std::shared_ptr<MissionArguments>& arguments,
                      Command& chosen);
 // These add `mission restore`, and the commands for backups that the store keeps.
 void AddRestoreAction(CLI::App& mission, const std::shared_ptr<MissionArguments>& arguments,
