@@ -33,7 +33,7 @@ std::optional<LocalMapJoining> Try(LocalMapId part, LocalMapId whole, const Miss
   if (island_from_part == nullptr || island_from_whole == nullptr) return std::nullopt;
   const LocalMapJoining joining{
       part, whole, island_from_whole->ToRigid().Inverse() * island_from_part->ToRigid()};
-  if (!CheckJoining(joining, state).ok()) return std::nullopt;
+  if (!CheckMayJoin(joining, state).ok()) return std::nullopt;
   return joining;
 }
 

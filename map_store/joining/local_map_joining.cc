@@ -131,6 +131,7 @@ void ForgetPart(const LocalMapState& part, LocalMapId whole, MissionState& state
   const LocalMapId id = part.id;
   Island& island = *state.FindIslandOf(whole);
   std::erase(island.local_maps, id);
+  if (island.relaxed.erase(id) > 0) island.relaxed.insert(whole);
   std::erase(state.agents.at(part.agent).local_maps, id);
   std::erase(state.order, id);
   for (size_t i = 0; i < state.order.size(); ++i) state.local_maps.at(state.order[i]).order = i;
@@ -168,9 +169,17 @@ absl::Status CheckJoining(const LocalMapJoining& joining, const MissionState& st
   const bool joined = island.fused && state.FindIslandOf(a.id) == &island;
   if (!joined) return Refused(joining, "fusion has not joined them");
   if (island.id == a.id) return Refused(joining, "its island has its name");
+  if (HaveSameCameras(a, b)) return absl::OkStatus();
+  return Refused(joining, "their cameras differ");
+}
+
+absl::Status CheckMayJoin(const LocalMapJoining& joining, const MissionState& state) {
+  RETURN_IF_ERROR(CheckJoining(joining, state));
+  const LocalMapState& a = state.local_maps.at(joining.part);
+  const LocalMapState& b = state.local_maps.at(joining.whole);
+  const Island& island = *state.FindIslandOf(b.id);
   if (a.CountParked() > 0) return Refused(joining, "something that it refers to has not arrived");
   if (island.relaxed.contains(a.id)) return Refused(joining, "a loop of it is to be welded");
-  if (!HaveSameCameras(a, b)) return Refused(joining, "their cameras differ");
   if (IsKeptApart(a, state.global) || IsKeptApart(b, state.global)) {
     return Refused(joining, "somebody keeps one of them apart from others");
   }

@@ -17,9 +17,12 @@ struct LocalMapJoining {
 };
 
 // Returns FAILED_PRECONDITION, saying what stands against it: the two are not closed, of one agent,
-// of one island and of the same cameras, in this order of arrival; or somebody keeps one of them
-// apart from others; or poses of keyframes would not be what they are.
+// of one island and of the same cameras, in this order of arrival. That holds for records, too.
 absl::Status CheckJoining(const LocalMapJoining& joining, const MissionState& state);
+// Returns FAILED_PRECONDITION where it should not be done now: something is still to come or to be
+// fused, somebody keeps one of them apart from others, or poses of keyframes would not be what they
+// are. What it looks at need not be the same in a replay.
+absl::Status CheckMayJoin(const LocalMapJoining& joining, const MissionState& state);
 
 // Applies a joining that passed the check. All items keep their ids, and all keyframes their global
 // poses. Costs as much as the part has items.
