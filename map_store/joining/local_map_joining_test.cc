@@ -129,7 +129,7 @@ TEST(LocalMapJoiningTest, ATrajectoryGoesThroughOneSessionAfterTheOther) {
   ASSERT_EQ(trajectory->poses.size(), 4 * kKeyframesOfStart);
   for (size_t i = 0; i < trajectory->poses.size(); ++i) {
     EXPECT_EQ(trajectory->poses[i].timestamp_ns, static_cast<int64_t>(1000 + i % 3));
-    EXPECT_EQ(trajectory->poses[i].gap, i > 0 && i % 3 == 0) << i;
+    EXPECT_EQ(trajectory->poses[i].after_gap, i > 0 && i % 3 == 0) << i;
   }
 }
 
