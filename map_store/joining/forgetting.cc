@@ -5,10 +5,9 @@
 #include <set>
 #include <utility>
 
-#include "absl/container/flat_hash_set.h"
+#include "absl/container/btree_map.h"
 #include "absl/strings/str_cat.h"
-#include "map_store/ingest/change_recording.h"
-#include "map_store/ingest/graph_changes.h"
+#include "map_store/ingest/anchoring.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::map_store {
@@ -31,17 +30,22 @@ void Count(const LocalMapState& local_map, ForgottenLocalMaps& forgotten) {
   forgotten.parts += local_map.joined.size();
 }
 
-// The points go first, so that landmarks elect others, which take over their places.
-void RemoveItems(LocalMapState& local_map, MissionState& state) {
-  absl::flat_hash_set<MapPointId> points;
-  for (const auto& [id, point] : local_map.map.points()) points.insert(id);
-  NoteLandmarkChanges(points, state);
-  const std::set<MapPointId> ordered(points.begin(), points.end());
-  for (const MapPointId& id : ordered) ApplyPointRemoval(id, state, local_map);
-  std::vector<KeyframeId> keyframes;
-  for (const auto& [id, keyframe] : local_map.map.keyframes()) keyframes.push_back(id);
-  for (const KeyframeId& id : keyframes) {
-    ApplyKeyframeRemoval({id, KeyframeId(), Rigid3d()}, state, local_map);
+// Landmarks elect others in the place of the points, which take over where they are. Nothing is
+// taken out of the local map's own graph, which goes as a whole.
+void HandOverPoints(const LocalMapState& local_map, MissionState& state) {
+  for (const auto& [id, point] : local_map.map.points()) {
+    const MapPointId elected = state.global.landmarks.Remove(id);
+    HandOverPlace(id, elected, state);
+    if (elected.IsValid()) state.global.heirs[id] = elected;
+  }
+}
+
+void ForgetKeyframes(const LocalMapState& local_map, GlobalLayer& global) {
+  for (const auto& [id, keyframe] : local_map.map.keyframes()) {
+    global.keyframes.erase(id);
+    global.culled.erase(id);
+    const RejectedOf rejected(id, global.rejected);
+    global.rejected.erase(rejected.begin(), rejected.end());
   }
 }
 
@@ -177,11 +181,12 @@ void ForgetLocalMaps(const std::vector<LocalMapId>& local_maps, MissionState& st
   std::set<LocalMapId> names;
   std::set<IslandId> islands;
   for (const LocalMapId& id : local_maps) {
-    LocalMapState& local_map = state.local_maps.at(id);
+    const LocalMapState& local_map = state.local_maps.at(id);
     const std::vector<LocalMapId> parts = local_map.Names();
     names.insert(parts.begin(), parts.end());
     islands.insert(state.global.island_of.at(id));
-    RemoveItems(local_map, state);
+    HandOverPoints(local_map, state);
+    ForgetKeyframes(local_map, state.global);
   }
   for (const LocalMapId& id : local_maps) Drop(id, state);
   KeepReference(reference, state);
