@@ -41,7 +41,8 @@ struct KeyframePlace {
 
 absl::StatusOr<KeyframePlace> ParseKeyframeKey(absl::string_view key) {
   if (key.empty()) return KeyframePlace();
-  KeyframePlace place = {.is_first_page = false};
+  KeyframePlace place;
+  place.is_first_page = false;
   const std::vector<absl::string_view> parts = absl::StrSplit(key, '/');
   if (parts.size() != 2 || !absl::SimpleAtoi(parts[0], &place.id.local_map.value) ||
       !absl::SimpleAtoi(parts[1], &place.id.index)) {
