@@ -229,9 +229,20 @@ absl::StatusOr<std::vector<uint64_t>> MapStore::RetractOverlap(absl::string_view
   return mission->fusion().RetractOverlap(overlap, keep_apart);
 }
 
+absl::StatusOr<ForgottenLocalMaps> MapStore::ForgetLocalMaps(absl::string_view mission_name,
+                                                             const ForgetRequest& request) {
+  ASSIGN_OR_RETURN(const std::shared_ptr<Mission> mission, FindMission(mission_name));
+  ASSIGN_OR_RETURN(ForgottenLocalMaps forgotten, mission->joining().Forget(request));
+  // A snapshot in the place of all records gives the disk back.
+  if (!request.dry_run && !forgotten.local_maps.empty()) {
+    mission->snapshots().KeepAll([] { return true; }).status().IgnoreError();
+  }
+  return forgotten;
+}
+
 absl::StatusOr<bool> MapStore::IsFusionIdle(absl::string_view mission_name) const {
   ASSIGN_OR_RETURN(const std::shared_ptr<Mission> mission, FindMission(mission_name));
-  return mission->fusion().IsIdle() && !mission->retiring().IsDue();
+  return mission->fusion().IsIdle() && !mission->retiring().IsDue() && !mission->joining().IsDue();
 }
 
 absl::Status MapStore::WaitUntilFusionIdle(absl::string_view mission_name,

@@ -20,6 +20,7 @@
 #include "absl/synchronization/mutex.h"
 #include "absl/time/time.h"
 #include "map_store/archive/mission_archive.h"
+#include "map_store/joining/forgetting.h"
 #include "map_store/locating/localize_query.h"
 #include "map_store/options.h"
 #include "map_store/records/journal.h"
@@ -146,6 +147,11 @@ class MapStore {
   // is no such overlap, FAILED_PRECONDITION if it is not accepted.
   absl::StatusOr<std::vector<uint64_t>> RetractOverlap(absl::string_view mission, uint64_t overlap,
                                                        bool keep_apart);
+  // Deletes an agent's closed local maps by age or number (map_store/joining/forgetting.h), and
+  // returns them; with `dry_run` it deletes nothing. The change is durable then. NOT_FOUND;
+  // INVALID_ARGUMENT for a request that is none; FAILED_PRECONDITION while fusion is busy.
+  absl::StatusOr<ForgottenLocalMaps> ForgetLocalMaps(absl::string_view mission,
+                                                     const ForgetRequest& request);
   absl::StatusOr<bool> IsFusionIdle(absl::string_view mission) const;
   // Returns DEADLINE_EXCEEDED after `timeout`.
   absl::Status WaitUntilFusionIdle(absl::string_view mission, absl::Duration timeout) const;

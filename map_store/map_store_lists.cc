@@ -35,36 +35,38 @@ absl::StatusOr<size_t> ParseLocalMapKey(absl::string_view key) {
 
 // The place of a keyframe among all of a mission: by the arrival of its local map, then by index.
 struct KeyframePlace {
-  size_t local_map = 0;
-  uint32_t index = 0;
+  KeyframeId id;
   bool is_first_page = true;
 };
 
 absl::StatusOr<KeyframePlace> ParseKeyframeKey(absl::string_view key) {
   if (key.empty()) return KeyframePlace();
-  KeyframePlace place = {.is_first_page = false};
+  KeyframePlace place;
+  place.is_first_page = false;
   const std::vector<absl::string_view> parts = absl::StrSplit(key, '/');
-  if (parts.size() != 2 || !absl::SimpleAtoi(parts[0], &place.local_map) ||
-      !absl::SimpleAtoi(parts[1], &place.index)) {
+  if (parts.size() != 2 || !absl::SimpleAtoi(parts[0], &place.id.local_map.value) ||
+      !absl::SimpleAtoi(parts[1], &place.id.index)) {
     return NoSuchPageToken();
   }
   return place;
 }
 
-std::string KeyframeKey(const MissionState& state, KeyframeId id) {
-  return absl::StrCat(state.FindLocalMap(id.local_map)->order, "/", id.index);
-}
+// A local map has keyframes of several names, and its place in the order may change.
+std::string KeyframeKey(KeyframeId id) { return absl::StrCat(id.local_map.value, "/", id.index); }
 
 // Returns up to `count` keyframes behind a place, of the local maps with an order of `begin` to
-// `end` - 1.
-std::vector<KeyframeId> KeyframesAfter(const MissionState& state, const KeyframePlace& after,
-                                       size_t begin, size_t end, size_t count) {
+// `end` - 1. INVALID_ARGUMENT where the place's local map is there no more.
+absl::StatusOr<std::vector<KeyframeId>> KeyframesAfter(const MissionState& state,
+                                                       const KeyframePlace& after, size_t begin,
+                                                       size_t end, size_t count) {
+  const LocalMapState* at = after.is_first_page ? nullptr : state.FindLocalMap(after.id.local_map);
+  if (!after.is_first_page && at == nullptr) return NoSuchPageToken();
   std::vector<KeyframeId> ids;
-  for (size_t i = std::max(begin, after.local_map); i < end && ids.size() < count; ++i) {
-    const LocalMapId id = state.order[i];
-    const auto& keyframes = state.FindLocalMap(id)->map.keyframes();
-    const bool goes_on = !after.is_first_page && i == after.local_map;
-    auto it = goes_on ? keyframes.upper_bound({id, after.index}) : keyframes.begin();
+  for (size_t i = at == nullptr ? begin : std::max(begin, at->order); i < end && ids.size() < count;
+       ++i) {
+    const LocalMapState& local_map = *state.FindLocalMap(state.order[i]);
+    const auto& keyframes = local_map.map.keyframes();
+    auto it = &local_map == at ? keyframes.upper_bound(after.id) : keyframes.begin();
     for (; it != keyframes.end() && ids.size() < count; ++it) ids.push_back(it->first);
   }
   return ids;
@@ -141,10 +143,10 @@ absl::StatusOr<Page<KeyframeInfo>> MapStore::ListKeyframes(absl::string_view mis
       begin = local_map->order;
       end = begin + 1;
     }
-    std::vector<KeyframeId> ids = KeyframesAfter(state, after, begin, end, start.size + 1);
+    ASSIGN_OR_RETURN(std::vector<KeyframeId> ids,
+                     KeyframesAfter(state, after, begin, end, start.size + 1));
     Page<KeyframeInfo> page;
-    page.next_page_token =
-        EndPage(start, ids, [&state](KeyframeId id) { return KeyframeKey(state, id); });
+    page.next_page_token = EndPage(start, ids, [](KeyframeId id) { return KeyframeKey(id); });
     page.items = map_store::DescribeKeyframes(state, ids);
     return page;
   });

@@ -62,6 +62,10 @@ struct MapStoreOptions {
   // and the share of its landmarks that others see by which a keyframe goes.
   bool retire = false;
   double retire_share = 0.9;
+  // Whether an agent's closed local maps that fusion has joined become one
+  // (docs/adr/0036-sessions-become-one.md), but for the newest `keep_local_maps` of each agent.
+  bool join_local_maps = false;
+  size_t keep_local_maps = 8;
   // Local motion of a placed keyframe relative to its parent that calls for a refresh.
   double local_motion_px = 1.0;
   // Foreign keyframes that one agent is sent at most; it is sent the nearest ones.

@@ -172,7 +172,8 @@ std::string AsFormat6(const MissionState& of) {
   profile(of.profile);
   map_store::NewerFields(profile, of.profile);
   // That nothing has retired takes eight bytes, and sixteen for each local map.
-  state.resize(state.size() - profile.Take().size() - 8 - 16 * of.order.size());
+  // That none was deleted takes eight, and that nothing has become a part of a local map as many.
+  state.resize(state.size() - profile.Take().size() - 16 - 24 * of.order.size());
   return state;
 }
 

@@ -80,11 +80,12 @@ namespace {
 // Format 3 has no recorded cameras, which follow everything else; in format 4 points are placed in
 // their islands and not in an anchor; in format 5 lenses have five numbers (value_fields.h); up to
 // format 6 missions have no profile, and the store lets go of nothing; in format 7 profiles have no
-// revision, and no settings of robots.
+// revision and no settings of robots, local maps stay as they are, and none is deleted.
 constexpr uint32_t kOldestStateFormat = 3;
 constexpr uint32_t kFirstWithAnchors = 5;
 constexpr uint32_t kFirstWithProfile = 7;
 constexpr uint32_t kFirstWithSettings = 8;
+constexpr uint32_t kFirstWithJoined = 8;
 constexpr uint32_t kStateFormat = 8;
 
 absl::Status Unreadable(absl::string_view what) {
@@ -289,6 +290,13 @@ void RetiredFields(Archive& archive, State& state) {
   }
 }
 
+// Lists what follows that since local maps become parts of others, and are deleted.
+template <typename Archive, typename State>
+void JoinedFields(Archive& archive, State& state) {
+  archive(state.forgotten);
+  for (const LocalMapId& id : state.order) archive(state.local_maps.at(id).joined);
+}
+
 // Anchors points of an older format, which are placed in their islands. Where no keyframe is placed
 // that sees a point, the point is not placed any more.
 void AnchorPoints(MissionState& state) {
@@ -465,6 +473,7 @@ std::string EncodeState(const MissionState& state) {
   writer(anchors, state.profile);
   RetiredFields(writer, state);
   NewerFields(writer, state.profile);
+  JoinedFields(writer, state);
   return writer.Take();
 }
 
@@ -518,6 +527,8 @@ absl::StatusOr<MissionState> DecodeState(std::string_view bytes, const FeatureLo
     RetiredFields(reader, state);
   }
   if (format >= kFirstWithSettings) NewerFields(reader, state.profile);
+  if (format >= kFirstWithJoined) JoinedFields(reader, state);
+  IndexJoined(state);
   if (!reader.done()) return Unreadable("a mission's snapshot");
   RETURN_IF_ERROR(ValidateState(state));
   IndexPoints(state);

@@ -175,6 +175,18 @@ template <typename Archive, MayBeConst<RetireRecord> T>
 void Fields(Archive& archive, T& record) {
   archive(record.retirement.keyframes, record.retirement.faded);
 }
+template <typename Archive, MayBeConst<JoinedLocalMap> T>
+void Fields(Archive& archive, T& part) {
+  archive(part.id, part.last_batch, part.first_frame, part.first_lost_frame);
+}
+template <typename Archive, MayBeConst<JoinRecord> T>
+void Fields(Archive& archive, T& record) {
+  archive(record.joining.part, record.joining.whole, record.joining.whole_from_part);
+}
+template <typename Archive, MayBeConst<ForgetRecord> T>
+void Fields(Archive& archive, T& record) {
+  archive(record.local_maps);
+}
 template <typename Archive, MayBeConst<GeoOrigin> T>
 void Fields(Archive& archive, T& origin) {
   archive(origin.latitude_deg, origin.longitude_deg, origin.altitude_m, origin.heading_deg);

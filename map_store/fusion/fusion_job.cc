@@ -27,9 +27,11 @@ bool LiesIn(const MissionState& state, const Overlap& overlap, const FusionActio
   return LiesIn(state, overlap.query, action) && LiesIn(state, overlap.candidate, action);
 }
 
-bool Touches(const Overlap& overlap, const std::vector<LocalMapId>& local_maps) {
-  return std::any_of(local_maps.begin(), local_maps.end(), [&overlap](LocalMapId id) {
-    return overlap.query.local_map == id || overlap.candidate.local_map == id;
+bool Touches(const MissionState& state, const Overlap& overlap,
+             const std::vector<LocalMapId>& local_maps) {
+  return std::any_of(local_maps.begin(), local_maps.end(), [&](LocalMapId id) {
+    return state.OwnerOf(overlap.query.local_map) == id ||
+           state.OwnerOf(overlap.candidate.local_map) == id;
   });
 }
 
@@ -53,7 +55,7 @@ void CallAgain(const MissionState& state, const std::vector<LocalMapId>& relaxed
   std::optional<size_t> best;
   double least = std::numeric_limits<double>::infinity();
   for (size_t i = 0; i < request.overlaps.size(); ++i) {
-    if (!Touches(request.overlaps[i], relaxed)) continue;
+    if (!Touches(state, request.overlaps[i], relaxed)) continue;
     const double disagreement = Disagreement(state, request.overlaps[i]);
     if (disagreement >= least) continue;
     least = disagreement;
@@ -240,9 +242,9 @@ Unplaced FindRelaxedKeyframes(const MissionState& state, const Island& island,
   if (local_map_id != island.id) {
     for (const uint64_t id : state.global.overlaps.in_graph()) {
       const Overlap& overlap = state.global.overlaps.at(id).overlap;
-      if (overlap.query.local_map == overlap.candidate.local_map) continue;
-      const KeyframeId own =
-          overlap.query.local_map == local_map_id ? overlap.query : overlap.candidate;
+      const LocalMapId query = state.OwnerOf(overlap.query.local_map);
+      if (query == state.OwnerOf(overlap.candidate.local_map)) continue;
+      const KeyframeId own = query == local_map_id ? overlap.query : overlap.candidate;
       if (!placed.contains(own)) continue;
       anchor = own;
       break;

@@ -28,14 +28,18 @@ size_t Gap(const LocalMapState& local_map, KeyframeId a, KeyframeId b) {
 // with `against`.
 bool HasOverlapNearby(const MissionState& state, const QueryTask& task, size_t spacing) {
   const LocalMapState& own = *state.FindLocalMap(task.query.local_map);
+  const LocalMapState& against = *state.FindLocalMap(task.against);
   const auto is_near = [&](KeyframeId near, KeyframeId far) {
-    return near.local_map == own.id && far.local_map == task.against &&
+    return state.OwnerOf(near.local_map) == own.id && state.OwnerOf(far.local_map) == against.id &&
            Gap(own, near, task.query) < spacing;
   };
   const OverlapLedger& overlaps = state.global.overlaps;
-  return std::ranges::any_of(overlaps.LiveBetween(own.id, task.against), [&](uint64_t id) {
-    const Overlap& overlap = overlaps.at(id).overlap;
-    return is_near(overlap.query, overlap.candidate) || is_near(overlap.candidate, overlap.query);
+  // What stands next to the query was sent under the same name.
+  return std::ranges::any_of(against.Names(), [&](LocalMapId name) {
+    return std::ranges::any_of(overlaps.LiveBetween(task.query.local_map, name), [&](uint64_t id) {
+      const Overlap& overlap = overlaps.at(id).overlap;
+      return is_near(overlap.query, overlap.candidate) || is_near(overlap.candidate, overlap.query);
+    });
   });
 }
 
@@ -43,7 +47,7 @@ std::vector<PlaceCandidate> FindSharingWords(const MissionState& state, const Qu
                                              const Keyframe& query,
                                              const MapStoreOptions& options) {
   const LocalMapState& against = *state.FindLocalMap(task.against);
-  const bool own = task.against == task.query.local_map;
+  const bool own = state.OwnerOf(task.against) == state.OwnerOf(task.query.local_map);
   QueryOptions query_options;
   query_options.min_shared_words = options.min_shared_words;
   query_options.min_shared_fraction_of_best = options.min_shared_words_ratio;

@@ -34,7 +34,7 @@ void ForgetGlobalLayer(MissionState& state) {
   ++state.version;
   for (auto& [id, local_map] : state.local_maps) ForgetChanges(state, local_map);
   for (const LocalMapId& id : state.order) {
-    fresh.island_of[id] = id;
+    for (const LocalMapId& name : state.FindLocalMap(id)->Names()) fresh.island_of[name] = id;
     fresh.islands[id] = MakeLoneIsland(state, id);
   }
   state.global = std::move(fresh);

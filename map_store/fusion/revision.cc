@@ -41,7 +41,9 @@ void MergeIslands(const RevisionPlan& plan, MissionState& state) {
       local_map.changes.NoteSights(keyframe);
     }
   }
-  for (const LocalMapId& id : source.local_maps) state.global.island_of[id] = plan.target;
+  for (const LocalMapId& id : source.local_maps) {
+    SetIslandOf(*state.FindLocalMap(id), plan.target, state);
+  }
 }
 
 void RejectObservations(const RevisionPlan& plan, RevisionLayers& layers, MissionState& state) {

@@ -31,7 +31,9 @@ void EraseKeyframesOf(LocalMapId local_map, PlacedKeyframes& keyframes) {
 
 void PlaceKeyframes(const RevisionPlan& plan, const MissionState& state, RevisionLayers& layers) {
   for (const LocalMapId& id : LocalMapsOfSource(plan, state)) {
-    EraseKeyframesOf(id, layers.keyframes);
+    for (const LocalMapId& name : state.FindLocalMap(id)->Names()) {
+      EraseKeyframesOf(name, layers.keyframes);
+    }
   }
   for (const auto& [id, placed] : plan.keyframes) {
     if (state.FindKeyframe(id) != nullptr) layers.keyframes[id] = placed;
@@ -99,13 +101,13 @@ absl::StatusOr<PlacedPoints> MergePoints(const RevisionLayers& layers, const Mis
   return merged;
 }
 
-// Notes the local map's displaced keyframes: what the owner moved while the worker was busy counts
-// from here on.
-absl::Status NoteMotionSince(const RevisionPlan& plan, double threshold_px,
+// Notes the displaced keyframes of one of the local map's names: what the owner moved while the
+// worker was busy counts from here on.
+absl::Status NoteMotionSince(const RevisionPlan& plan, double threshold_px, LocalMapId name,
                              const LocalMapState& local_map, LooksInPieces& looks,
                              RevisionLayers& layers) {
-  for (auto it = plan.keyframes.lower_bound(KeyframeId{local_map.id, 0});
-       it != plan.keyframes.end() && it->first.local_map == local_map.id; ++it) {
+  for (auto it = plan.keyframes.lower_bound(KeyframeId{name, 0});
+       it != plan.keyframes.end() && it->first.local_map == name; ++it) {
     RETURN_IF_ERROR(looks.Look());
     const KeyframeId id = it->first;
     if (IsDisplaced(id, threshold_px, local_map, layers.keyframes).value_or(false)) {
@@ -138,19 +140,20 @@ void RememberTargetFrame(LocalMapId id, const MissionState& state, RevisionLayer
 // Counts keyframes of the local map that are placed or culled.
 size_t CountAdjusted(const RevisionPlan& plan, const LocalMapState& local_map,
                      const MissionState& state, const RevisionLayers& layers) {
-  const KeyframeId first = {local_map.id, 0};
-  const auto is_of_it = [&](KeyframeId id) { return id.local_map == local_map.id; };
   absl::flat_hash_set<KeyframeId> counted;
-  for (auto it = layers.keyframes.lower_bound(first);
-       it != layers.keyframes.end() && is_of_it(it->first); ++it) {
-    counted.insert(it->first);
-  }
-  for (auto it = state.global.culled.lower_bound(first);
-       it != state.global.culled.end() && is_of_it(*it); ++it) {
-    counted.insert(*it);
+  for (const LocalMapId& name : local_map.Names()) {
+    for (auto it = layers.keyframes.lower_bound(KeyframeId{name, 0});
+         it != layers.keyframes.end() && it->first.local_map == name; ++it) {
+      counted.insert(it->first);
+    }
+    for (auto it = state.global.culled.lower_bound(KeyframeId{name, 0});
+         it != state.global.culled.end() && it->local_map == name; ++it) {
+      counted.insert(*it);
+    }
   }
   for (const KeyframeId& id : plan.culled) {
-    if (is_of_it(id) && local_map.map.FindKeyframe(id) != nullptr) counted.insert(id);
+    if (state.OwnerOf(id.local_map) == local_map.id && local_map.map.FindKeyframe(id) != nullptr)
+      counted.insert(id);
   }
   return counted.size();
 }
@@ -232,7 +235,7 @@ absl::Status Prepare(const RevisionPlan& plan, const MapStoreOptions& options,
   for (const auto& [id, keyframe] : plan.keyframes) planned.insert(planned.end(), id.local_map);
   for (const LocalMapId& id : planned) {
     RETURN_IF_ERROR(
-        NoteMotionSince(plan, options.local_motion_px, *state.FindLocalMap(id), looks, layers));
+        NoteMotionSince(plan, options.local_motion_px, id, *state.FindLocalMap(id), looks, layers));
   }
   for (const LocalMapId& id : state.global.islands.at(plan.target).local_maps) {
     RETURN_IF_ERROR(looks.Look());
@@ -356,8 +359,10 @@ bool RefreshLayers(const RevisionPlan& plan, const MapStoreOptions& options,
   const Island& island = state.global.islands.at(plan.target);
   for (const LocalMapId& id : since->local_maps) {
     if (state.global.island_of.at(id) != island.id) continue;
-    NoteMotionSince(plan, options.local_motion_px, *state.FindLocalMap(id), looks, layers)
-        .IgnoreError();
+    const LocalMapState& local_map = *state.FindLocalMap(id);
+    for (const LocalMapId& name : local_map.Names()) {
+      NoteMotionSince(plan, options.local_motion_px, name, local_map, looks, layers).IgnoreError();
+    }
     RememberTargetFrame(id, state, layers);
   }
   if (!since->gone.empty()) layers.adjusted = CountAdjusted(plan, state, layers);

@@ -129,7 +129,7 @@ std::optional<MissingItem> ApplyObservation(const ObservationChange& change, Mis
   if (own == nullptr) {
     point = FollowReplacements(local_map, change.point);
     if (!point.IsValid() || local_map.removed_points.contains(point)) return std::nullopt;
-    if (point.local_map != local_map.id) {
+    if (!local_map.IsNamed(point.local_map)) {
       ObserveForeign(change.keyframe, change.keypoint, point, state, local_map);
       return std::nullopt;
     }
@@ -149,7 +149,7 @@ std::optional<MissingItem> ApplyParent(KeyframeId child_id, KeyframeId parent,
                                        LocalMapState& local_map) {
   const Keyframe* child = local_map.map.FindKeyframe(child_id);
   if (child == nullptr || !parent.IsValid()) return std::nullopt;
-  if (parent.local_map != local_map.id) {
+  if (!local_map.IsNamed(parent.local_map)) {
     HangOnOneBefore(*child, local_map);
     return std::nullopt;
   }
@@ -170,7 +170,7 @@ std::optional<MissingItem> ApplyParent(KeyframeId child_id, KeyframeId parent,
 std::optional<MissingItem> ApplyLoopEdge(const LoopEdge& edge, MissionState& state,
                                          LocalMapState& local_map) {
   if (local_map.removed_keyframes.contains(edge.a)) return std::nullopt;
-  if (edge.b.local_map != local_map.id) {
+  if (!local_map.IsNamed(edge.b.local_map)) {
     local_map.foreign_loop_edges.push_back(edge);
   } else {
     if (local_map.removed_keyframes.contains(edge.b)) return std::nullopt;
@@ -192,7 +192,7 @@ void ApplyReplacement(const PointReplacement& replacement, MissionState& state,
   }
   const MapPointId survivor = FollowReplacements(local_map, replacement.survivor);
   if (survivor == replaced || !survivor.IsValid()) return;
-  const bool is_own = survivor.local_map == local_map.id;
+  const bool is_own = local_map.IsNamed(survivor.local_map);
   // Two robots may each have put the other's point in the place of its own: then the point stays,
   // and stands for both. What fusion merged does not change what an owner says of its own points.
   const MapPointId stands_for = ResolvePoint(state, survivor);

@@ -96,11 +96,13 @@ namespace {
 // Checks with so many local maps more.
 absl::Status CheckLocalMapsAnd(size_t more, const MissionState& state,
                                const MapStoreOptions& options) {
-  const size_t all = state.local_maps.size();
+  // What has become a part of another keeps its name in messages.
+  const size_t all = state.local_maps.size() + state.joined_into.size();
   if (all + more > kMaxLocalMapsInAll) {
-    return absl::ResourceExhaustedError(absl::StrCat("mission ", state.name, " has ", all,
-                                                     " local maps; no mission has more than ",
-                                                     kMaxLocalMapsInAll, ": begin another one"));
+    return absl::ResourceExhaustedError(absl::StrCat(
+        "mission ", state.name, " has ", all, " local maps; no mission has more than ",
+        kMaxLocalMapsInAll,
+        ": delete a robot's old ones (`corbslam mission forget`), or begin another one"));
   }
   const size_t counted = CountLimitedLocalMaps(state);
   if (counted + more <= options.max_local_maps_per_mission) return absl::OkStatus();

@@ -2,6 +2,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "map_store/ingest/batch_validation.h"
+#include "map_store/ingest/gone_local_maps.h"
 #include "map_store/ingest/mission_limits.h"
 #include "map_store/ingest/quota.h"
 #include "map_store/mission/mission_sessions.h"
@@ -12,11 +13,12 @@
 namespace corbslam::map_store {
 namespace {
 
-absl::StatusOr<std::optional<Acknowledgement>> CheckNumber(const LocalMapState* local_map,
+absl::StatusOr<std::optional<Acknowledgement>> CheckNumber(const MissionState& state,
                                                            const MapUpdateBatch& batch) {
-  const uint64_t last = local_map == nullptr ? 0 : local_map->last_batch;
+  const uint64_t last = LastBatchOf(state, batch.local_map);
   if (batch.number == 0) return absl::InvalidArgumentError("batch without a number");
   if (batch.number <= last) return Acknowledgement{batch.local_map, last};
+  RETURN_IF_ERROR(CheckTakesBatches(state, batch.local_map));
   if (batch.number == last + 1) return std::nullopt;
   return absl::FailedPreconditionError(absl::StrCat("batch ", batch.number, " of local map ",
                                                     ToString(batch.local_map), ": expected ",
@@ -40,9 +42,9 @@ absl::StatusOr<BatchIntake::Known> BatchIntake::Check(uint64_t session_id, const
     return absl::PermissionDeniedError(
         absl::StrCat("local map ", ToString(batch.local_map), " is another agent's"));
   }
-  if (local_map == nullptr) RETURN_IF_ERROR(CheckRoomForLocalMap(state, strand_.options()));
-  ASSIGN_OR_RETURN(const Known known, CheckNumber(local_map, batch));
+  ASSIGN_OR_RETURN(const Known known, CheckNumber(state, batch));
   if (known.has_value()) return known;
+  if (local_map == nullptr) RETURN_IF_ERROR(CheckRoomForLocalMap(state, strand_.options()));
   RETURN_IF_ERROR(CheckQuota(state, agent, batch, strand_.options()));
   RETURN_IF_ERROR(CheckKeyframeLimits(state, agent, batch));
   return known;

@@ -53,7 +53,7 @@ void FusionExecutor::RunLane(FusionLane lane) {
       if (mission == nullptr) continue;
       Turn turn = RunOne(*mission, lane);
       if (turn == Turn::kNothingToDo && lane == FusionLane::kGraph &&
-          mission->retiring().RunOne()) {
+          (mission->retiring().RunOne() || mission->joining().RunOne())) {
         turn = Turn::kDone;
       }
       did_something = did_something || turn == Turn::kDone;
@@ -71,7 +71,8 @@ void FusionExecutor::RunLane(FusionLane lane) {
 void FusionExecutor::RunUntilIdle(Mission& mission) {
   if (worker_ == nullptr) return;
   while (RunOne(mission, FusionLane::kGraph) == Turn::kDone ||
-         RunOne(mission, FusionLane::kAdjustment) == Turn::kDone || mission.retiring().RunOne()) {
+         RunOne(mission, FusionLane::kAdjustment) == Turn::kDone || mission.retiring().RunOne() ||
+         mission.joining().RunOne()) {
   }
 }
 

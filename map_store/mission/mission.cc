@@ -14,6 +14,7 @@ MissionLoad MeasureLoad(const MissionState& state) {
   load.agents = state.agents.size();
   for (const auto& [name, agent] : state.agents) load.connected_agents += agent.session != 0;
   load.local_maps = state.local_maps.size();
+  load.joined_local_maps = state.joined_into.size();
   load.islands = state.global.islands.size();
   for (const auto& [id, local_map] : state.local_maps) {
     load.keyframes += local_map.map.keyframes().size();
@@ -39,11 +40,12 @@ Mission::Mission(std::string name, MissionEnvironment environment)
       batches_(strand_, sessions_.listeners(), events_),
       fusion_(strand_, events_, [this] { sessions_.listeners().CallAllBut(0); }),
       retiring_(strand_, fusion_, [this] { sessions_.listeners().CallAllBut(0); }),
+      joining_(strand_, fusion_, retiring_, [this] { sessions_.listeners().CallAllBut(0); }),
       snapshots_(strand_) {}
 
 MissionInfo Mission::Info() const {
   MissionInfo info = WithState(DescribeMission);
-  info.fusion_idle = fusion_.IsIdle() && !retiring_.IsDue();
+  info.fusion_idle = fusion_.IsIdle() && !retiring_.IsDue() && !joining_.IsDue();
   info.profile = profile_.Get();
   return info;
 }
@@ -80,7 +82,8 @@ absl::Status Mission::CheckMaySleep() const {
     return refuse("its journal is damaged, and only memory has all of it");
   }
   if (IsWatched()) return refuse("somebody watches it (WatchMap, WatchEvents)");
-  if (!fusion_.IsIdle() || retiring_.IsDue()) return refuse("fusion has work to do");
+  if (!fusion_.IsIdle() || retiring_.IsDue() || joining_.IsDue())
+    return refuse("fusion has work to do");
   return absl::OkStatus();
 }
 

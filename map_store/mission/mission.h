@@ -9,6 +9,7 @@
 #include "map_store/mission/batch_intake.h"
 #include "map_store/mission/event_book.h"
 #include "map_store/mission/fusion_coordinator.h"
+#include "map_store/mission/mission_joining.h"
 #include "map_store/mission/mission_load.h"
 #include "map_store/mission/mission_retiring.h"
 #include "map_store/mission/mission_sessions.h"
@@ -33,6 +34,7 @@ class Mission {
   FusionCoordinator& fusion() { return fusion_; }
   const FusionCoordinator& fusion() const { return fusion_; }
   MissionRetiring& retiring() { return retiring_; }
+  MissionJoining& joining() { return joining_; }
   MissionSnapshots& snapshots() { return snapshots_; }
   ProfileKeeper& profile() { return profile_; }
   const ProfileKeeper& profile() const { return profile_; }
@@ -82,6 +84,7 @@ class Mission {
   BatchIntake batches_;
   FusionCoordinator fusion_;
   MissionRetiring retiring_;
+  MissionJoining joining_;
   MissionSnapshots snapshots_;
 };
 

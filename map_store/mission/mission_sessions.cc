@@ -64,7 +64,7 @@ absl::StatusOr<MissionSessions::Opened> MissionSessions::Enter(uint64_t session_
   for (const LocalMapId& id : request.local_maps) {
     LocalMapState* local_map = state.FindLocalMap(id);
     if (local_map != nullptr) ExpireParked(now, strand_.options(), *local_map);
-    opened.grant.acknowledged.push_back({id, local_map == nullptr ? 0 : local_map->last_batch});
+    opened.grant.acknowledged.push_back({id, LastBatchOf(state, id)});
   }
   AgentState& agent = state.agents[request.agent];
   opened.fenced = std::exchange(agent.session, session_id);

@@ -36,6 +36,8 @@ struct ApplyAgain {
   void operator()(const RetractRecord& record) { Apply(record, options, state); }
   void operator()(const ProfileRecord& record) { Apply(record, state); }
   void operator()(const RetireRecord& record) { Apply(record, state); }
+  void operator()(const JoinRecord& record) { Apply(record, state); }
+  void operator()(const ForgetRecord& record) { Apply(record, state); }
 };
 
 BatchWords WordsOf(const JournalRecord& record, const Vocabulary* vocabulary) {

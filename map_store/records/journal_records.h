@@ -13,6 +13,7 @@
 
 #include "absl/time/time.h"
 #include "map_store/fusion/revision_plan.h"
+#include "map_store/joining/local_map_joining.h"
 #include "map_store/retiring/retirement.h"
 #include "map_store/state/mission_state.h"
 #include "slam/exchange/map_update.h"
@@ -92,11 +93,21 @@ struct RetireRecord {
   Retirement retirement;
 };
 
+// Two local maps of an agent became one.
+struct JoinRecord {
+  LocalMapJoining joining;
+};
+
+// Somebody deleted these closed local maps.
+struct ForgetRecord {
+  std::vector<LocalMapId> local_maps;
+};
+
 // Events that are no records (queries without candidates, workers' failures) are decided again
 // after a restart.
-using JournalRecord =
-    std::variant<BatchRecord, QueryRecord, FuseRecord, FuseRefusedRecord, AdjustRecord,
-                 RederiveRecord, RetractRecord, ProfileRecord, RetireRecord>;
+using JournalRecord = std::variant<BatchRecord, QueryRecord, FuseRecord, FuseRefusedRecord,
+                                   AdjustRecord, RederiveRecord, RetractRecord, ProfileRecord,
+                                   RetireRecord, JoinRecord, ForgetRecord>;
 
 }  // namespace corbslam::map_store
 

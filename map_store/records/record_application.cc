@@ -10,7 +10,9 @@
 #include "map_store/fusion/rederivation.h"
 #include "map_store/fusion/revision.h"
 #include "map_store/ingest/batch_validation.h"
+#include "map_store/ingest/gone_local_maps.h"
 #include "map_store/ingest/parked_references.h"
+#include "map_store/joining/forgetting.h"
 #include "map_store/records/retraction.h"
 #include "map_store/retiring/retirement.h"
 #include "map_store/view/placement.h"
@@ -19,8 +21,9 @@
 namespace corbslam::map_store {
 namespace {
 
-bool IsSound(const Overlap& overlap, const QueryTask& task) {
-  return overlap.query == task.query && overlap.candidate.local_map == task.against &&
+bool IsSound(const Overlap& overlap, const QueryTask& task, const MissionState& state) {
+  return overlap.query == task.query &&
+         state.OwnerOf(overlap.candidate.local_map) == state.OwnerOf(task.against) &&
          overlap.candidate_from_query.scale > 0 &&
          overlap.candidate_from_query.rotation.coeffs().allFinite() &&
          overlap.candidate_from_query.translation.allFinite() && IsCovariance(overlap.covariance);
@@ -72,7 +75,7 @@ void Apply(const BatchRecord& record, const BatchWords& words, const MapStoreOpt
 void Apply(const QueryRecord& record, const MapStoreOptions& options, MissionState& state) {
   state.queries.TakeUntil(record.task);
   for (const Overlap& overlap : record.overlaps) {
-    if (!IsSound(overlap, record.task)) continue;
+    if (!IsSound(overlap, record.task, state)) continue;
     OverlapEntry entry;
     entry.id = state.next_overlap++;
     entry.overlap = overlap;
@@ -161,6 +164,12 @@ void Apply(const RetireRecord& record, MissionState& state) {
   ApplyRetirement(record.retirement, state);
 }
 
+void Apply(const JoinRecord& record, MissionState& state) { ApplyJoining(record.joining, state); }
+
+void Apply(const ForgetRecord& record, MissionState& state) {
+  ForgetLocalMaps(record.local_maps, state);
+}
+
 void Apply(const ProfileRecord& record, MissionState& state) { state.profile = record.profile; }
 
 void LeaveToAdjustment(const std::vector<LocalMapId>& relaxed, MissionState& state,
@@ -246,11 +255,12 @@ absl::Status CheckQuery(const QueryRecord& record, const MissionState& state) {
 absl::Status CheckBatch(const BatchRecord& record, const MissionState& state) {
   const MapUpdateBatch& batch = *record.batch;
   const LocalMapState* local_map = state.FindLocalMap(batch.local_map);
-  const uint64_t last = local_map == nullptr ? 0 : local_map->last_batch;
+  const uint64_t last = LastBatchOf(state, batch.local_map);
   if (batch.number != last + 1) {
     return Missing(absl::StrCat("batch ", last + 1, " of local map ", ToString(batch.local_map)));
   }
   absl::Status status = ValidateName("agent", record.agent);
+  status.Update(CheckTakesBatches(state, batch.local_map));
   if (local_map != nullptr && local_map->agent != record.agent) {
     status.Update(absl::PermissionDeniedError("its local map is another agent's"));
   }
@@ -276,6 +286,13 @@ absl::Status CheckReplay(const JournalRecord& record, const MissionState& state)
   }
   if (const auto* retire = std::get_if<RetireRecord>(&record)) {
     return CheckRetirement(retire->retirement, state);
+  }
+  if (const auto* join = std::get_if<JoinRecord>(&record)) {
+    const absl::Status sound = CheckJoining(join->joining, state);
+    return sound.ok() ? sound : absl::DataLossError(sound.message());
+  }
+  if (const auto* forget = std::get_if<ForgetRecord>(&record)) {
+    return CheckForgetting(forget->local_maps, state);
   }
   if (const auto* profile = std::get_if<ProfileRecord>(&record)) {
     const absl::Status valid = ValidateProfile(profile->profile);

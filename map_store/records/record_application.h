@@ -32,6 +32,8 @@ void Apply(const AdjustRecord& record, RevisionLayers& layers, MissionState& sta
 void Apply(const RederiveRecord& record, MissionState& state);
 void Apply(const RetractRecord& record, const MapStoreOptions& options, MissionState& state);
 void Apply(const RetireRecord& record, MissionState& state);
+void Apply(const JoinRecord& record, MissionState& state);
+void Apply(const ForgetRecord& record, MissionState& state);
 void Apply(const ProfileRecord& record, MissionState& state);
 
 // Leaves local maps whose loops could not be welded to bundle adjustment, which alone has to bring

@@ -29,13 +29,18 @@ absl::Status ValidateAmounts(const MissionState& state, const MapStoreOptions& o
   return ValidateAmount("bytes", bytes, options.max_bytes_per_mission);
 }
 
+// Returns the name, if it is one of the local map's, else the local map's id.
+LocalMapId OwnNameOf(LocalMapId name, const LocalMapState& local_map) {
+  return local_map.IsNamed(name) ? name : local_map.id;
+}
+
 absl::Status ValidateKeyframes(const LocalMapState& local_map, const MapStoreOptions& options) {
   for (const auto& camera : local_map.cameras) RETURN_IF_ERROR(Validate(*camera));
   for (const auto& recorded : local_map.recorded_cameras) {
     if (recorded.has_value()) RETURN_IF_ERROR(Validate(*recorded));
   }
   for (const auto& [id, keyframe] : local_map.map.keyframes()) {
-    RETURN_IF_ERROR(ValidateOwn("keyframe", id, local_map.id));
+    RETURN_IF_ERROR(ValidateOwn("keyframe", id, OwnNameOf(id.local_map, local_map)));
     RETURN_IF_ERROR(ValidateFullKeyframe({keyframe.payload, keyframe.camera_from_map, {}},
                                          keyframe.camera(), options));
   }
@@ -48,7 +53,7 @@ absl::Status ValidateKeyframes(const LocalMapState& local_map, const MapStoreOpt
 
 absl::Status ValidatePoints(const LocalMapState& local_map) {
   for (const auto& [id, point] : local_map.map.points()) {
-    RETURN_IF_ERROR(ValidateOwn("map point", id, local_map.id));
+    RETURN_IF_ERROR(ValidateOwn("map point", id, OwnNameOf(id.local_map, local_map)));
     RETURN_IF_ERROR(ValidatePosition("map point", id, "position", point.position_in_map));
   }
   return absl::OkStatus();

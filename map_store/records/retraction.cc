@@ -82,8 +82,9 @@ void WaitAgain(const std::set<LocalMapId>& members, const MapStoreOptions& optio
       entry.alone = false;
       entry.revision = 0;
       entry.note.clear();
-      entry.urgent = overlap.query.local_map == overlap.candidate.local_map &&
-                     GraphResidualPx(state, overlap) > options.loop_residual_px;
+      entry.urgent =
+          state.OwnerOf(overlap.query.local_map) == state.OwnerOf(overlap.candidate.local_map) &&
+          GraphResidualPx(state, overlap) > options.loop_residual_px;
     });
   }
 }
@@ -96,11 +97,32 @@ void DissolveIsland(IslandId island_id, const MapStoreOptions& options, MissionS
   state.global.islands.erase(island_id);
   for (const LocalMapId& id : members) ForgetChanges(state, *state.FindLocalMap(id));
   for (Island& island : lone) {
-    state.global.island_of[island.id] = island.id;
+    SetIslandOf(*state.FindLocalMap(island.id), island.id, state);
     state.global.islands[island.id] = std::move(island);
   }
-  ForgetPlaces(members, state.global);
-  WaitAgain(members, options, state);
+  std::set<LocalMapId> names;
+  for (const LocalMapId& id : members) {
+    const std::vector<LocalMapId> parts = state.FindLocalMap(id)->Names();
+    names.insert(parts.begin(), parts.end());
+  }
+  ForgetPlaces(names, state.global);
+  WaitAgain(names, options, state);
+}
+
+}  // namespace
+
+namespace {
+
+// What joins two parts of one local map by now has given one of them its frame.
+absl::Status CheckNotInside(const MissionState& state, uint64_t id, const Overlap& overlap) {
+  const LocalMapId query = overlap.query.local_map;
+  const LocalMapId candidate = overlap.candidate.local_map;
+  const LocalMapId whole = state.OwnerOf(query);
+  if (query == candidate || whole != state.OwnerOf(candidate)) return absl::OkStatus();
+  return absl::FailedPreconditionError(absl::StrCat(
+      "overlap ", id, " of mission ", state.name, " can't be taken back: it joined local maps ",
+      ToString(query), " and ", ToString(candidate), ", which have been retired into one, ",
+      ToString(whole), "; delete that session (`corbslam mission forget`), or restore a backup"));
 }
 
 }  // namespace
@@ -119,6 +141,7 @@ absl::Status CheckRetractable(const MissionState& state, uint64_t overlap) {
 absl::Status CheckRetraction(const MissionState& state, const RetractRecord& record) {
   RETURN_IF_ERROR(CheckRetractable(state, record.overlap));
   const Overlap& overlap = state.global.overlaps.at(record.overlap).overlap;
+  RETURN_IF_ERROR(CheckNotInside(state, record.overlap, overlap));
   if (!record.keep_apart || overlap.query.local_map != overlap.candidate.local_map) {
     return absl::OkStatus();
   }

@@ -18,7 +18,7 @@ bool IsKnown(const MissionState& state, LocalMapId id) { return state.FindLocalM
 
 template <typename Id>
 bool IsOf(const LocalMapState& local_map, Id id) {
-  return id.IsValid() && id.local_map == local_map.id;
+  return id.IsValid() && local_map.IsNamed(id.local_map);
 }
 
 // Returns whether every keyframe has its place in the order of arrival.
@@ -84,7 +84,14 @@ absl::Status ValidateIslands(const MissionState& state) {
     RETURN_IF_ERROR(Check(sound, absl::StrCat("island ", ToString(id))));
     members += island.local_maps.size();
   }
-  return Check(members == state.order.size() && state.global.island_of.size() == members,
+  for (const auto& [part, whole] : state.joined_into) {
+    const auto it = state.global.island_of.find(part);
+    RETURN_IF_ERROR(
+        Check(it != state.global.island_of.end() && it->second == state.global.island_of.at(whole),
+              absl::StrCat("what local map ", ToString(part), " is a part of")));
+  }
+  return Check(members == state.order.size() &&
+                   state.global.island_of.size() == members + state.joined_into.size(),
                "which island has which local map");
 }
 

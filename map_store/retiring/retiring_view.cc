@@ -139,10 +139,15 @@ absl::StatusOr<RetiringView> TakeRetiringView(const MissionState& state, const I
   RetiringView view;
   view.island = island.id;
   view.revision = state.global.revision;
+  size_t order = 0;
   for (const LocalMapId& id : island.local_maps) {
     const LocalMapState& local_map = *state.FindLocalMap(id);
-    if (!local_map.closed) continue;
-    view.closed[id] = {local_map.order, local_map.last_batch, local_map.map.keyframes().size()};
+    const size_t keyframes = local_map.map.keyframes().size();
+    // What has become a part of an earlier local map is a session of its own, as it was.
+    for (const LocalMapId& name : local_map.Names()) {
+      ++order;
+      if (local_map.closed) view.closed[name] = {order, local_map.last_batch, keyframes};
+    }
   }
   ListOverlaps(state, island, view);
   ViewTaker taker(state, read, view);

@@ -13,17 +13,21 @@ ItemChanges ContentOf(const LocalMapState& local_map, const ShareState& share) {
   ItemChanges content;
   for (const auto& [id, keyframe] : local_map.map.keyframes()) content.keyframes.push_back(id);
   content.sights = content.keyframes;
-  for (auto it = share.keyframes.lower_bound(KeyframeId{local_map.id, 0});
-       it != share.keyframes.end() && it->first.local_map == local_map.id; ++it) {
-    if (local_map.map.FindKeyframe(it->first) == nullptr) content.keyframes.push_back(it->first);
+  for (const LocalMapId& name : local_map.Names()) {
+    for (auto it = share.keyframes.lower_bound(KeyframeId{name, 0});
+         it != share.keyframes.end() && it->first.local_map == name; ++it) {
+      if (local_map.map.FindKeyframe(it->first) == nullptr) content.keyframes.push_back(it->first);
+    }
   }
   if (local_map.id == share.local_map) {
     for (const auto& [id, point] : local_map.map.points()) content.landmarks.push_back(id);
     return content;
   }
-  for (auto it = share.points.lower_bound(MapPointId{local_map.id, 0});
-       it != share.points.end() && it->first.local_map == local_map.id; ++it) {
-    content.points.push_back(it->first);
+  for (const LocalMapId& name : local_map.Names()) {
+    for (auto it = share.points.lower_bound(MapPointId{name, 0});
+         it != share.points.end() && it->first.local_map == name; ++it) {
+      content.points.push_back(it->first);
+    }
   }
   content.landmarks = content.points;
   return content;

@@ -150,8 +150,11 @@ class ShareStep {
   // Notes news of keyframes that fusion has not placed, which follow others of their local map, and
   // of the points that follow them.
   void FindFollowers(const LocalMapState& local_map) {
-    for (auto it = share_.keyframes.lower_bound(KeyframeId{local_map.id, 0});
-         it != share_.keyframes.end() && it->first.local_map == local_map.id; ++it) {
+    for (const LocalMapId& name : local_map.Names()) FindFollowers(name, local_map);
+  }
+  void FindFollowers(LocalMapId name, const LocalMapState& local_map) {
+    for (auto it = share_.keyframes.lower_bound(KeyframeId{name, 0});
+         it != share_.keyframes.end() && it->first.local_map == name; ++it) {
       const Keyframe* keyframe = local_map.map.FindKeyframe(it->first);
       if (keyframe == nullptr || state_.global.keyframes.contains(it->first)) continue;
       const Similarity3d global_from_local = GlobalFromLocal(it->first, local_map);

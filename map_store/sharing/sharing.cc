@@ -16,10 +16,9 @@ bool HasSent(const ShareState& share) {
 }
 
 // Returns whether a local map that the agent heard of is not in its island any more.
-bool HasLostAny(const ShareState& share, const Island& island) {
-  return std::ranges::any_of(share.seen_local_maps, [&island](LocalMapId id) {
-    return std::ranges::find(island.local_maps, id) == island.local_maps.end();
-  });
+bool HasLostAny(const MissionState& state, const ShareState& share, const Island& island) {
+  return std::ranges::any_of(share.seen_local_maps,
+                             [&](LocalMapId id) { return state.FindIslandOf(id) != &island; });
 }
 
 void ForgetAll(ShareState& share) {
@@ -65,7 +64,7 @@ std::optional<SharedUpdate> TakeForLocalisation(const MissionState& state,
   const auto it = state.global.islands.find(state.ReferenceIsland());
   if (it == state.global.islands.end()) return std::nullopt;
   const auto& [id, island] = *it;
-  if (share.local_map.IsValid() || share.island != id || HasLostAny(share, island)) {
+  if (share.local_map.IsValid() || share.island != id || HasLostAny(state, share, island)) {
     StartAgain(LocalMapId(), id, share);
   }
   if (agent.localised.has_value() && NoteSaidPlace(*agent.localised->camera_from_global, share)) {
@@ -97,7 +96,7 @@ std::optional<SharedUpdate> TakeSharedUpdate(const MissionState& state,
   if (agent.local_maps.empty()) return std::nullopt;
   const LocalMapId own = agent.local_maps.back();
   const Island& island = *state.FindIslandOf(own);
-  if (share.local_map != own || share.island != island.id || HasLostAny(share, island)) {
+  if (share.local_map != own || share.island != island.id || HasLostAny(state, share, island)) {
     StartAgain(own, island.id, share);
   }
   if (island.local_maps.size() < 2) {

@@ -113,6 +113,8 @@ struct LocalMapInfo {
   size_t parked_references = 0;
   // What the store itself let go of (LocalMapState).
   uint64_t retired_keyframes = 0;
+  // Closed local maps of the owner that have become parts of this one.
+  std::vector<LocalMapId> joined;
   uint64_t faded_points = 0;
 };
 

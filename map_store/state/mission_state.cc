@@ -13,7 +13,13 @@ constexpr int kMaxChain = 1000;
 MapPointId ResolvePoint(const MissionState& state, MapPointId point) {
   for (int step = 0; step < kMaxChain; ++step) {
     const LocalMapState* owner = state.FindLocalMap(point.local_map);
-    if (owner == nullptr) return MapPointId();
+    if (owner == nullptr) {
+      // Points of a local map that was deleted may have heirs.
+      const auto heir = state.global.heirs.find(point);
+      if (heir == state.global.heirs.end()) return MapPointId();
+      point = heir->second;
+      continue;
+    }
     const auto replaced = owner->replaced_points.find(point);
     if (replaced == owner->replaced_points.end()) {
       if (owner->map.FindPoint(point) != nullptr) return state.global.landmarks.Survivor(point);
@@ -54,6 +60,27 @@ size_t CountKeyframes(const MissionState& state, const Island& island) {
     count += state.FindLocalMap(id)->map.keyframes().size();
   }
   return count;
+}
+
+uint64_t LastBatchOf(const MissionState& state, LocalMapId id) {
+  if (const auto gone = state.forgotten.find(id); gone != state.forgotten.end()) {
+    return gone->second;
+  }
+  const LocalMapState* local_map = state.FindLocalMap(id);
+  if (local_map == nullptr) return 0;
+  const auto part = std::ranges::find(local_map->joined, id, &JoinedLocalMap::id);
+  return part == local_map->joined.end() ? local_map->last_batch : part->last_batch;
+}
+
+void SetIslandOf(const LocalMapState& local_map, IslandId island, MissionState& state) {
+  for (const LocalMapId& name : local_map.Names()) state.global.island_of[name] = island;
+}
+
+void IndexJoined(MissionState& state) {
+  state.joined_into.clear();
+  for (const auto& [id, local_map] : state.local_maps) {
+    for (const JoinedLocalMap& part : local_map.joined) state.joined_into[part.id] = id;
+  }
 }
 
 void IndexPoints(MissionState& state) {

@@ -3,6 +3,7 @@
 #ifndef CORBSLAM_MAP_STORE_STATE_MISSION_STATE_H_
 #define CORBSLAM_MAP_STORE_STATE_MISSION_STATE_H_
 
+#include <algorithm>
 #include <cstdint>
 #include <deque>
 #include <limits>
@@ -52,6 +53,16 @@ struct ParkedParent {
   absl::Time since = absl::InfiniteFuture();
 };
 
+// A closed local map that has become a part of another one of its agent (map_store/joining/). Its
+// items keep their ids.
+struct JoinedLocalMap {
+  LocalMapId id;
+  uint64_t last_batch = 0;
+  // Where its frames begin among those of the whole.
+  uint64_t first_frame = 0;
+  uint64_t first_lost_frame = 0;
+};
+
 // The local layer: one local map exactly as its owner last said it.
 struct LocalMapState {
   LocalMapId id;
@@ -59,6 +70,8 @@ struct LocalMapState {
   size_t order = 0;  // Its place in the order of arrival in the mission.
   uint64_t last_batch = 0;
   bool closed = false;
+  // Other local maps that have become parts of this one, in the order in which they did.
+  std::vector<JoinedLocalMap> joined;
 
   std::vector<std::shared_ptr<const Camera>> cameras;
   // One for each camera; nullopt where the owner never said it.
@@ -110,6 +123,15 @@ struct LocalMapState {
   std::optional<RecordedCamera> Recorded(size_t camera_index = 0) const {
     if (camera_index >= recorded_cameras.size()) return std::nullopt;
     return recorded_cameras[camera_index];
+  }
+  // Returns its id, and those of the local maps that have become parts of it.
+  std::vector<LocalMapId> Names() const {
+    std::vector<LocalMapId> names = {id};
+    for (const JoinedLocalMap& part : joined) names.push_back(part.id);
+    return names;
+  }
+  bool IsNamed(LocalMapId name) const {
+    return name == id || std::ranges::find(joined, name, &JoinedLocalMap::id) != joined.end();
   }
   size_t CountParked() const { return parked.size() + parked_parents.size(); }
   bool IsSettled(KeyframeId keyframe) const {
@@ -238,6 +260,11 @@ struct MissionState {
   std::map<std::string, AgentState> agents;
   std::map<LocalMapId, LocalMapState> local_maps;
   std::vector<LocalMapId> order;  // Local maps as they arrived.
+  // Local maps that are parts of others by now, by their old ids; derived from `joined` of these.
+  // Ids go through it wherever a local map is looked up.
+  std::map<LocalMapId, LocalMapId> joined_into;
+  // The last batch of each local map that somebody deleted. Their ids never come back.
+  std::map<LocalMapId, uint64_t> forgotten;
   GlobalLayer global;
   PointIndex points;  // Of the local maps' foreign observations and replacements, and of the heirs.
   PoseTables poses;   // The tables that were asked for lately (view/placement.h).
@@ -250,12 +277,18 @@ struct MissionState {
   uint64_t version = 0;
   MissionStatistics statistics;
 
+  // Returns the local map that the named one is a part of now: mostly itself.
+  LocalMapId OwnerOf(LocalMapId id) const {
+    const auto it = joined_into.find(id);
+    return it == joined_into.end() ? id : it->second;
+  }
+  // Returns null if it is unknown. One that has become a part of another is found as the whole.
   const LocalMapState* FindLocalMap(LocalMapId id) const {
-    const auto it = local_maps.find(id);
+    const auto it = local_maps.find(OwnerOf(id));
     return it == local_maps.end() ? nullptr : &it->second;
   }
   LocalMapState* FindLocalMap(LocalMapId id) {
-    const auto it = local_maps.find(id);
+    const auto it = local_maps.find(OwnerOf(id));
     return it == local_maps.end() ? nullptr : &it->second;
   }
   // Returns the keyframe as its owner has it; null if it is unknown or removed.
@@ -291,6 +324,14 @@ MapPointId RawObservation(const LocalMapState& local_map, KeyframeId keyframe, u
 
 // Counts the keyframes of all local maps of the island.
 size_t CountKeyframes(const MissionState& state, const Island& island);
+
+// Returns the number of the last batch of the local map, also of one that has become a part of
+// another or was deleted; 0 if it is unknown.
+uint64_t LastBatchOf(const MissionState& state, LocalMapId id);
+// Says that the local map, with all its parts, lies in the island.
+void SetIslandOf(const LocalMapState& local_map, IslandId island, MissionState& state);
+// Makes `joined_into` anew.
+void IndexJoined(MissionState& state);
 
 // Makes `points` anew. The caller, who has read a state from somewhere, does so once.
 void IndexPoints(MissionState& state);

@@ -117,6 +117,7 @@ LocalMapInfo DescribeLocalMap(const MissionState& state, const LocalMapState& lo
   info.lost_frames = local_map.lost_frames_ns.size();
   info.parked_references = local_map.CountParked();
   info.retired_keyframes = local_map.retired_keyframes;
+  for (const JoinedLocalMap& part : local_map.joined) info.joined.push_back(part.id);
   info.faded_points = local_map.faded_points;
   return info;
 }

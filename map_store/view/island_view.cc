@@ -217,7 +217,7 @@ absl::StatusOr<IslandSnapshot> BeginSnapshot(const MissionState& state, const Is
   for (const LocalMapId& id : island.local_maps) {
     const LocalMapState& local_map = *state.FindLocalMap(id);
     const auto& keyframes = local_map.map.keyframes();
-    for (KeyframeId next = {id, 0};;) {
+    for (KeyframeId next = {LocalMapId{0}, 0};;) {
       // Keyframes may have come and gone in the pause before.
       const auto it = keyframes.lower_bound(next);
       if (it == keyframes.end()) break;
@@ -229,7 +229,7 @@ absl::StatusOr<IslandSnapshot> BeginSnapshot(const MissionState& state, const Is
       const bool left_out =
           culled == Culled::kLeaveOut && state.global.culled.contains(keyframe_id);
       if (!left_out) builder.AddKeyframe(local_map, keyframe);
-      next = {id, keyframe_id.index + 1};
+      next = {keyframe_id.local_map, keyframe_id.index + 1};
       RETURN_IF_ERROR(builder.PauseAtTimes(kLooksOfKeyframe));
     }
   }

@@ -1,6 +1,7 @@
 #include "map_store/view/map_watcher.h"
 
 #include <algorithm>
+#include <limits>
 #include <memory>
 #include <utility>
 
@@ -66,8 +67,8 @@ std::optional<MapWatcher::Part> MapWatcher::MakePart(const MissionState& state, 
   Part part;
   part.local_map = id;
   part.island = island;
-  part.next_keyframe = {id, 0};
-  part.next_point = {id, 0};
+  part.next_keyframe = {LocalMapId{0}, 0};
+  part.next_point = {LocalMapId{0}, 0};
   part.since = version_;
   const auto seen = seen_.find(id);
   part.whole = anew || seen == seen_.end() || seen->second != island;
@@ -134,7 +135,8 @@ bool MapWatcher::TakeKeyframes(const MissionState& state, Part& part, size_t& ro
   for (const KeyframeId& id : std::exchange(part.keyframes, {})) {
     if (!table->poses.contains(id)) changes.removed_keyframes.push_back(id);
   }
-  part.next_keyframe = {part.local_map, KeyframeId::kNoIndex};
+  constexpr uint64_t kLast = std::numeric_limits<uint64_t>::max();
+  part.next_keyframe = {LocalMapId{kLast}, KeyframeId::kNoIndex};
   return true;
 }
 
@@ -191,7 +193,8 @@ std::optional<MapChanges> MapWatcher::Next(const MissionState& state, size_t max
   while (!parts_.empty() && room > 0) {
     Part& part = parts_.front();
     // If the local map is in another island meanwhile, the next change tells all of it.
-    const bool is_here = state.global.island_of.at(part.local_map) == part.island;
+    const auto lies = state.global.island_of.find(part.local_map);
+    const bool is_here = lies != state.global.island_of.end() && lies->second == part.island;
     const bool done =
         !is_here || (TakeKeyframes(state, part, room, PieceOf(state, part.island, changes)) &&
                      TakePoints(state, part, room, PieceOf(state, part.island, changes)));

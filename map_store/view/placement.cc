@@ -1,5 +1,6 @@
 #include "map_store/view/placement.h"
 
+#include <algorithm>
 #include <deque>
 #include <utility>
 #include <vector>
@@ -93,6 +94,28 @@ bool HasAnyOf(const Unplaced& unplaced, LocalMapId local_map) {
   return it != unplaced.end() && it->local_map == local_map;
 }
 
+// Goes through what is placed in the order of ids; from one name of a local map to the next it
+// leaps over all between them.
+class PlacedWalk {
+ public:
+  explicit PlacedWalk(const PlacedKeyframes& placed) : placed_(placed), at_(placed.end()) {}
+
+  // Returns null if the keyframe is not placed. Ids rise from call to call.
+  const PlacedKeyframe* Find(KeyframeId id) {
+    if (id.local_map != name_) {
+      name_ = id.local_map;
+      at_ = placed_.lower_bound(id);
+    }
+    while (at_ != placed_.end() && at_->first < id) ++at_;
+    return at_ == placed_.end() || at_->first != id ? nullptr : &at_->second;
+  }
+
+ private:
+  const PlacedKeyframes& placed_;
+  PlacedKeyframes::const_iterator at_;
+  LocalMapId name_;
+};
+
 }  // namespace
 
 IslandPoses ComputePoses(const LocalMapState& local_map, const GlobalLayer& global,
@@ -105,12 +128,11 @@ IslandPoses ComputePoses(const LocalMapState& local_map, const GlobalLayer& glob
 IslandPoses ComputePoses(const LocalMapState& local_map, const PlacedKeyframes& all_placed,
                          const Similarity3d* last, const Unplaced& unplaced) {
   IslandPoses poses;
-  auto placed = all_placed.lower_bound(KeyframeId{local_map.id, 0});
+  PlacedWalk walk(all_placed);
   for (const auto& [id, keyframe] : local_map.map.keyframes()) {
-    while (placed != all_placed.end() && placed->first < id) ++placed;
-    if (placed == all_placed.end()) break;
-    if (placed->first != id || unplaced.contains(id)) continue;
-    poses.emplace_hint(poses.end(), id, placed->second.camera_from_island);
+    const PlacedKeyframe* placed = walk.Find(id);
+    if (placed == nullptr || unplaced.contains(id)) continue;
+    poses.emplace_hint(poses.end(), id, placed->camera_from_island);
   }
   if (poses.size() == local_map.map.keyframes().size()) return poses;
   if (!poses.empty()) {
@@ -134,11 +156,9 @@ std::shared_ptr<const PoseTable> FindPoses(const MissionState& state,
   table->poses = ComputePoses(local_map, state.global);
   table->standings.reserve(table->poses.size());
   TableWalk before(old.get());
-  const PlacedKeyframes& all_placed = state.global.keyframes;
-  auto placed = all_placed.lower_bound(KeyframeId{local_map.id, 0});
+  PlacedWalk walk(state.global.keyframes);
   for (const auto& [id, pose] : table->poses) {
-    while (placed != all_placed.end() && placed->first < id) ++placed;
-    const bool is_placed = placed != all_placed.end() && placed->first == id;
+    const bool is_placed = walk.Find(id) != nullptr;
     const PoseTable::Standing* stood = before.Find(id, pose);
     const bool stands = stood != nullptr && stood->placed == is_placed;
     table->standings.push_back({id, is_placed, stands ? stood->changed_at : table->version});
@@ -150,7 +170,8 @@ std::shared_ptr<const PoseTable> FindPoses(const MissionState& state,
 const IslandPoses& PoseCache::Of(const LocalMapState& local_map) {
   const auto [it, added] = poses_.try_emplace(local_map.id);
   if (!added) return *it->second;
-  if (HasAnyOf(unplaced_, local_map.id)) {
+  const std::vector<LocalMapId> names = local_map.Names();
+  if (std::ranges::any_of(names, [&](LocalMapId id) { return HasAnyOf(unplaced_, id); })) {
     it->second =
         std::make_shared<const IslandPoses>(ComputePoses(local_map, state_.global, unplaced_));
   } else {

@@ -1,6 +1,7 @@
 #include "map_store/view/trajectory.h"
 
 #include <algorithm>
+#include <cstddef>
 #include <optional>
 #include <vector>
 
@@ -29,7 +30,7 @@ class FrameChain {
     if (!FindLivingRelative(state_, tracked.reference, relative, layer)) return std::nullopt;
     Rigid3d relative_from_camera = relative.relative_from_id * tracked.reference_from_camera;
     if (camera_from_wanted_) relative_from_camera = relative_from_camera * *camera_from_wanted_;
-    const bool is_own = relative.id.local_map == local_map_.id;
+    const bool is_own = local_map_.IsNamed(relative.id.local_map);
     if (frame_ == TrajectoryFrame::kLocal && is_own) {
       const Keyframe& keyframe = *local_map_.map.FindKeyframe(relative.id);
       return keyframe.camera_from_map.Inverse() * relative_from_camera;
@@ -67,13 +68,40 @@ bool HasTimeBetween(const std::vector<int64_t>& times, int64_t begin, int64_t en
   return it != times.end() && *it < end;
 }
 
-void AppendLocalMap(const MissionState& state, const LocalMapState& local_map, FrameChain& chain,
-                    AgentTrajectory& trajectory) {
-  std::vector<TrackedFrame> frames = local_map.frames;
+// The frames of one session, whose clock says nothing of another's: the first of each kind, and the
+// one after the last.
+struct SessionFrames {
+  size_t first = 0;
+  size_t first_lost = 0;
+  size_t end = 0;
+  size_t end_lost = 0;
+};
+
+std::vector<SessionFrames> SessionsOf(const LocalMapState& local_map) {
+  std::vector<SessionFrames> sessions = {{}};
+  for (const JoinedLocalMap& part : local_map.joined) {
+    sessions.back().end = part.first_frame;
+    sessions.back().end_lost = part.first_lost_frame;
+    sessions.push_back({part.first_frame, part.first_lost_frame, 0, 0});
+  }
+  sessions.back().end = local_map.frames.size();
+  sessions.back().end_lost = local_map.lost_frames_ns.size();
+  return sessions;
+}
+
+template <typename T>
+std::vector<T> Part(const std::vector<T>& of, size_t first, size_t end) {
+  return {of.begin() + static_cast<std::ptrdiff_t>(first),
+          of.begin() + static_cast<std::ptrdiff_t>(end)};
+}
+
+void AppendSession(const MissionState& state, const LocalMapState& local_map,
+                   const SessionFrames& session, FrameChain& chain, AgentTrajectory& trajectory) {
+  std::vector<TrackedFrame> frames = Part(local_map.frames, session.first, session.end);
   std::stable_sort(frames.begin(), frames.end(), [](const TrackedFrame& a, const TrackedFrame& b) {
     return a.timestamp_ns < b.timestamp_ns;
   });
-  std::vector<int64_t> lost = local_map.lost_frames_ns;
+  std::vector<int64_t> lost = Part(local_map.lost_frames_ns, session.first_lost, session.end_lost);
   std::sort(lost.begin(), lost.end());
   bool gap = !trajectory.poses.empty();
   std::optional<int64_t> before;
@@ -111,7 +139,9 @@ absl::StatusOr<AgentTrajectory> ComputeTrajectory(const MissionState& state,
                                                         camera_from_wanted.status().message()));
     }
     FrameChain chain(state, local_map, frame, *camera_from_wanted);
-    AppendLocalMap(state, local_map, chain, trajectory);
+    for (const SessionFrames& session : SessionsOf(local_map)) {
+      AppendSession(state, local_map, session, chain, trajectory);
+    }
   }
   return trajectory;
 }

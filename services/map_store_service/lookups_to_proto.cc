@@ -102,6 +102,9 @@ void ToProto(absl::string_view mission, const LocalMapInfo& info, v1::LocalMap* 
   proto->set_lost_frames(info.lost_frames);
   proto->set_parked_references(info.parked_references);
   proto->set_retired_keyframes(info.retired_keyframes);
+  for (const LocalMapId& part : info.joined) {
+    proto->add_joined_local_maps(LocalMapName(mission, part));
+  }
   proto->set_faded_map_points(info.faded_points);
 }
 

@@ -30,7 +30,8 @@ using MapStoreBackupMethods =
     v1::MapStore::WithCallbackMethod_StoreBackup<v1::MapStore::WithCallbackMethod_ListStoredBackups<
         v1::MapStore::WithCallbackMethod_RestoreStoredBackup<
             v1::MapStore::WithCallbackMethod_VerifyStoredBackup<
-                v1::MapStore::WithCallbackMethod_ArchiveMission<v1::MapStore::Service>>>>>;
+                v1::MapStore::WithCallbackMethod_ArchiveMission<
+                    v1::MapStore::WithCallbackMethod_ForgetLocalMaps<v1::MapStore::Service>>>>>>;
 using MapStoreSettingsMethods = v1::MapStore::WithCallbackMethod_SetRobotSettings<
     v1::MapStore::WithCallbackMethod_GetRobotSettings<MapStoreBackupMethods>>;
 using MapStoreMethods = v1::MapStore::WithRawCallbackMethod_Sync<v1::MapStore::WithCallbackMethod_WatchMap<
@@ -212,6 +213,9 @@ class MapStoreService : public MapStoreMethods {
   grpc::ServerUnaryReactor* RetractOverlap(grpc::CallbackServerContext* context,
                                            const v1::RetractOverlapRequest* request,
                                            v1::RetractOverlapResponse* response) override;
+  grpc::ServerUnaryReactor* ForgetLocalMaps(grpc::CallbackServerContext* context,
+                                            const v1::ForgetLocalMapsRequest* request,
+                                            v1::ForgetLocalMapsResponse* response) override;
   grpc::ServerUnaryReactor* RederiveGlobalLayer(grpc::CallbackServerContext* context,
                                                 const v1::RederiveGlobalLayerRequest* request,
                                                 v1::RederiveGlobalLayerResponse* response) override;

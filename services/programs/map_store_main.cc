@@ -66,6 +66,7 @@ struct Flags {
   // Nullopt: DefaultMemoryBudget().
   std::optional<uint64_t> memory_budget_bytes;
   bool keep_everything = false;
+  bool keep_local_maps_apart = false;
   MapStoreOptions store;
   MapStoreServiceOptions service;
   SecurityOptions security;
@@ -157,6 +158,7 @@ absl::Status Run(Flags flags) {
   RETURN_IF_ERROR(CheckMemoryBudget(flags.memory_budget_bytes.value_or(0)));
   flags.store.memory_budget_bytes = flags.memory_budget_bytes.value_or(DefaultMemoryBudget());
   flags.store.retire = !flags.keep_everything;
+  flags.store.join_local_maps = !flags.keep_everything && !flags.keep_local_maps_apart;
   flags.store.fusion_threads = std::max(1, static_cast<int>(flags.workers.size()));
   RETURN_IF_ERROR(flags.store.Validate());
   RETURN_IF_ERROR(flags.service.streams.Validate());
@@ -250,6 +252,13 @@ void AddFlags(CLI::App& app, Flags& flags) {
   app.add_flag("--keep-everything", flags.keep_everything,
                "Keep also keyframes of closed sessions that others stand in for, and points that "
                "have vanished");
+  app.add_flag("--keep-local-maps-apart", flags.keep_local_maps_apart,
+               "Keep a local map of each session of a robot, also of old ones that fusion joined")
+      ->group(kRareGroup);
+  app.add_option("--keep-local-maps", flags.store.keep_local_maps,
+                 "A robot's newest closed local maps that stay as they are")
+      ->group(kRareGroup)
+      ->capture_default_str();
   app.add_option("--max-shared-keyframes", flags.store.max_shared_keyframes,
                  "Others' keyframes that one agent is sent at most")
       ->capture_default_str();

@@ -254,6 +254,14 @@ grpc::ServerUnaryReactor* GuardedMapStore::RetractOverlap(grpc::CallbackServerCo
                      : Refuse(context, status);
 }
 
+grpc::ServerUnaryReactor* GuardedMapStore::ForgetLocalMaps(
+    grpc::CallbackServerContext* context, const v1::ForgetLocalMapsRequest* request,
+    v1::ForgetLocalMapsResponse* response) {
+  const absl::Status status = Check(*context, Action::kAdminister, request->parent());
+  return status.ok() ? service_.ForgetLocalMaps(context, request, response)
+                     : Refuse(context, status);
+}
+
 grpc::ServerUnaryReactor* GuardedMapStore::RederiveGlobalLayer(
     grpc::CallbackServerContext* context, const v1::RederiveGlobalLayerRequest* request,
     v1::RederiveGlobalLayerResponse* response) {

@@ -132,6 +132,9 @@ class GuardedMapStore : public MapStoreMethods {
   grpc::ServerUnaryReactor* RetractOverlap(grpc::CallbackServerContext* context,
                                            const v1::RetractOverlapRequest* request,
                                            v1::RetractOverlapResponse* response) override;
+  grpc::ServerUnaryReactor* ForgetLocalMaps(grpc::CallbackServerContext* context,
+                                            const v1::ForgetLocalMapsRequest* request,
+                                            v1::ForgetLocalMapsResponse* response) override;
   grpc::ServerUnaryReactor* RederiveGlobalLayer(grpc::CallbackServerContext* context,
                                                 const v1::RederiveGlobalLayerRequest* request,
                                                 v1::RederiveGlobalLayerResponse* response) override;

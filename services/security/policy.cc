@@ -119,6 +119,7 @@ const std::map<absl::string_view, Action>& OwnMethods() {
       {"/corbslam.v1.MapStore/LocalizeStream", Action::kLook},
       {"/corbslam.v1.MapStore/AskForExactPlaces", Action::kAdminister},
       {"/corbslam.v1.MapStore/RetractOverlap", Action::kAdminister},
+      {"/corbslam.v1.MapStore/ForgetLocalMaps", Action::kAdminister},
       {"/corbslam.v1.MapStore/RederiveGlobalLayer", Action::kAdminister},
       {"/corbslam.v1.FusionWorker/VerifyOverlap", Action::kCompute},
       {"/corbslam.v1.FusionWorker/FuseMaps", Action::kCompute},

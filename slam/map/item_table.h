@@ -44,6 +44,11 @@ class ItemTable {
     indexed->second = &it->second;
     return &it->second;
   }
+  // Takes over items that are none of its own; their addresses stay good.
+  void Absorb(ItemTable other) {
+    index_.insert(other.index_.begin(), other.index_.end());
+    items_.merge(other.items_);
+  }
   void Erase(Id id) {
     index_.erase(id);
     items_.erase(id);

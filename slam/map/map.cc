@@ -96,6 +96,21 @@ bool Map::AddPoint(MapPoint point) {
   return true;
 }
 
+bool Map::Absorb(Map other) {
+  const auto is_here = [this](const auto& item) {
+    if constexpr (requires { item.second.observations; }) {
+      return FindPoint(item.first) != nullptr;
+    } else {
+      return FindKeyframe(item.first) != nullptr;
+    }
+  };
+  if (std::ranges::any_of(other.keyframes(), is_here)) return false;
+  if (std::ranges::any_of(other.points(), is_here)) return false;
+  keyframes_.Absorb(std::move(other.keyframes_));
+  points_.Absorb(std::move(other.points_));
+  return true;
+}
+
 void Map::SetPose(KeyframeId id, const Rigid3d& camera_from_map) {
   Keyframe* keyframe = keyframes_.Find(id);
   if (keyframe == nullptr) return;

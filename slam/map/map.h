@@ -55,6 +55,11 @@ class Map {
   // Adds a point without observations. Returns false if the id is there already.
   bool AddPoint(MapPoint point);
 
+  // Takes over another map in the same frame, as it is: the graphs stay apart. Returns false, and
+  // changes nothing, if any id is in both. The observer isn't told; the other's covisibility must
+  // come from where this map's does. It costs as much as the other map has items.
+  bool Absorb(Map other);
+
   void SetPose(KeyframeId id, const Rigid3d& camera_from_map);
   void SetPosition(MapPointId id, const Eigen::Vector3d& position_in_map);
   void SetWords(KeyframeId id, std::shared_ptr<const Words> words);

@@ -79,6 +79,7 @@ const std::map<absl::string_view, Heights>& Ladders() {
            {"locating", 3},
            {"sharing", 3},
            {"fusion", 4},
+           {"joining", 4},
            {"retiring", 4},
            {"records", 5},
            {"archive", 6},

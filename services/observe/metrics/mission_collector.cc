@@ -28,6 +28,9 @@ void AddContents(const MissionLoad& load, Families& families) {
   families.Gauge("corbslam_mission_faded_points",
                  "Points that the store let go of because later sessions did not see them.",
                  Number(load.faded_points), mission);
+  families.Gauge("corbslam_mission_joined_local_maps",
+                 "Closed local maps that have become parts of others of their robots.",
+                 Number(load.joined_local_maps), mission);
   families.Gauge("corbslam_mission_local_maps", "Local maps.", Number(load.local_maps), mission);
   families.Gauge("corbslam_mission_islands", "Islands: sets of local maps fused into one frame.",
                  Number(load.islands), mission);

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "absl/status/status.h"
@@ -34,7 +35,11 @@ struct MissionArguments {
   // These are of `backup-all`.
   std::string folder;
   size_t keep = 7;
-  std::string agent;  // Of `export` and `settings`.
+  std::string agent;  // Of `export`, `settings` and `forget`.
+  // These are of `forget`.
+  std::string before;
+  std::optional<uint32_t> keep_local_maps;
+  bool dry_run = false;
   // `export` alone has the three fields below.
   std::string format;
   std::string poses_of;  // Empty if the flag was not given.
@@ -64,6 +69,9 @@ void AddRobotSettingsAction(CLI::App& mission, const std::shared_ptr<MissionArgu
 void AddShowAction(CLI::App& mission, const std::shared_ptr<MissionArguments>& arguments,
                    Command& chosen);
 void AddExportAction(CLI::App& mission, const std::shared_ptr<MissionArguments>& arguments,
+                     Command& chosen);
+// Adds `mission forget`.
+void AddForgetAction(CLI::App& mission, const std::shared_ptr<MissionArguments>& arguments,
                      Command& chosen);
 // These add `mission restore`, and the commands for backups that the store keeps.
 void AddRestoreAction(CLI::App& mission, const std::shared_ptr<MissionArguments>& arguments,

@@ -59,9 +59,10 @@ absl::Status Delete(const MissionArguments& arguments) {
 
 void AddMissionCommand(CLI::App& app, Command& chosen) {
   auto arguments = std::make_shared<MissionArguments>();
-  CLI::App* mission = app.add_subcommand("mission",
-                                         "List, show, create, set up, export, back up, restore, "
-                                         "archive, put to sleep and delete missions");
+  CLI::App* mission =
+      app.add_subcommand("mission",
+                         "List, show, create, set up, export, back up, restore, "
+                         "archive, put to sleep and delete missions, and old sessions");
   mission->require_subcommand(1);
   CLI::App* list = AddMissionAction(*mission, "list", "The missions of a map store", &ListMissions,
                                     arguments, chosen);
@@ -83,6 +84,7 @@ void AddMissionCommand(CLI::App& app, Command& chosen) {
                                      "until somebody wants it",
                                      &Sleep, arguments, chosen);
   AddMissionFlag(*sleep, *arguments);
+  AddForgetAction(*mission, arguments, chosen);
   CLI::App* remove =
       AddMissionAction(*mission, "delete", "Forget a mission for good", &Delete, arguments, chosen);
   AddMissionFlag(*remove, *arguments);

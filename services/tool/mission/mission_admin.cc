@@ -172,6 +172,17 @@ absl::StatusOr<v1::Mission> MissionAdmin::Sleep(const std::string& mission) {
   return asleep;
 }
 
+absl::StatusOr<v1::ForgetLocalMapsResponse> MissionAdmin::Forget(
+    const v1::ForgetLocalMapsRequest& request) {
+  grpc::ClientContext context;
+  // A snapshot of what is left is written, too.
+  context.set_deadline(absl::ToChronoTime(absl::Now() + kSleepTimeout));
+  v1::ForgetLocalMapsResponse forgotten;
+  RETURN_IF_ERROR(
+      ToStatus(stub_->ForgetLocalMaps(&context, request, &forgotten), "ForgetLocalMaps"));
+  return forgotten;
+}
+
 absl::StatusOr<uint32_t> MissionAdmin::Delete(const std::string& mission) {
   grpc::ClientContext context;
   SetDeadline(context);

@@ -50,6 +50,8 @@ class MissionAdmin {
                                       const Progress& on_progress = nullptr);
   // Has the mission leave memory, and returns what is said of it then.
   absl::StatusOr<v1::Mission> Sleep(const std::string& mission);
+  // Deletes closed local maps of an agent, or says what would go.
+  absl::StatusOr<v1::ForgetLocalMapsResponse> Forget(const v1::ForgetLocalMapsRequest& request);
   // Returns how many local maps went with the mission.
   absl::StatusOr<uint32_t> Delete(const std::string& mission);
 

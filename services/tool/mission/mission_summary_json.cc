@@ -47,6 +47,7 @@ Json ToJson(const v1::LocalMap& local_map, const std::string& short_name) {
           {"map_points", local_map.map_points()},
           {"retired_keyframes", local_map.retired_keyframes()},
           {"faded_map_points", local_map.faded_map_points()},
+          {"joined_local_maps", local_map.joined_local_maps_size()},
           {"tracked_frames", local_map.tracked_frames()},
           {"lost_frames", local_map.lost_frames()}};
 }

@@ -114,6 +114,15 @@ TEST(MissionSummaryTest, SaysWhatTheStoreLetGoOf) {
   EXPECT_EQ(ToJson(summary)["local_maps"][0]["retired_keyframes"], 7);
 }
 
+TEST(MissionSummaryTest, SaysWhichLocalMapsBecameParts) {
+  MissionSummary summary = MakeSummary();
+  EXPECT_EQ(FormatSummary(summary).find("became parts"), std::string::npos);
+  summary.local_maps[0].add_joined_local_maps("missions/lab/localMaps/0000000000000007");
+  summary.local_maps[0].add_joined_local_maps("missions/lab/localMaps/0000000000000008");
+  EXPECT_THAT(FormatSummary(summary), HasSubstr("2 closed local maps became parts of others"));
+  EXPECT_EQ(ToJson(summary)["local_maps"][0]["joined_local_maps"], 2);
+}
+
 constexpr char kNoWords[] = "no two keyframes share enough words";
 
 void AddUncompared(int query, int against, uint64_t waiting, uint64_t failed,

@@ -132,6 +132,16 @@ std::string FormatRetired(const MissionSummary& summary) {
                       " that others stand in for and ", Count(points, "point"), " that vanished\n");
 }
 
+// Says how many sessions have become parts of others; nothing if none has.
+std::string FormatJoined(const MissionSummary& summary) {
+  uint64_t parts = 0;
+  for (const v1::LocalMap& local_map : summary.local_maps) {
+    parts += static_cast<uint64_t>(local_map.joined_local_maps_size());
+  }
+  if (parts == 0) return "";
+  return absl::StrCat(Count(parts, "closed local map"), " became parts of others\n");
+}
+
 // Says what was never compared, which tells nothing of the places.
 std::string DescribeUncompared(const PairOverlaps& pair) {
   std::vector<std::string> parts;
@@ -235,7 +245,8 @@ std::string FormatMissions(const std::vector<v1::Mission>& missions) {
 
 std::string FormatSummary(const MissionSummary& summary) {
   return absl::StrCat(FormatMission(summary.mission), FormatRobots(summary),
-                      FormatLocalMaps(summary), FormatRetired(summary), FormatOverlaps(summary));
+                      FormatLocalMaps(summary), FormatRetired(summary), FormatJoined(summary),
+                      FormatOverlaps(summary));
 }
 
 }  // namespace corbslam::services

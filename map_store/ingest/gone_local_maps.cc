@@ -1,0 +1,21 @@
+#include "map_store/ingest/gone_local_maps.h"
+
+#include "absl/strings/str_cat.h"
+
+namespace corbslam::map_store {
+
+absl::Status CheckTakesBatches(const MissionState& state, LocalMapId local_map) {
+  if (state.forgotten.contains(local_map)) {
+    return absl::FailedPreconditionError(absl::StrCat(
+        "local map ", ToString(local_map), " of mission ", state.name,
+        " was deleted by an administrator: nothing is added to it; begin a new local map"));
+  }
+  const LocalMapId whole = state.OwnerOf(local_map);
+  if (whole == local_map) return absl::OkStatus();
+  return absl::FailedPreconditionError(
+      absl::StrCat("local map ", ToString(local_map), " of mission ", state.name,
+                   " was closed and has been retired into local map ", ToString(whole),
+                   ": nothing is added to it; begin a new local map"));
+}
+
+}  // namespace corbslam::map_store

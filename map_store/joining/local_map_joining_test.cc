@@ -1,0 +1,185 @@
+#include "map_store/joining/local_map_joining.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <map>
+#include <string>
+
+#include "map_store/archive/state_archive.h"
+#include "map_store/fusion/rederivation.h"
+#include "map_store/ingest/gone_local_maps.h"
+#include "map_store/joining/joining_choice.h"
+#include "map_store/records/record_application.h"
+#include "map_store/records/retraction.h"
+#include "map_store/records/state_validation.h"
+#include "map_store/testing/many_starts.h"
+#include "map_store/view/placement.h"
+#include "map_store/view/trajectory.h"
+
+namespace corbslam::map_store {
+namespace {
+
+using ::testing::HasSubstr;
+using testing::kKeyframesOfStart;
+using testing::MakeManyStarts;
+
+std::map<KeyframeId, Similarity3d> AllPoses(const MissionState& state) {
+  std::map<KeyframeId, Similarity3d> poses;
+  for (const auto& [id, local_map] : state.local_maps) {
+    const IslandPoses own = ComputePoses(local_map, state.global);
+    poses.insert(own.begin(), own.end());
+  }
+  return poses;
+}
+
+size_t JoinAll(MissionState& state, size_t kept) {
+  size_t joined = 0;
+  while (const auto joining = ChooseJoining(state, kept)) {
+    const JoinRecord record{*joining};
+    EXPECT_TRUE(CheckReplay(record, state).ok());
+    Apply(record, state);
+    ++joined;
+  }
+  return joined;
+}
+
+void ExpectSamePoses(const std::map<KeyframeId, Similarity3d>& a,
+                     const std::map<KeyframeId, Similarity3d>& b) {
+  ASSERT_EQ(a.size(), b.size());
+  for (const auto& [id, pose] : a) {
+    const Similarity3d difference = pose * b.at(id).Inverse();
+    EXPECT_LT(difference.translation.norm(), 1e-9) << ToString(id);
+    EXPECT_LT(difference.rotation.angularDistance(Eigen::Quaterniond::Identity()), 1e-7);
+    EXPECT_NEAR(difference.scale, 1, 1e-12);
+  }
+}
+
+TEST(LocalMapJoiningTest, AThousandStartsEndInFewLocalMapsThatStandWhereTheyStood) {
+  MissionState state = MakeManyStarts(1000);
+  const auto before = AllPoses(state);
+  const Eigen::Vector3d point =
+      ComputePosition(*state.FindPoint({{700}, 2}), *state.FindLocalMap({700}), state.global,
+                      ComputePoses(*state.FindLocalMap({700}), state.global));
+  EXPECT_EQ(JoinAll(state, 8), 991u);
+  EXPECT_EQ(state.local_maps.size(), 9u);
+  EXPECT_EQ(state.agents.at("r").local_maps.size(), 9u);
+  ExpectSamePoses(AllPoses(state), before);
+  const LocalMapState& whole = *state.FindLocalMap({700});
+  EXPECT_EQ(whole.id, LocalMapId{1});
+  EXPECT_EQ(whole.arrived.size(), 992 * kKeyframesOfStart);
+  EXPECT_LT((ComputePosition(*state.FindPoint({{700}, 2}), whole, state.global,
+                             ComputePoses(whole, state.global)) -
+             point)
+                .norm(),
+            1e-9);
+  EXPECT_TRUE(ValidateState(state).ok()) << ValidateState(state);
+}
+
+// Local poses of the parts are in the frame of the whole: alone, it keeps its shape.
+TEST(LocalMapJoiningTest, TheWholeIsOneMapWithoutFusion) {
+  MissionState state = MakeManyStarts(12);
+  const auto before = AllPoses(state);
+  JoinAll(state, 2);
+  ForgetGlobalLayer(state);
+  const Similarity3d island_from_whole = testing::IslandFromStart(1);
+  for (const auto& [id, pose] : ComputePoses(*state.FindLocalMap({1}), state.global)) {
+    const Similarity3d difference = pose * island_from_whole.Inverse() * before.at(id).Inverse();
+    EXPECT_LT(difference.translation.norm(), 1e-9) << ToString(id);
+  }
+  EXPECT_EQ(state.global.island_of.at({5}), LocalMapId{1});
+  EXPECT_TRUE(ValidateState(state).ok()) << ValidateState(state);
+}
+
+TEST(LocalMapJoiningTest, ASnapshotHasTheSame) {
+  MissionState state = MakeManyStarts(12);
+  JoinAll(state, 2);
+  const FeatureLoader load = [](KeyframeId) {
+    Features features;
+    features.keypoints.resize(4);
+    features.descriptors.resize(4);
+    return features;
+  };
+  const auto again = DecodeState(EncodeState(state), load);
+  ASSERT_TRUE(again.ok()) << again.status();
+  EXPECT_EQ(EncodeState(*again), EncodeState(state));
+  EXPECT_EQ(again->joined_into, state.joined_into);
+  EXPECT_EQ(again->FindLocalMap({7})->id, LocalMapId{1});
+  EXPECT_EQ(LastBatchOf(*again, {7}), 17u);
+}
+
+TEST(LocalMapJoiningTest, ARobotThatComesBackToAPartIsToldSo) {
+  MissionState state = MakeManyStarts(4);
+  JoinAll(state, 1);
+  EXPECT_EQ(LastBatchOf(state, {2}), 12u) << "what it sent is acknowledged";
+  const absl::Status status = CheckTakesBatches(state, {2});
+  EXPECT_TRUE(absl::IsFailedPrecondition(status));
+  EXPECT_THAT(std::string(status.message()), HasSubstr("begin a new local map"));
+  EXPECT_TRUE(CheckTakesBatches(state, {1}).ok());
+  EXPECT_TRUE(CheckTakesBatches(state, {99}).ok());
+}
+
+// Clocks may begin anew with each start of a robot.
+TEST(LocalMapJoiningTest, ATrajectoryGoesThroughOneSessionAfterTheOther) {
+  MissionState state = MakeManyStarts(4);
+  JoinAll(state, 1);
+  const auto trajectory =
+      ComputeTrajectory(state, "r", TrajectoryFrame::kGlobal, false, PosesOf::kRectifiedCamera);
+  ASSERT_TRUE(trajectory.ok()) << trajectory.status();
+  ASSERT_EQ(trajectory->poses.size(), 4 * kKeyframesOfStart);
+  for (size_t i = 0; i < trajectory->poses.size(); ++i) {
+    EXPECT_EQ(trajectory->poses[i].timestamp_ns, static_cast<int64_t>(1000 + i % 3));
+    EXPECT_EQ(trajectory->poses[i].after_gap, i > 0 && i % 3 == 0) << i;
+  }
+}
+
+TEST(LocalMapJoiningTest, TheOverlapThatJoinedThemIsNotTakenBackAnyMore) {
+  MissionState state = MakeManyStarts(4);
+  for (const uint64_t other : {2, 4}) {
+    OverlapEntry entry;
+    entry.id = state.next_overlap++;
+    entry.overlap.query = {{other}, 0};
+    entry.overlap.candidate = {{1}, 0};
+    entry.overlap.verdict = OverlapVerdict::kAccepted;
+    entry.state = OverlapState::kInGraph;
+    state.global.overlaps.Add(entry);
+  }
+  EXPECT_TRUE(CheckRetraction(state, {1, false}).ok());
+  JoinAll(state, 1);
+  const absl::Status status = CheckRetraction(state, {1, false});
+  EXPECT_TRUE(absl::IsFailedPrecondition(status));
+  EXPECT_THAT(std::string(status.message()), HasSubstr("retired into one"));
+  ASSERT_TRUE(CheckRetraction(state, {2, false}).ok()) << "the newest one stayed apart";
+  Retract({2, false}, {}, state);
+  EXPECT_EQ(state.global.islands.size(), 2u);
+  EXPECT_EQ(state.global.island_of.at({3}), LocalMapId{1});
+  EXPECT_TRUE(ValidateState(state).ok()) << ValidateState(state);
+}
+
+TEST(LocalMapJoiningTest, StaysAsItIs) {
+  const auto expect_none = [](const MissionState& state) {
+    EXPECT_FALSE(ChooseJoining(state, 0).has_value());
+  };
+  const MissionState two = MakeManyStarts(2);
+  EXPECT_TRUE(ChooseJoining(two, 0).has_value());
+  EXPECT_FALSE(ChooseJoining(two, 1).has_value()) << "the newest ones stay";
+  MissionState open = two;
+  open.FindLocalMap({2})->closed = false;
+  expect_none(open);
+  MissionState other_unit = two;
+  other_unit.global.island_from_local.at({2}).scale = 1.1;
+  expect_none(other_unit);
+  MissionState other_camera = two;
+  other_camera.FindLocalMap({2})->cameras = {
+      std::make_shared<const Camera>(Camera{501, 500, 320, 240, 640, 480, 0.1, 4})};
+  expect_none(other_camera);
+  MissionState apart = two;
+  apart.global.kept_apart.insert({LocalMapId{1}, LocalMapId{9}});
+  expect_none(apart);
+  MissionState not_joined = MakeManyStarts(1);
+  testing::AddStart(2, false, not_joined);
+  expect_none(not_joined);
+}
+
+}  // namespace
+}  // namespace corbslam::map_store
