@@ -1,6 +1,7 @@
 // Tests that what programs of every format wrote is read (tests/data/golden).
 #include <gtest/gtest.h>
 
+#include <Eigen/Core>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -18,6 +19,9 @@ namespace corbslam::map_store {
 namespace {
 
 namespace fs = std::filesystem;
+
+// Poses of frames are kept as floats.
+constexpr double kSamePlace_m = 1e-4;
 
 class GoldenTest : public ::testing::Test {
  protected:
@@ -56,6 +60,30 @@ class GoldenTest : public ::testing::Test {
     ASSERT_TRUE(restored.ok()) << restored;
   }
 
+  // `poses` has where the robot's frames were, as the program said that wrote the data: in TUM's
+  // form, in the global frame, of the rectified camera. The first ones have no such file.
+  void ExpectPoses(const fs::path& poses) {
+    std::ifstream file(poses);
+    const auto read = store_->GetTrajectory("golden", "alpha", TrajectoryFrame::kGlobal, false,
+                                            PosesOf::kRectifiedCamera);
+    ASSERT_TRUE(read.ok()) << read.status();
+    ASSERT_EQ(read->size(), 1u);
+    size_t frames = 0;
+    std::string line;
+    while (std::getline(file, line)) {
+      if (line.empty() || line.front() == '#') continue;
+      std::istringstream words(line);
+      std::string time;
+      Eigen::Vector3d place;
+      ASSERT_TRUE(words >> time >> place.x() >> place.y() >> place.z()) << line;
+      ASSERT_LT(frames, read->front().poses.size()) << line;
+      const StoredPose& pose = read->front().poses[frames++];
+      EXPECT_LT((pose.frame_from_camera.translation - place).norm(), kSamePlace_m) << line;
+    }
+    EXPECT_GT(frames, 0u);
+    EXPECT_EQ(frames, read->front().poses.size());
+  }
+
   const fs::path folder_ = fs::path(::testing::TempDir()) / "golden_test";
   std::unique_ptr<MapStore> store_;
 };
@@ -85,9 +113,11 @@ TEST_F(GoldenTest, WhatWasWrittenOnceIsReadForGood) {
     EXPECT_EQ(info->damage, "");
     EXPECT_EQ(info->keyframes, keyframes);
     EXPECT_EQ(info->map_points, points);
+    const fs::path poses = golden / (name + ".poses");
+    if (fs::exists(poses)) ExpectPoses(poses);
     ++read;
   }
-  EXPECT_GE(read, 2);
+  EXPECT_GE(read, 4);
 }
 
 }  // namespace

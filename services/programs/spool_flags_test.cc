@@ -3,12 +3,17 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <filesystem>
+#include <fstream>
+#include <set>
+#include <sstream>
 #include <string>
 #include <vector>
 
 namespace corbslam::services {
 namespace {
 
+namespace fs = std::filesystem;
 using ::testing::HasSubstr;
 
 SpoolFlags ParseSpool(const std::vector<std::string>& arguments) {
@@ -49,6 +54,40 @@ TEST(SpoolFlagsTest, WhatDoesNotGoTogetherIsSaid) {
               HasSubstr("--spool-sync-s is 0"));
   EXPECT_THAT(WhatIsWrong({"--spool", "a", "--spool-sync-s", "0"}, false),
               HasSubstr("--spool without --server"));
+}
+
+// Spools of every format, as programs of their time left them (tests/data/golden/README.md): their
+// batches are the wire's messages of then.
+TEST(SpoolFlagsTest, WhatOlderRobotsLeftIsRead) {
+  const fs::path golden = CORBSLAM_GOLDEN_DATA;
+  std::ifstream expected(golden / "expected_spools.txt");
+  std::string line;
+  int read = 0;
+  while (std::getline(expected, line)) {
+    if (line.empty() || line.front() == '#') continue;
+    SCOPED_TRACE(line);
+    std::istringstream words(line);
+    SpoolFlags flags;
+    std::string name;
+    size_t records = 0;
+    size_t keyframes = 0;
+    ASSERT_TRUE(words >> name >> records >> keyframes);
+    flags.folder = (fs::path(::testing::TempDir()) / name).string();
+    fs::remove_all(flags.folder);
+    fs::copy(golden / name, flags.folder, fs::copy_options::recursive);
+    const auto spool = OpenSpool(flags, "missions/golden/agents/alpha");
+    ASSERT_TRUE(spool.ok()) << spool.status();
+    std::set<KeyframeId> found;
+    for (const client_agent::SpooledBatch& spooled : (*spool)->found()) {
+      const auto batch = (*spool)->Read(spooled);
+      ASSERT_TRUE(batch.ok()) << batch.status();
+      for (const FullKeyframe& keyframe : batch->full_keyframes) found.insert(keyframe.payload->id);
+    }
+    EXPECT_EQ((*spool)->found().size(), records);
+    EXPECT_EQ(found.size(), keyframes);
+    ++read;
+  }
+  EXPECT_GE(read, 1);
 }
 
 }  // namespace

@@ -43,12 +43,12 @@ int CountFromEnvironment(const char* variable, int otherwise) {
   return count;
 }
 
-FaultTest::FaultTest() : folder_(MakeEmptyFolder()) {}
+FaultTest::FaultTest() : folder_(MakeEmptyFolder()), programs_(CORBSLAM_PROGRAMS_DIR) {}
 
 std::unique_ptr<ChildProcess> FaultTest::Start(const std::string& name, const std::string& program,
                                                std::vector<std::string> arguments,
                                                const std::vector<std::string>& security) {
-  arguments.insert(arguments.begin(), absl::StrCat(CORBSLAM_PROGRAMS_DIR, "/", program));
+  arguments.insert(arguments.begin(), absl::StrCat(programs_, "/", program));
   arguments.insert(arguments.end(), security.begin(), security.end());
   for (const auto& [variable, value] : variables_) {
     arguments.insert(arguments.begin(), absl::StrCat(variable, "=", value));

@@ -48,6 +48,8 @@ class FaultTest : public ::testing::Test {
                                                 std::vector<std::string> arguments,
                                                 const std::vector<std::string>& security = {
                                                     "--insecure"});
+  // Has programs that are started from now on come from another folder than this build's.
+  void StartFrom(std::string programs) { programs_ = std::move(programs); }
   // Sets further environment variables for programs that are started from now on.
   void StartWith(std::vector<std::pair<std::string, std::string>> variables) {
     variables_ = std::move(variables);
@@ -66,6 +68,7 @@ class FaultTest : public ::testing::Test {
   const std::filesystem::path folder_;
 
  private:
+  std::string programs_;
   std::vector<std::pair<std::string, std::string>> variables_;
 };
 
