@@ -41,17 +41,14 @@ std::vector<std::string> ListFiles(const std::string& folder, absl::string_view 
   return names;
 }
 
-// The last log may end in what nobody was told of.
-void CheckLog(const std::string& path, bool may_be_torn, const ReadPace& goes_on, FilesCheck& found) {
+void CheckLog(const std::string& path, const ReadPace& goes_on, FilesCheck& found) {
   const absl::StatusOr<LogFileCheck> log = CheckLogFile(path, ~uint64_t{0}, goes_on);
   if (absl::IsCancelled(log.status())) return;
   if (!log.ok()) {
     found.damaged.emplace_back(log.status().message());
   } else if (!log->problem.empty()) {
-    const bool is_note = may_be_torn && log->may_be_torn;
-    std::string words = absl::StrCat(path, ": ", log->problem);
-    if (is_note) absl::StrAppend(&words, ", as after a kill or a power cut");
-    (is_note ? found.notes : found.damaged).push_back(std::move(words));
+    (log->may_be_torn ? found.torn : found.damaged)
+        .push_back(absl::StrCat(path, ": ", log->problem));
   }
 }
 
@@ -64,11 +61,11 @@ void CheckListOfFiles(const std::string& folder, const ReadPace& goes_on, FilesC
         absl::StrCat(PathIn(folder, "CURRENT"), is_there ? " names no list of files" : " is lost"));
     // There is one, but for an opening that was cut short.
     for (const std::string& list : ListFiles(folder, "MANIFEST-", "")) {
-      CheckLog(PathIn(folder, list), /*may_be_torn=*/true, goes_on, found);
+      CheckLog(PathIn(folder, list), goes_on, found);
     }
     return;
   }
-  CheckLog(PathIn(folder, name), /*may_be_torn=*/true, goes_on, found);
+  CheckLog(PathIn(folder, name), goes_on, found);
 }
 
 // RocksDB writes what it is opened with; nothing reads it again.
@@ -158,7 +155,7 @@ FilesCheck CheckClosedFiles(const std::string& folder, const ReadPace& goes_on) 
   CheckListOfFiles(folder, goes_on, found);
   const std::vector<std::string> logs = ListFiles(folder, "", ".log");
   for (const std::string& name : logs) {
-    CheckLog(PathIn(folder, name), /*may_be_torn=*/name == logs.back(), goes_on, found);
+    CheckLog(PathIn(folder, name), goes_on, found);
   }
   if (logs.empty()) found.damaged.push_back(PathIn(folder, "*.log") + " is lost");
   NoteWhatLosesNothing(folder, found);
@@ -168,8 +165,11 @@ FilesCheck CheckClosedFiles(const std::string& folder, const ReadPace& goes_on) 
 absl::Status NameDamagedFiles(const std::string& folder, const absl::Status& error) {
   if (!absl::IsDataLoss(error)) return error;
   std::string words(error.message());
-  for (const std::string& file : CheckClosedFiles(folder).damaged) {
-    if (!absl::StrContains(words, file)) absl::StrAppend(&words, "; ", file);
+  const FilesCheck found = CheckClosedFiles(folder);
+  for (const std::vector<std::string>* files : {&found.damaged, &found.torn}) {
+    for (const std::string& file : *files) {
+      if (!absl::StrContains(words, file)) absl::StrAppend(&words, "; ", file);
+    }
   }
   return absl::DataLossError(words);
 }

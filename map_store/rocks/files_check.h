@@ -18,6 +18,8 @@ namespace corbslam::map_store {
 struct FilesCheck {
   // Files that the mission needs, each with what is wrong with it.
   std::vector<std::string> damaged;
+  // Logs that end within a record, as they do after a kill or a power cut.
+  std::vector<std::string> torn;
   // Files whose damage loses nothing, each with what becomes of it.
   std::vector<std::string> notes;
 
@@ -29,8 +31,8 @@ struct FilesCheck {
 FilesCheck CheckClosedFiles(
     const std::string& folder, const ReadPace& goes_on = [](uint64_t) { return true; });
 
-// Returns an error of damage together with the files of the folder that are found damaged and that
-// it does not name yet.
+// Returns an error of damage together with the files of the folder that are found damaged or torn
+// and that it does not name yet.
 absl::Status NameDamagedFiles(const std::string& folder, const absl::Status& error);
 
 // Looks at the files of a database that is open and written to meanwhile. DATA_LOSS names the file;
