@@ -97,12 +97,12 @@ absl::StatusOr<RocksJournal::MissionPtr> RocksJournal::OpenAside(
   options.only_read = true;
   auto database = std::make_unique<RocksDatabase>(path, options_.env, cache_);
   const rocksdb::Status opened = database->Open(RocksDatabase::Mode::kOnlyRead);
-  if (!opened.ok()) return OpenFailure(path, opened);
+  if (!opened.ok()) return NameDamagedFiles(path, OpenFailure(path, opened));
   auto mission = std::make_shared<MissionJournal>(name, options, std::move(database));
   const absl::Status loaded = mission->LoadRecordsOnly();
   // It was whole when it was put aside.
   if (absl::IsNotFound(loaded)) return absl::DataLossError(loaded.message());
-  RETURN_IF_ERROR(loaded);
+  RETURN_IF_ERROR(NameDamagedFiles(path, loaded));
   return mission;
 }
 
