@@ -182,7 +182,11 @@ absl::Status CheckLiveFiles(rocksdb::DB& db, const ReadPace& goes_on) {
   std::vector<rocksdb::LiveFileStorageInfo> files;
   rocksdb::LiveFilesStorageInfoOptions options;
   options.wal_size_for_flush = ~uint64_t{0};  // Flush nothing for this.
-  if (!db.GetLiveFilesStorageInfo(options, &files).ok()) return absl::OkStatus();
+  const std::string folder = db.GetName();
+  const rocksdb::Status listed = db.GetLiveFilesStorageInfo(options, &files);
+  // It looks at the beginning of each log.
+  if (listed.IsCorruption()) return CheckClosedFiles(folder, goes_on).status();
+  if (!listed.ok()) return absl::OkStatus();
   uint64_t last = 0;
   for (const rocksdb::LiveFileStorageInfo& file : files) {
     const bool is_log = file.file_type == rocksdb::kWalFile;
@@ -192,7 +196,6 @@ absl::Status CheckLiveFiles(rocksdb::DB& db, const ReadPace& goes_on) {
     ASSIGN_OR_RETURN(const uint64_t sequence, CheckLiveLog(db, file, is_written_to, goes_on));
     if (is_log) last = std::max(last, sequence);
   }
-  const std::string folder = db.GetName();
   for (const rocksdb::LiveFileStorageInfo& file : files) {
     if (file.file_type != rocksdb::kCurrentFile ||
         ReadCurrentFile(folder) == file.replacement_contents)
