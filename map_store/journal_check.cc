@@ -5,6 +5,7 @@
 
 #include "absl/time/clock.h"
 #include "map_store/mission/mission_strand.h"
+#include "map_store/rocks/files_check.h"
 #include "map_store/rocks/rocks_journal.h"
 #include "slam/util/status_macros.h"
 
@@ -13,7 +14,11 @@ namespace {
 
 // Reads the mission as a store does, but for words, which decide nothing here.
 absl::Status ReadMission(RocksJournal& journal, CheckedMission& mission) {
+  const FilesCheck files = journal.CheckFiles(mission.name);
+  mission.notes = files.notes;
+  mission.notes.insert(mission.notes.end(), files.torn.begin(), files.torn.end());
   RETURN_IF_ERROR(journal.Verify(mission.name));
+  RETURN_IF_ERROR(files.status());
   const MapStoreOptions options;
   MissionEnvironment environment;
   environment.options = &options;

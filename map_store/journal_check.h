@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <functional>
 #include <string>
+#include <vector>
 
 #include "absl/status/status.h"
 
@@ -14,6 +15,8 @@ namespace corbslam::map_store {
 struct CheckedMission {
   std::string name;
   absl::Status status;  // DATA_LOSS, with the file or the record; OK: nothing is damaged.
+  // Files whose damage loses nothing, each with what becomes of it.
+  std::vector<std::string> notes;
   uint64_t disk_bytes = 0;
   // What it holds, if nothing is damaged.
   size_t agents = 0;

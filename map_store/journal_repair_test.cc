@@ -1,6 +1,7 @@
 // Tests what can be had of damaged missions, and that damage is found while a store runs.
 #include "map_store/journal_repair.h"
 
+#include <glog/logging.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -9,6 +10,7 @@
 #include <iterator>
 #include <map>
 #include <string>
+#include <vector>
 
 #include "map_store/archive/mission_archive.h"
 #include "map_store/rocks/journal_scrubber.h"
@@ -142,6 +144,80 @@ TEST_F(JournalRepairTest, AScrubFindsDamageWhileTheStoreRuns) {
   journal_->ScrubNow();
   EXPECT_EQ(journal_->scrub_counts().damaged, 1u) << "it is said once";
   EXPECT_EQ(journal_->scrub_counts().rounds, 3u);
+}
+
+TEST_F(JournalRepairTest, AScrubReadsTheLogOfAMissionInUse) {
+  Open();
+  Stream("m", 2);
+  Stream("other", 2);
+  journal_->ScrubNow();
+  EXPECT_TRUE(store_->ListDamaged().empty());
+  const fs::path log = Files("m", ".log").back();
+  ASSERT_GT(fs::file_size(log), 1000u);
+  Spoil(log, 4);
+  journal_->ScrubNow();
+  const auto damaged = store_->ListDamaged();
+  ASSERT_EQ(damaged.size(), 1u);
+  EXPECT_THAT(damaged.begin()->second, HasSubstr(log.string()));
+}
+
+// Whatever file of a mission that sleeps is damaged, its name is said, and the mission is not woken
+// for that.
+TEST_F(JournalRepairTest, AScrubReadsMissionsThatAreAsleep) {
+  for (const std::string ending : {".sst", ".blob", ".log", "", "MANIFEST"}) {
+    SCOPED_TRACE(ending);
+    Open();
+    Stream("sleeper", 6);
+    ASSERT_TRUE(store_->SleepMission("sleeper").ok());
+    journal_->ScrubNow();
+    EXPECT_TRUE(store_->ListDamaged().empty());
+    fs::path file = MissionFolder("sleeper") / "CURRENT";
+    if (ending == "MANIFEST") {
+      for (const fs::path& other : Files("sleeper", "")) {
+        if (other.filename().string().starts_with(ending)) file = other;
+      }
+    } else if (!ending.empty()) {
+      ASSERT_FALSE(Files("sleeper", ending).empty());
+      file = Files("sleeper", ending).front();
+    }
+    if (ending == ".log") {
+      fs::remove(file);
+    } else {
+      Spoil(file, 16);
+    }
+    journal_->ScrubNow();
+    EXPECT_EQ(journal_->scrub_counts().damaged, 1u);
+    const auto damaged = store_->ListDamaged();
+    ASSERT_EQ(damaged.size(), 1u);
+    EXPECT_EQ(damaged.begin()->first, "sleeper");
+    EXPECT_THAT(
+        damaged.begin()->second,
+        HasSubstr(ending == ".log" || ending == ".blob" ? "sleeper" : file.filename().string()));
+    EXPECT_TRUE(store_->GetMission("sleeper")->asleep);
+    EXPECT_TRUE(absl::IsDataLoss(store_->GetStatistics("sleeper").status())) << "waking finds it";
+    ASSERT_TRUE(store_->DeleteMission("sleeper").ok());
+    EXPECT_TRUE(store_->ListDamaged().empty());
+  }
+}
+
+// Keeps what RocksDB says in the log: errors and warnings.
+class Complaints : public google::LogSink {
+ public:
+  Complaints() { google::AddLogSink(this); }
+  ~Complaints() override { google::RemoveLogSink(this); }
+  void send(google::LogSeverity, const char*, const char*, int, const google::LogMessageTime&,
+            const char* message, size_t length) override {
+    const std::string words(message, length);
+    if (words.starts_with("rocksdb")) said.push_back(words);
+  }
+  std::vector<std::string> said;
+};
+
+TEST_F(JournalRepairTest, AMissionIsMadeWithoutComplaints) {
+  Open();
+  const Complaints complaints;
+  Stream("new", 2);
+  EXPECT_THAT(complaints.said, ::testing::IsEmpty());
 }
 
 TEST_F(JournalRepairTest, AScrubMissesAFileThatIsGone) {

@@ -115,11 +115,18 @@ absl::StatusOr<uint64_t> MapStore::EnterMission(const std::string& name, const s
     found = directory_->UseOrMake(name, make);
   }
   ASSIGN_OR_RETURN(std::shared_ptr<Mission> mission, std::move(found));
-  absl::MutexLock lock(&mutex_);
-  mission->profile().NoteUse();
-  const uint64_t session_id = next_session_++;
-  sessions_[session_id] = {agent, std::move(mission)};
-  return session_id;
+  uint64_t session_id = 0;
+  {
+    absl::MutexLock lock(&mutex_);
+    mission->profile().NoteUse();
+    session_id = next_session_++;
+    sessions_[session_id] = {agent, mission};
+  }
+  // Whoever closes the mission after this sees the session.
+  const absl::Status entered = directory_->CheckEntered(name, *mission);
+  if (entered.ok()) return session_id;
+  LeaveMission(session_id);
+  return entered;
 }
 
 void MapStore::LeaveMission(uint64_t session_id) {

@@ -198,7 +198,8 @@ class MapStore {
   // function returns, what it took of memory a moment later.
   absl::Status DeleteMission(absl::string_view mission);
   // Deletes it if no session is open in it and `may`, which is called while nobody can write to the
-  // mission, returns OK. FAILED_PRECONDITION names who is connected.
+  // mission, returns OK. FAILED_PRECONDITION names who is connected. Who connects meanwhile gets
+  // UNAVAILABLE: the next try finds the mission as it was, or makes another one.
   absl::Status DeleteUnusedMission(absl::string_view mission,
                                    const std::function<absl::Status()>& may);
   absl::Status CheckNobodyConnected(absl::string_view mission) const;
@@ -315,6 +316,8 @@ class MapStore {
   void Expire(const std::string& name) ABSL_LOCKS_EXCLUDED(deletion_mutex_, mutex_);
   // Deletes for good what was told of its end (Mission::Delete), after
   // MissionDirectory::BeginDeletion; `mission` is null if it is on the disk alone.
+  absl::Status CheckNoSession(absl::string_view name, const Mission& mission) const
+      ABSL_LOCKS_EXCLUDED(mutex_);
   absl::Status EndLife(absl::string_view name, const std::shared_ptr<Mission>& mission)
       ABSL_EXCLUSIVE_LOCKS_REQUIRED(deletion_mutex_) ABSL_LOCKS_EXCLUDED(mutex_);
   // Registers a session in the mission, which is made if there is none. Returns the session's id.

@@ -30,9 +30,13 @@ absl::Status MapStore::CheckRoomToRestore(const std::string& name, uint64_t byte
 
 absl::Status MapStore::CheckNobodyConnected(absl::string_view name) const {
   ASSIGN_OR_RETURN(const std::shared_ptr<Mission> mission, FindMission(name));
+  return CheckNoSession(name, *mission);
+}
+
+absl::Status MapStore::CheckNoSession(absl::string_view name, const Mission& mission) const {
   absl::MutexLock lock(&mutex_);
   for (const auto& [id, session] : sessions_) {
-    if (session.mission != mission) continue;
+    if (session.mission.get() != &mission) continue;
     return absl::FailedPreconditionError(absl::StrCat("agent ", session.agent,
                                                       " is connected to mission ", name,
                                                       ": stop it, and the others, first"));
@@ -45,12 +49,14 @@ absl::Status MapStore::DeleteUnusedMission(absl::string_view name,
   absl::MutexLock deleting(&deletion_mutex_);
   RETURN_IF_ERROR(CheckNobodyConnected(name));
   ASSIGN_OR_RETURN(const MissionDirectory::Life life, directory_->FindLife(name));
-  ASSIGN_OR_RETURN(const std::shared_ptr<Mission> mission, directory_->BeginDeletion(name, life));
+  ASSIGN_OR_RETURN(const std::shared_ptr<Mission> mission,
+                   directory_->BeginDeletion(name, life, "it was archived"));
+  // A robot that came before is connected now, or finds the mission closed once it is.
+  absl::Status deleted =
+      absl::FailedPreconditionError(absl::StrCat("mission ", name, " is asleep"));
+  if (mission != nullptr) deleted = CheckNoSession(name, *mission);
   // From here on nothing is appended to the journal, so that what is deleted stays deleted.
-  const absl::Status deleted =
-      mission != nullptr
-          ? mission->DeleteIf(may)
-          : absl::FailedPreconditionError(absl::StrCat("mission ", name, " is asleep"));
+  if (deleted.ok()) deleted = mission->DeleteIf(may);
   if (!deleted.ok()) directory_->EndDeletion(name, false);
   RETURN_IF_ERROR(deleted);
   return EndLife(name, mission);

@@ -4,10 +4,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -249,6 +251,55 @@ TEST_F(StoredBackupsTest, WhatWasWrittenMeanwhileIsNeverArchivedAway) {
   EXPECT_TRUE(absl::IsFailedPrecondition(kept)) << kept;
   Stream("m", 1);
   EXPECT_EQ(store_->GetMission("m")->keyframes, 4u);
+}
+
+// A robot that connects while the mission goes into the archive is told to come again, and neither
+// gets a session in what is deleted nor keeps it from being archived.
+TEST_F(StoredBackupsTest, NobodyEntersAMissionThatIsBeingArchived) {
+  Stream("m", 3);
+  SessionRequest request;
+  request.mission = "m";
+  request.agent = "late";
+  absl::Status refused;
+  ASSERT_TRUE(store_
+                  ->DeleteUnusedMission("m",
+                                        [&] {
+                                          refused = store_->OpenSession(request).status();
+                                          return absl::OkStatus();
+                                        })
+                  .ok());
+  EXPECT_TRUE(absl::IsUnavailable(refused)) << refused;
+  EXPECT_THAT(std::string(refused.message()), HasSubstr("archived"));
+  EXPECT_TRUE(absl::IsNotFound(store_->GetMission("m").status()));
+  EXPECT_TRUE(store_->OpenSession(request).ok()) << "it begins another one";
+}
+
+// Robots come and go while it is tried: each that gets a session has a mission that stays.
+TEST_F(StoredBackupsTest, WhoGotASessionHasItsMission) {
+  std::atomic<bool> ends = false;
+  std::atomic<int> entered = 0;
+  std::thread robot([&] {
+    SessionRequest request;
+    request.mission = "m";
+    request.agent = "guest";
+    while (!ends) {
+      const auto session = store_->OpenSession(request);
+      if (!session.ok()) {
+        EXPECT_TRUE(absl::IsUnavailable(session.status())) << session.status();
+        continue;
+      }
+      ++entered;
+      EXPECT_TRUE(store_->GetMission("m").ok());
+      store_->CloseSession(session->session_id);
+    }
+  });
+  for (int i = 0; i < 200 || entered < 20; ++i) {
+    const absl::Status deleted = store_->DeleteUnusedMission("m", [] { return absl::OkStatus(); });
+    EXPECT_TRUE(deleted.ok() || absl::IsFailedPrecondition(deleted) || absl::IsNotFound(deleted))
+        << deleted;
+  }
+  ends = true;
+  robot.join();
 }
 
 TEST_F(StoredBackupsTest, ADamagedMissionIsRestoredAndHasNoNewBackups) {

@@ -77,6 +77,8 @@ class Spool {
   absl::Status TakeSyncError();
   // Returns up to which SpooledBatch::order a loss of power takes nothing.
   uint64_t synced() const;
+  // Returns whether there is SpoolOptions::sync.
+  bool syncs_by_itself() const { return syncer_ != nullptr; }
   // Returns how often the disk was made to keep something.
   uint64_t syncs() const;
   // Returns DATA_LOSS where the disk has not kept the batch.

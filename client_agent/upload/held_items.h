@@ -3,7 +3,10 @@
 #ifndef CORBSLAM_CLIENT_AGENT_UPLOAD_HELD_ITEMS_H_
 #define CORBSLAM_CLIENT_AGENT_UPLOAD_HELD_ITEMS_H_
 
+#include <cstdint>
+#include <deque>
 #include <map>
+#include <utility>
 #include <vector>
 
 #include "absl/status/status.h"
@@ -30,8 +33,14 @@ class HeldWriter {
   void Release(Spool& spool);
 
  private:
+  // `before` is needed until `written`, which stands in for it, outlives a loss of power.
+  void ReleaseOnceSynced(const SpooledBatch& before, const SpooledBatch& written, Spool& spool);
+  void ReleaseOutdated(uint64_t synced, Spool& spool);
+
   std::map<KeyframeId, SpooledBatch> keyframes_;
   std::vector<SpooledBatch> rest_;
+  // With the order of what stands in for each; ascending.
+  std::deque<std::pair<uint64_t, SpooledBatch>> outdated_;
 };
 
 // Makes batches of what an earlier process held back when it ended, and puts them behind what the

@@ -45,15 +45,15 @@ void MissionDirectory::Erase(const EntryPtr& entry) {
 }
 
 absl::Status MissionDirectory::CheckUsable(absl::string_view name, const Entry& entry) {
+  if (!entry.gone && !entry.closed_because.empty()) {
+    return absl::UnavailableError(
+        absl::StrCat("mission ", name, " is being deleted, as ", entry.closed_because));
+  }
   if (entry.gone || (entry.being_deleted && entry.mission == nullptr)) {
     return absl::NotFoundError(absl::StrCat("mission ", name, " is deleted"));
   }
   if (entry.stage == Stage::kUnreadable) {
     return absl::DataLossError(SayDamage(name, entry.damage));
-  }
-  if (entry.is_expiring) {
-    return absl::UnavailableError(
-        absl::StrCat("mission ", name, " is being deleted, as its retention has passed"));
   }
   return absl::OkStatus();
 }
@@ -251,8 +251,8 @@ absl::StatusOr<MissionDirectory::Life> MissionDirectory::FindLife(absl::string_v
   return Life(entry);
 }
 
-absl::StatusOr<std::shared_ptr<Mission>> MissionDirectory::BeginDeletion(absl::string_view name,
-                                                                         const Life& life) {
+absl::StatusOr<std::shared_ptr<Mission>> MissionDirectory::BeginDeletion(
+    absl::string_view name, const Life& life, std::string closed_because) {
   absl::MutexLock lock(&mutex_);
   ASSIGN_OR_RETURN(const EntryPtr entry, Find(name));
   if (life.lock() != entry) {
@@ -264,7 +264,17 @@ absl::StatusOr<std::shared_ptr<Mission>> MissionDirectory::BeginDeletion(absl::s
   mutex_.Await(absl::Condition(&has_arrived));
   if (entry->gone) return NoSuchMission(name);
   entry->being_deleted = true;
+  entry->closed_because = std::move(closed_because);
   return entry->mission;
+}
+
+absl::Status MissionDirectory::CheckEntered(absl::string_view name, const Mission& mission) const {
+  absl::MutexLock lock(&mutex_);
+  const absl::StatusOr<EntryPtr> entry = Find(name);
+  if (!entry.ok() || (*entry)->mission.get() != &mission) {
+    return absl::UnavailableError(absl::StrCat("mission ", name, " was deleted meanwhile"));
+  }
+  return CheckUsable(name, **entry);
 }
 
 std::optional<KnownMission> MissionDirectory::BeginExpiry(
@@ -277,7 +287,8 @@ std::optional<KnownMission> MissionDirectory::BeginExpiry(
                       entry.users == 0 && !entry.being_deleted;
   KnownMission known = Describe(std::string(name), entry);
   if (!may_go || !is_due(known)) return std::nullopt;
-  entry.being_deleted = entry.is_expiring = true;
+  entry.being_deleted = true;
+  entry.closed_because = "its retention has passed";
   return known;
 }
 
@@ -285,7 +296,8 @@ void MissionDirectory::EndDeletion(absl::string_view name, bool deleted) {
   absl::MutexLock lock(&mutex_);
   const absl::StatusOr<EntryPtr> entry = Find(name);
   if (!entry.ok()) return;
-  (*entry)->being_deleted = (*entry)->is_expiring = false;
+  (*entry)->being_deleted = false;
+  (*entry)->closed_because.clear();
   if (deleted) Erase(*entry);
 }
 

@@ -109,11 +109,16 @@ class MissionDirectory {
   absl::StatusOr<Life> FindLife(absl::string_view name) const ABSL_LOCKS_EXCLUDED(mutex_);
   // Waits until the mission neither wakes nor falls asleep, and returns it if it is in memory, null
   // if it is not. From here on it stays as it is until EndDeletion, which removes it if it is
-  // deleted. NOT_FOUND if it is not that life any more.
-  absl::StatusOr<std::shared_ptr<Mission>> BeginDeletion(absl::string_view name, const Life& life)
+  // deleted. NOT_FOUND if it is not that life any more. With `closed_because` new users are kept
+  // out (UNAVAILABLE); those who have a lease may not have said so yet: they ask CheckEntered then.
+  absl::StatusOr<std::shared_ptr<Mission>> BeginDeletion(absl::string_view name, const Life& life,
+                                                         std::string closed_because = "")
       ABSL_LOCKS_EXCLUDED(mutex_);
-  // Does the same for a mission that nobody uses, if `is_due`, called with the lock held, says so:
-  // from here on nobody can use it (UNAVAILABLE). Returns none if it stays.
+  // Returns UNAVAILABLE if the mission has gone since it was leased, or nobody may come any more.
+  absl::Status CheckEntered(absl::string_view name, const Mission& mission) const
+      ABSL_LOCKS_EXCLUDED(mutex_);
+  // Does as BeginDeletion does for a mission that nobody uses, if `is_due`, called with the lock
+  // held, says so: from here on nobody can use it (UNAVAILABLE). Returns none if it stays.
   std::optional<KnownMission> BeginExpiry(absl::string_view name,
                                           absl::FunctionRef<bool(const KnownMission&)> is_due)
       ABSL_LOCKS_EXCLUDED(mutex_);
@@ -148,8 +153,8 @@ class MissionDirectory {
     // It was made for a robot that has not written anything yet, as far as anybody knew.
     bool may_be_vacant = false;
     bool being_deleted = false;
-    bool is_expiring = false;
-    bool gone = false;  // It is not in the map any more.
+    std::string closed_because;  // Not empty: nobody may come any more.
+    bool gone = false;           // It is not in the map any more.
     // What became of the last attempt to wake it, for those who waited for that.
     absl::Status wake_error;
   };

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "absl/time/clock.h"
+#include "slam/util/status_macros.h"
 #include "slam/util/thread_priority.h"
 
 namespace corbslam::map_store {
@@ -17,8 +18,8 @@ constexpr absl::Duration kBetweenScrubs = absl::Minutes(10);
 
 }  // namespace
 
-JournalScrubber::JournalScrubber(ListMissions missions, uint64_t bytes_per_s)
-    : missions_(std::move(missions)), bytes_per_s_(bytes_per_s) {
+JournalScrubber::JournalScrubber(Access access, uint64_t bytes_per_s)
+    : access_(std::move(access)), bytes_per_s_(bytes_per_s) {
   if (bytes_per_s_ > 0) thread_ = std::thread([this] { Run(); });
 }
 
@@ -52,35 +53,52 @@ void JournalScrubber::Run() {
   }
 }
 
-void JournalScrubber::RunRound(const std::function<bool(uint64_t bytes)>& pause) {
-  for (const std::shared_ptr<MissionJournal>& mission : missions_()) {
-    if (mission->Damage().ok() && !ReadMission(*mission, pause)) return;
+void JournalScrubber::RunRound(const ReadPace& pause) {
+  bool stopped = false;
+  const ReadPace counted = [&](uint64_t bytes) {
+    {
+      absl::MutexLock lock(&mutex_);
+      counts_.bytes += bytes;
+    }
+    stopped = stopped || !pause(bytes);
+    return !stopped;
+  };
+  for (const MissionPtr& mission : access_.list_open()) {
+    if (!mission->Damage().ok()) continue;
+    const absl::Status read = ReadMission(*mission, counted);
+    if (stopped) return;
+    if (absl::IsDataLoss(read)) Count(mission->name(), read);
+  }
+  for (const std::string& name : access_.list_closed()) {
+    const absl::Status read = ReadClosed(name, counted);
+    if (stopped) return;
+    if (absl::IsDataLoss(read) && access_.note_closed(name, read)) Count(name, read);
   }
   absl::MutexLock lock(&mutex_);
   ++counts_.rounds;
   counts_.round_ended = absl::Now();
 }
 
-bool JournalScrubber::ReadMission(const MissionJournal& mission,
-                                  const std::function<bool(uint64_t bytes)>& pause) {
+void JournalScrubber::Count(const std::string& name, const absl::Status& damage) {
+  LOG(ERROR) << "mission " << name << " is damaged on the disk: " << damage;
+  absl::MutexLock lock(&mutex_);
+  ++counts_.damaged;
+}
+
+absl::Status JournalScrubber::ReadMission(const MissionJournal& mission, const ReadPace& pause) {
+  RETURN_IF_ERROR(mission.ScrubLogs(pause));
   std::string from;
   do {
-    const absl::StatusOr<uint64_t> read = mission.Scrub(kPieceBytes, from);
-    if (!read.ok()) {
-      // Else it was closed meanwhile.
-      if (!absl::IsDataLoss(read.status())) return true;
-      LOG(ERROR) << "mission " << mission.name() << " is damaged on the disk: " << read.status();
-      absl::MutexLock lock(&mutex_);
-      ++counts_.damaged;
-      return true;
-    }
-    {
-      absl::MutexLock lock(&mutex_);
-      counts_.bytes += *read;
-    }
-    if (!pause(*read)) return false;
+    ASSIGN_OR_RETURN(const uint64_t read, mission.Scrub(kPieceBytes, from));
+    if (!pause(read)) return absl::CancelledError();
   } while (!from.empty());
-  return true;
+  return absl::OkStatus();
+}
+
+absl::Status JournalScrubber::ReadClosed(const std::string& name, const ReadPace& pause) {
+  const ReadPace goes_on = [&](uint64_t bytes) { return pause(bytes) && access_.is_closed(name); };
+  ASSIGN_OR_RETURN(const MissionPtr mission, access_.open_closed(name, goes_on));
+  return mission == nullptr ? absl::OkStatus() : ReadMission(*mission, goes_on);
 }
 
 }  // namespace corbslam::map_store

@@ -11,8 +11,10 @@
 #include <vector>
 
 #include "absl/base/thread_annotations.h"
+#include "absl/status/status.h"
 #include "absl/synchronization/mutex.h"
 #include "absl/time/time.h"
+#include "map_store/rocks/log_file_check.h"
 #include "map_store/rocks/mission_journal.h"
 
 namespace corbslam::map_store {
@@ -28,10 +30,24 @@ struct ScrubCounts {
 // each piece. A mission that is damaged is said so (MissionJournal::Damage). Thread-safe.
 class JournalScrubber {
  public:
-  using ListMissions = std::function<std::vector<std::shared_ptr<MissionJournal>>()>;
+  using MissionPtr = std::shared_ptr<MissionJournal>;
+  // How it gets at missions; all may be called from the thread.
+  struct Access {
+    std::function<std::vector<MissionPtr>()> list_open;
+    // Missions that nobody has open, by their names.
+    std::function<std::vector<std::string>()> list_closed;
+    // Looks at the files of such a mission and opens it, to read it only; null: that is not to be
+    // done now. DATA_LOSS: it is damaged.
+    std::function<absl::StatusOr<MissionPtr>(const std::string& name, const ReadPace& pace)>
+        open_closed;
+    // Returns whether it is closed still.
+    std::function<bool(const std::string& name)> is_closed;
+    // Remembers what is wrong with it; false: it was opened meanwhile, and may have changed.
+    std::function<bool(const std::string& name, const absl::Status& damage)> note_closed;
+  };
 
   // Starts the thread, unless `bytes_per_s` is 0.
-  JournalScrubber(ListMissions missions, uint64_t bytes_per_s);
+  JournalScrubber(Access access, uint64_t bytes_per_s);
   ~JournalScrubber();
   JournalScrubber(const JournalScrubber&) = delete;
   JournalScrubber& operator=(const JournalScrubber&) = delete;
@@ -41,17 +57,20 @@ class JournalScrubber {
   ScrubCounts counts() const ABSL_LOCKS_EXCLUDED(mutex_);
   // Reads all missions once, here and now; `pause`, called behind each piece with its bytes, says
   // whether to go on. For tests, and for the thread.
-  void RunRound(const std::function<bool(uint64_t bytes)>& pause) ABSL_LOCKS_EXCLUDED(mutex_);
+  void RunRound(const ReadPace& pause) ABSL_LOCKS_EXCLUDED(mutex_);
 
  private:
   void Run();
   // Returns false once stopped.
   bool Pause(absl::Duration pause) ABSL_LOCKS_EXCLUDED(mutex_);
-  // Returns false if `pause` has said so.
-  bool ReadMission(const MissionJournal& mission, const std::function<bool(uint64_t bytes)>& pause)
+  // Return CANCELLED if `pause` has said so.
+  absl::Status ReadMission(const MissionJournal& mission, const ReadPace& pause)
       ABSL_LOCKS_EXCLUDED(mutex_);
+  absl::Status ReadClosed(const std::string& name, const ReadPace& pause)
+      ABSL_LOCKS_EXCLUDED(mutex_);
+  void Count(const std::string& name, const absl::Status& damage) ABSL_LOCKS_EXCLUDED(mutex_);
 
-  const ListMissions missions_;
+  const Access access_;
   const uint64_t bytes_per_s_;
   mutable absl::Mutex mutex_;
   bool stopped_ ABSL_GUARDED_BY(mutex_) = false;

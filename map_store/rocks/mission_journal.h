@@ -19,6 +19,7 @@
 #include "map_store/records/journal.h"
 #include "map_store/rocks/backup_note.h"
 #include "map_store/rocks/journal_options.h"
+#include "map_store/rocks/log_file_check.h"
 #include "map_store/rocks/mission_contents.h"
 
 namespace rocksdb {
@@ -45,6 +46,8 @@ class MissionJournal {
   // Finds out what is there; called before all else but Begin. Returns DATA_LOSS for what can't be
   // read, NOT_FOUND if there is no mission, or not all of one: nobody was ever told that there is.
   absl::Status Load();
+  // Does so but for features, for who only looks for damage.
+  absl::Status LoadRecordsOnly();
 
   absl::StatusOr<Position> Append(const BatchBytes& bytes, const std::vector<KeyframeId>& removed);
   absl::Status Sync(Position position);
@@ -71,6 +74,9 @@ class MissionJournal {
   absl::Status Lend(
       const std::function<rocksdb::Status(rocksdb::DB& db, const std::function<bool()>& goes_on)>&
           use) const;
+  // Looks at what only opening reads: the logs and the list of files. DATA_LOSS, which is
+  // remembered, names the file.
+  absl::Status ScrubLogs(const ReadPace& pace) const;
   // Reads what lies from the key `from` on, about `max_bytes`, and sets `from` to where to go on;
   // empty: that was all. DATA_LOSS, which is remembered, for what does not fit its checksum.
   // Returns how many bytes were read.

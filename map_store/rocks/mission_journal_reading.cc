@@ -7,6 +7,7 @@
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
+#include "map_store/rocks/files_check.h"
 #include "map_store/rocks/mission_journal.h"
 #include "map_store/rocks/rocks_database.h"
 #include "slam/util/status_macros.h"
@@ -79,6 +80,20 @@ absl::StatusOr<DatabaseMark> MissionJournal::Mark() const {
   return mark;
 }
 
+absl::Status MissionJournal::ScrubLogs(const ReadPace& pace) const {
+  RETURN_IF_ERROR(Damage());
+  // The database has read them only just, else.
+  if (database_->failed() || options_.only_read) return absl::OkStatus();
+  absl::Status checked;
+  const rocksdb::Status lent =
+      database_->Lend([&](rocksdb::DB& db, const std::function<bool()>& goes_on) {
+        checked = CheckLiveFiles(db, [&](uint64_t bytes) { return pace(bytes) && goes_on(); });
+        return rocksdb::Status::OK();
+      });
+  RETURN_IF_ERROR(ToStatus(lent));
+  return Note(checked);
+}
+
 absl::StatusOr<uint64_t> MissionJournal::Scrub(uint64_t max_bytes, std::string& from) const {
   RETURN_IF_ERROR(Damage());
   if (database_->failed()) return 0;
@@ -86,7 +101,8 @@ absl::StatusOr<uint64_t> MissionJournal::Scrub(uint64_t max_bytes, std::string& 
   const bool begins = from.empty();
   const rocksdb::Status read =
       database_->Lend([&](rocksdb::DB& db, const std::function<bool()>& goes_on) {
-        const rocksdb::Status lengths = begins ? CheckLengths(db) : rocksdb::Status::OK();
+        const rocksdb::Status lengths =
+            begins && !options_.only_read ? CheckLengths(db) : rocksdb::Status::OK();
         if (!lengths.ok() || !goes_on()) return lengths;
         return ReadSome(db, max_bytes, from, bytes);
       });

@@ -31,6 +31,11 @@ absl::Status MissionJournal::ToReadStatus(const rocksdb::Status& status) const {
 }
 
 absl::Status MissionJournal::Load() {
+  RETURN_IF_ERROR(LoadRecordsOnly());
+  return Note(WithPlace(LoadFeatures(), absl::StrCat("journal ", database_->directory())));
+}
+
+absl::Status MissionJournal::LoadRecordsOnly() {
   const std::string place = absl::StrCat("journal ", database_->directory());
   std::string bytes;
   rocksdb::Status found = database_->Get(map_store::FormatKey(), &bytes);
@@ -56,8 +61,7 @@ absl::Status MissionJournal::Load() {
     contents_.NoteSnapshot(header->snapshot_position, header->snapshot_bytes, {});
   }
   RETURN_IF_ERROR(Note(WithPlace(LoadRecords(header->snapshot_position), place)));
-  RETURN_IF_ERROR(Note(WithPlace(CheckMark(), place)));
-  return Note(WithPlace(LoadFeatures(), place));
+  return Note(WithPlace(CheckMark(), place));
 }
 
 absl::Status MissionJournal::TakeFormat(const std::string& bytes, const std::string& place) {

@@ -8,7 +8,9 @@
 #include <array>
 #include <cstdarg>
 #include <cstdio>
+#include <filesystem>
 #include <memory>
+#include <system_error>
 
 #include "absl/time/clock.h"
 
@@ -85,6 +87,12 @@ rocksdb::Status RocksDatabase::OpenLocked(Mode mode) {
   rocksdb::DB* opened = nullptr;
   rocksdb::Options options = MakeOptions(env_, cache_);
   options.create_if_missing = mode == Mode::kMake;
+  if (options.create_if_missing) {
+    // RocksDB says an error in the log where there is no folder, and then makes it. What keeps it
+    // from being made keeps RocksDB, too, which says so.
+    std::error_code error;
+    std::filesystem::create_directories(directory_, error);
+  }
   if (mode == Mode::kSalvage) {
     options.wal_recovery_mode = rocksdb::WALRecoveryMode::kPointInTimeRecovery;
     options.paranoid_checks = false;

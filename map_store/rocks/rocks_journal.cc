@@ -7,6 +7,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "map_store/archive/state_archive.h"
+#include "map_store/rocks/files_check.h"
 #include "map_store/rocks/journal_scrubber.h"
 #include "map_store/rocks/journal_tidier.h"
 #include "map_store/rocks/mission_journal.h"
@@ -173,6 +174,7 @@ absl::Status RocksJournal::DeleteMission(absl::string_view mission) {
     missions_.erase(std::string(mission));
     unreadable_.erase(std::string(mission));
     aside_.erase(std::string(mission));
+    aside_damage_.erase(std::string(mission));
   }
   const absl::Status removed = folder_.Remove(mission, kDeleted);
   LOG_IF(WARNING, !removed.ok()) << "a deleted mission's files are left, until the next start: "
@@ -181,6 +183,11 @@ absl::Status RocksJournal::DeleteMission(absl::string_view mission) {
 }
 
 absl::Status RocksJournal::Damage(absl::string_view mission) const {
+  {
+    absl::MutexLock lock(&mutex_);
+    const auto it = aside_damage_.find(std::string_view(mission.data(), mission.size()));
+    if (it != aside_damage_.end()) return it->second;
+  }
   const absl::StatusOr<MissionPtr> found = FindMission(mission);
   if (found.ok()) return (*found)->Damage();
   return absl::IsDataLoss(found.status()) ? found.status() : absl::OkStatus();
@@ -193,6 +200,10 @@ uint64_t RocksJournal::DiskBytes(absl::string_view mission) const {
 absl::Status RocksJournal::Verify(absl::string_view mission) const {
   ASSIGN_OR_RETURN(const MissionPtr found, FindMission(mission));
   return found->Verify();
+}
+
+FilesCheck RocksJournal::CheckFiles(absl::string_view mission) const {
+  return CheckClosedFiles(folder_.PathOf(mission));
 }
 
 absl::StatusOr<DatabaseMark> RocksJournal::Mark(absl::string_view mission) const {

@@ -31,6 +31,7 @@ class JournalScrubber;
 class JournalTidier;
 class MissionJournal;
 class RocksDatabase;
+struct FilesCheck;
 struct DatabaseMark;
 struct ScrubCounts;
 
@@ -68,6 +69,8 @@ class RocksJournal : public Journal {
       absl::string_view mission,
       const std::function<rocksdb::Status(rocksdb::DB& db, const std::function<bool()>& goes_on)>&
           use) const;
+  // Looks at the files of a mission of a folder that is only read, beside the database (Verify).
+  FilesCheck CheckFiles(absl::string_view mission) const;
   // Returns what was read to find damage (scrub_bytes_per_s).
   ScrubCounts scrub_counts() const;
   // Reads all missions once to find damage, here and now.
@@ -78,6 +81,8 @@ class RocksJournal : public Journal {
   using MissionPtr = std::shared_ptr<MissionJournal>;
 
   explicit RocksJournal(const RocksJournalOptions& options);
+  // Says why a mission's database can't be opened; DATA_LOSS: because of what is in its files.
+  static absl::Status OpenFailure(const std::string& path, const rocksdb::Status& status);
 
   // Opens the database that guards the folder, and finds the missions. The guard keeps other
   // processes out, and programs that would take the folder for an empty one.
@@ -101,6 +106,12 @@ class RocksJournal : public Journal {
   bool IsAside(absl::string_view name) const ABSL_LOCKS_EXCLUDED(mutex_);
   // Opens a mission that is aside.
   absl::StatusOr<MissionPtr> BringBack(absl::string_view name) const ABSL_LOCKS_EXCLUDED(mutex_);
+  // For the scrubber (JournalScrubber::Access).
+  void StartScrubber();
+  absl::StatusOr<MissionPtr> OpenAside(const std::string& name,
+                                       const std::function<bool(uint64_t bytes)>& pace)
+      ABSL_LOCKS_EXCLUDED(mutex_);
+  bool NoteAside(const std::string& name, const absl::Status& damage) ABSL_LOCKS_EXCLUDED(mutex_);
   std::vector<MissionPtr> OpenMissions() const ABSL_LOCKS_EXCLUDED(mutex_);
   // Checks for room, and remembers the size of a record that had none until there is room for one.
   absl::Status CheckRoomForRecord(uint64_t bytes);
@@ -118,6 +129,10 @@ class RocksJournal : public Journal {
   // Whoever reads a mission that is aside opens it.
   mutable std::map<std::string, MissionPtr, std::less<>> missions_ ABSL_GUARDED_BY(mutex_);
   mutable std::set<std::string, std::less<>> aside_ ABSL_GUARDED_BY(mutex_);
+  // What was found of missions that are aside; waking them has the last word.
+  mutable std::map<std::string, absl::Status, std::less<>> aside_damage_ ABSL_GUARDED_BY(mutex_);
+  // What CURRENT said of those that the scrubber has begun to read.
+  std::map<std::string, std::string, std::less<>> aside_lists_ ABSL_GUARDED_BY(mutex_);
   // Missions that can't be opened, and why.
   mutable std::map<std::string, absl::Status, std::less<>> unreadable_ ABSL_GUARDED_BY(mutex_);
 

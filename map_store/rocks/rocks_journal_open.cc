@@ -7,6 +7,7 @@
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
+#include "map_store/rocks/files_check.h"
 #include "map_store/rocks/journal_keys.h"
 #include "map_store/rocks/journal_scrubber.h"
 #include "map_store/rocks/journal_tidier.h"
@@ -46,13 +47,6 @@ bool IsDamage(const rocksdb::Status& status) {
          absl::StrContains(said, "does not exist") || absl::StrContains(said, "Input/output error");
 }
 
-absl::Status OpenFailure(const std::string& path, const rocksdb::Status& status) {
-  const std::string message = absl::StrCat("journal ", path, ": ", status.ToString());
-  if (IsDamage(status)) return absl::DataLossError(message);
-  if (status.IsNoSpace()) return absl::ResourceExhaustedError(message);
-  return absl::UnavailableError(message);
-}
-
 // An open database always has a log, so that one without has lost it.
 bool HasLog(const std::string& directory) {
   std::error_code error;
@@ -64,6 +58,13 @@ bool HasLog(const std::string& directory) {
 }
 
 }  // namespace
+
+absl::Status RocksJournal::OpenFailure(const std::string& path, const rocksdb::Status& status) {
+  const std::string message = absl::StrCat("journal ", path, ": ", status.ToString());
+  if (IsDamage(status)) return absl::DataLossError(message);
+  if (status.IsNoSpace()) return absl::ResourceExhaustedError(message);
+  return absl::UnavailableError(message);
+}
 
 RocksJournal::RocksJournal(const RocksJournalOptions& options)
     : options_(options), folder_(options.directory), cache_(MakeBlockCache()) {}
@@ -86,8 +87,7 @@ absl::StatusOr<std::unique_ptr<RocksJournal>> RocksJournal::Open(
   RETURN_IF_ERROR(journal->LoadMissions());
   journal->tidier_ =
       std::make_unique<JournalTidier>([made = journal.get()] { return made->OpenMissions(); });
-  journal->scrubber_ = std::make_unique<JournalScrubber>(
-      [made = journal.get()] { return made->OpenMissions(); }, options.scrub_bytes_per_s);
+  journal->StartScrubber();
   return journal;
 }
 
@@ -209,7 +209,7 @@ absl::Status RocksJournal::LoadMission(const std::string& name) {
   if (opened.ok()) {
     missions_[name] = *std::move(opened);
   } else if (absl::IsDataLoss(opened.status())) {
-    unreadable_[name] = opened.status();
+    unreadable_[name] = NameDamagedFiles(folder_.PathOf(name), opened.status());
   } else {
     return opened.status();
   }

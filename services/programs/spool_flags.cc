@@ -63,15 +63,24 @@ void ApplySpoolFlags(const SpoolFlags& flags, AgentOptions& options) {
   options.resume_wait = absl::Seconds(flags.resume_wait_s);
 }
 
-absl::StatusOr<std::unique_ptr<Spool>> OpenSpool(const SpoolFlags& flags,
-                                                 const std::string& owner) {
-  if (flags.folder.empty()) return nullptr;
-  ASSIGN_OR_RETURN(std::unique_ptr<SpoolFiles> files, OpenSpoolFolder(flags.folder));
+SpoolOptions SpoolOptionsOf(const SpoolFlags& flags, const std::string& owner) {
   SpoolOptions options;
   options.owner = owner;
   options.max_bytes = flags.mb << 20;
   // A quarter goes until it is written, the rest is what the disk itself takes.
   if (flags.sync_s > 0) options.sync = SyncPolicy{.after = absl::Seconds(flags.sync_s / 2)};
+  return options;
+}
+
+absl::StatusOr<std::unique_ptr<Spool>> OpenSpool(const SpoolFlags& flags,
+                                                 const std::string& owner) {
+  if (flags.folder.empty()) return nullptr;
+  ASSIGN_OR_RETURN(std::unique_ptr<SpoolFiles> files, OpenSpoolFolder(flags.folder));
+  return OpenSpoolIn(std::move(files), SpoolOptionsOf(flags, owner));
+}
+
+absl::StatusOr<std::unique_ptr<Spool>> OpenSpoolIn(std::unique_ptr<SpoolFiles> files,
+                                                   const SpoolOptions& options) {
   return Spool::Open(options, std::move(files), {&EncodeBatch, &DecodeBatch});
 }
 

@@ -26,9 +26,13 @@ void AddSpoolFlags(CLI::App& app, SpoolFlags& flags);
 // Returns INVALID_ARGUMENT for flags that need another one, or that do nothing.
 absl::Status CheckSpoolFlags(const SpoolFlags& flags, bool has_server);
 void ApplySpoolFlags(const SpoolFlags& flags, client_agent::AgentOptions& options);
+client_agent::SpoolOptions SpoolOptionsOf(const SpoolFlags& flags, const std::string& owner);
 // Returns null if no spool was asked for. `owner` is the agent's whole name.
 absl::StatusOr<std::unique_ptr<client_agent::Spool>> OpenSpool(const SpoolFlags& flags,
                                                                const std::string& owner);
+// Does so in files that are open.
+absl::StatusOr<std::unique_ptr<client_agent::Spool>> OpenSpoolIn(
+    std::unique_ptr<client_agent::SpoolFiles> files, const client_agent::SpoolOptions& options);
 
 }  // namespace corbslam::services
 

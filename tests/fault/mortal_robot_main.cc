@@ -3,6 +3,7 @@
 #include <glog/logging.h>
 
 #include <CLI/CLI.hpp>
+#include <cstdint>
 #include <cstdio>
 #include <memory>
 #include <optional>
@@ -13,6 +14,7 @@
 #include "absl/time/clock.h"
 #include "client_agent/agent/agent.h"
 #include "client_agent/source/recorded_sequence.h"
+#include "client_agent/spool/testing/unsynced_loss_files.h"
 #include "services/programs/default_vocabulary.h"
 #include "services/programs/spool_flags.h"
 #include "slam/util/status_macros.h"
@@ -22,6 +24,9 @@ namespace corbslam::tests {
 using client_agent::Agent;
 using client_agent::AgentOptions;
 using client_agent::OpenSource;
+using client_agent::OpenUnsyncedLossFolder;
+using client_agent::Spool;
+using client_agent::SpoolOptions;
 using services::SpoolFlags;
 
 namespace {
@@ -30,7 +35,17 @@ struct MortalRobot {
   std::string source;
   std::string keyframes;  // File for "index nanoseconds" of each keyframe.
   SpoolFlags spool;
+  std::string ledger;          // What of the spool was synced; empty: nobody wants to know.
+  uint64_t segment_bytes = 0;  // 0: as many as a robot's.
 };
+
+absl::StatusOr<std::unique_ptr<Spool>> OpenSpoolOf(const MortalRobot& robot) {
+  if (robot.ledger.empty()) return OpenSpool(robot.spool, "mortal");
+  ASSIGN_OR_RETURN(auto files, OpenUnsyncedLossFolder(robot.spool.folder, robot.ledger));
+  SpoolOptions options = SpoolOptionsOf(robot.spool, "mortal");
+  if (robot.segment_bytes > 0) options.segment_bytes = robot.segment_bytes;
+  return services::OpenSpoolIn(std::move(files), options);
+}
 
 absl::StatusOr<std::unique_ptr<Agent>> MakeAgent(const MortalRobot& robot,
                                                  const SensorCalibration& calibration) {
@@ -41,7 +56,7 @@ absl::StatusOr<std::unique_ptr<Agent>> MakeAgent(const MortalRobot& robot,
   options.seed = static_cast<uint64_t>(absl::GetCurrentTimeNanos());
   ApplySpoolFlags(robot.spool, options);
   ASSIGN_OR_RETURN(auto vocabulary, Vocabulary::Load(services::DefaultVocabularyPath()));
-  ASSIGN_OR_RETURN(auto spool, OpenSpool(robot.spool, "mortal"));
+  ASSIGN_OR_RETURN(auto spool, OpenSpoolOf(robot));
   return Agent::Create(options, calibration, std::move(vocabulary), nullptr, std::move(spool));
 }
 
@@ -75,6 +90,8 @@ int main(int argc, char** argv) {
   CLI::App app("A robot without a map store that somebody kills", "mortal_robot");
   app.add_option("--source", robot.source, "A recording")->required();
   app.add_option("--keyframes", robot.keyframes, "File for when keyframes were made")->required();
+  app.add_option("--ledger", robot.ledger, "File for what of the spool was synced");
+  app.add_option("--segment-bytes", robot.segment_bytes, "Bytes of one of the spool's files");
   AddSpoolFlags(app, robot.spool);
   CLI11_PARSE(app, argc, argv);
   const absl::Status driven = corbslam::tests::Drive(robot);

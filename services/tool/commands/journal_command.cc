@@ -21,14 +21,17 @@ std::string Format(const CheckedMission& mission) {
   if (!mission.status.ok()) {
     return absl::StrCat(mission.name, ": DAMAGED: ", mission.status.message(), "\n");
   }
-  return absl::StrFormat("%s: fine: %d agents, %d local maps, %d keyframes; %.1f MiB\n",
-                         mission.name, mission.agents, mission.local_maps, mission.keyframes,
-                         static_cast<double>(mission.disk_bytes) / (1 << 20));
+  std::string text = absl::StrFormat(
+      "%s: fine: %d agents, %d local maps, %d keyframes; %.1f MiB\n", mission.name, mission.agents,
+      mission.local_maps, mission.keyframes, static_cast<double>(mission.disk_bytes) / (1 << 20));
+  for (const std::string& note : mission.notes) absl::StrAppend(&text, "  note: ", note, "\n");
+  return text;
 }
 
 nlohmann::ordered_json ToJson(const CheckedMission& mission) {
   nlohmann::ordered_json json = {
       {"mission", mission.name}, {"damage", nullptr}, {"disk_bytes", mission.disk_bytes}};
+  json["notes"] = mission.notes;
   if (!mission.status.ok()) {
     json["damage"] = std::string(mission.status.message());
     return json;
