@@ -36,7 +36,7 @@ void SingleAgent::HandOverIfFull(const TrackingResult& result) {
 
 void SingleAgent::HandOver(const HandedFrame& handed) {
   EndLocalMap();
-  OpenLocalMap(GlobalFromLocal());
+  OpenLocalMap(GlobalFromLocal(), /*kept=*/nullptr, /*goes_on=*/true);
   warned_of_late_link_ = false;
   // The queue of a new local map has room.
   CHECK(current().tracker().TakeOver(handed));

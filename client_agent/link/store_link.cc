@@ -567,6 +567,12 @@ void StoreLink::OnShared(SharedUpdate update) {
   if (event.has_value()) Tell(*event, inbox->local_map());
 }
 
+void StoreLink::Share(LocalMapId for_local_map, SharedUpdate update) {
+  ArrivedUpdate arrived = Prepare(std::move(update));
+  const std::shared_ptr<SharedInbox> inbox = CurrentInbox();
+  if (inbox != nullptr && inbox->local_map() == for_local_map) inbox->Add(std::move(arrived));
+}
+
 void StoreLink::Tell(LinkEvent event, LocalMapId local_map) const {
   if (options_.on_event) options_.on_event(event, local_map);
 }

@@ -108,6 +108,11 @@ class StoreLink : private UplinkListener {
   void OnCorrected(LocalMapId local_map, const OwnCorrection& correction, GuardedMap& map);
   void AddTrackedFrame(const TrackedFrame& frame);
   void AddLostFrame(int64_t timestamp_ns);
+  // Takes what the robot itself brings back of its earlier local maps, as if the store had shared
+  // it; nothing where another local map is in use by now. Computes words, as OnShared does.
+  void Share(LocalMapId for_local_map, SharedUpdate update);
+  // Does what UploadQueue::ReadLocalMap does, for a local map that Reads says is told.
+  absl::StatusOr<KeptMap> ReadTold(LocalMapId local_map) { return queue_.ReadLocalMap(local_map); }
   // Takes where a frame was of a robot that localises only, for which the two above do nothing.
   void AddLocalised(const LocalisedFrame& frame);
 
