@@ -122,6 +122,7 @@ SingleAgent::SingleAgent(const AgentOptions& options, std::unique_ptr<Sensor> se
       camera_(std::make_shared<const Camera>(sensor_->camera())),
       vocabulary_(std::move(vocabulary)),
       random_(SeedOf(options)),
+      shedder_({.max_map_bytes = options.max_map_bytes, .radius_m = options.share.radius_m}),
       inquiry_(options.ask_place, MakeInquiryOptions(options), !options.deterministic),
       link_(std::make_unique<StoreLink>(
           MakeStoreLinkOptions(options, recorded_camera), uplink,

@@ -14,6 +14,7 @@
 #include "client_agent/agent/agent.h"
 #include "client_agent/agent/hand_over.h"
 #include "client_agent/agent/local_map_session.h"
+#include "client_agent/agent/share_shedding.h"
 #include "client_agent/agent/smooth_pose.h"
 #include "client_agent/far/far_maps.h"
 #include "client_agent/link/store_link.h"
@@ -71,6 +72,9 @@ class SingleAgent : public Agent {
   void EndLocalMap();
   // Goes on in a new local map where the one in use is full and the frame is fit for it.
   void HandOverIfFull(const TrackingResult& result);
+  // Lets go of what others made and is far, before anything of the robot's own goes. Returns false
+  // where that is of no use now.
+  bool ShedOthers(const TrackingResult& result, uint64_t map_bytes);
   HandOverEvidence GatherEvidence() const;
   void HandOver(const HandedFrame& handed);
   void WarnOfLateLink(uint64_t map_bytes);
@@ -98,6 +102,7 @@ class SingleAgent : public Agent {
   std::mt19937_64 random_;
   std::shared_ptr<LocalMapSession> current_session_;
   SmoothPose smooth_pose_;
+  ShareShedder shedder_;
   bool warned_of_late_link_ = false;
   bool mapping_paused_ = false;  // By the orders for the newest frame.
   // While the camera is sought in a local map that an earlier process began.

@@ -137,9 +137,7 @@ absl::Status CheckLocaliseOnly(const Flags& flags) {
     return absl::InvalidArgumentError(
         "--spool (--spool-dir) keeps what a robot maps, and with --localise-only it maps nothing");
   }
-  if (flags.memory.budget_bytes == 0) return absl::OkStatus();
-  return absl::InvalidArgumentError(
-      "--memory-budget bounds what a robot maps, and with --localise-only it maps nothing");
+  return absl::OkStatus();
 }
 
 absl::StatusOr<FeatureSelection> ParseUpload(const Flags& flags) {
