@@ -12,13 +12,13 @@
 namespace corbslam::client_agent {
 namespace {
 
-constexpr LocalMapId kFirst{31};
-constexpr LocalMapId kSecond{32};
-constexpr LocalMapId kThird{33};
+constexpr LocalMapId kPassed{31};
+constexpr LocalMapId kPassedNext{32};
+constexpr LocalMapId kInUse{33};
 constexpr uint32_t kKeyframes = 100;
 
 // What a picture looks like is said by the first word of its descriptors.
-std::shared_ptr<const Words> WordsOf(const std::vector<Descriptor>& descriptors) {
+std::shared_ptr<const Words> LooksOf(const std::vector<Descriptor>& descriptors) {
   auto words = std::make_shared<Words>();
   const auto place = static_cast<uint32_t>(descriptors.front().words[0]);
   words->bag = {{0, 0.2F}, {2 * place + 1, 0.4F}, {2 * place + 2, 0.4F}};
@@ -29,11 +29,11 @@ std::shared_ptr<const Words> WordsOf(const std::vector<Descriptor>& descriptors)
 class FarMapsTest : public ::testing::Test {
  protected:
   FarMapsTest() {
-    far_.BeginLocalMap(kFirst, /*goes_on=*/false);
-    far_.BeginLocalMap(kSecond, /*goes_on=*/true);
-    Keep(kFirst, 0);
-    far_.BeginLocalMap(kThird, /*goes_on=*/true);
-    Keep(kSecond, kKeyframes);
+    far_.BeginLocalMap(kPassed, /*goes_on=*/false);
+    far_.BeginLocalMap(kPassedNext, /*goes_on=*/true);
+    Keep(kPassed, 0);
+    far_.BeginLocalMap(kInUse, /*goes_on=*/true);
+    Keep(kPassedNext, kKeyframes);
   }
 
   static FarMapsOptions Options() {
@@ -46,7 +46,7 @@ class FarMapsTest : public ::testing::Test {
 
   static Map MapOf(LocalMapId local_map, uint32_t begin_m) {
     Map map;
-    KeptRow(local_map, kKeyframes, begin_m).Fill(&WordsOf, map);
+    KeptRow(local_map, kKeyframes, begin_m).Fill(&LooksOf, map);
     return map;
   }
   void Keep(LocalMapId local_map, uint32_t begin_m) {
@@ -73,10 +73,10 @@ class FarMapsTest : public ::testing::Test {
   absl::StatusOr<KeptMap> Read(LocalMapId local_map) {
     ++reads_;
     if (damaged_) return absl::DataLossError("file 000007.spool: record at byte 4711");
-    return KeptRow(local_map, kKeyframes, local_map == kFirst ? 0 : kKeyframes);
+    return KeptRow(local_map, kKeyframes, local_map == kPassed ? 0 : kKeyframes);
   }
 
-  LocalMapId wanted_for_ = kThird;
+  LocalMapId wanted_for_ = kInUse;
   bool damaged_ = false;
   int reads_ = 0;
   size_t most_ = 0;
@@ -85,7 +85,7 @@ class FarMapsTest : public ::testing::Test {
   FarMaps far_{
       Options(), [this](LocalMapId local_map) { return Read(local_map); },
       [this](LocalMapId local_map, const SharedUpdate& update) { Take(local_map, update); },
-      &WordsOf};
+      &LooksOf};
 };
 
 TEST_F(FarMapsTest, WhereTheRobotComesNearItsPartsComeBack) {
@@ -94,14 +94,14 @@ TEST_F(FarMapsTest, WhereTheRobotComesNearItsPartsComeBack) {
   EXPECT_TRUE(held_.empty());
   At(50);
   EXPECT_EQ(held_.size(), 21u);
-  EXPECT_TRUE(held_.contains({kFirst, 50}));
+  EXPECT_TRUE(held_.contains({kPassed, 50}));
   EXPECT_EQ(reads_, 1);
   EXPECT_LE(most_, 4u) << "tracking waits while a map is written";
   // Over the seam.
   At(100);
-  EXPECT_TRUE(held_.contains({kFirst, 95}));
-  EXPECT_TRUE(held_.contains({kSecond, 5}));
-  EXPECT_FALSE(held_.contains({kFirst, 50}));
+  EXPECT_TRUE(held_.contains({kPassed, 95}));
+  EXPECT_TRUE(held_.contains({kPassedNext, 5}));
+  EXPECT_FALSE(held_.contains({kPassed, 50}));
   At(500);
   EXPECT_TRUE(held_.empty());
   EXPECT_EQ(far_.status().local_maps, 2u);
@@ -110,15 +110,15 @@ TEST_F(FarMapsTest, WhereTheRobotComesNearItsPartsComeBack) {
 
 TEST_F(FarMapsTest, WhatComesBackIsBounded) {
   FarMapsOptions options = Options();
-  const Map map = MapOf(kFirst, 0);
+  const Map map = MapOf(kPassed, 0);
   options.max_bytes = 6 * (EstimateBytes(map) / map.keyframes().size());
   FarMaps far(
       options, [this](LocalMapId local_map) { return Read(local_map); },
       [this](LocalMapId local_map, const SharedUpdate& update) { Take(local_map, update); },
-      &WordsOf);
-  far.BeginLocalMap(kFirst, false);
-  far.BeginLocalMap(kThird, true);
-  far.Keep(kFirst, map);
+      &LooksOf);
+  far.BeginLocalMap(kPassed, false);
+  far.BeginLocalMap(kInUse, true);
+  far.Keep(kPassed, map);
   FarLook look;
   look.centre = Eigen::Vector3d(50, 0, 0);
   far.Note(look);
@@ -129,7 +129,7 @@ TEST_F(FarMapsTest, WhatComesBackIsBounded) {
 TEST_F(FarMapsTest, APlaceThatIsRecognisedComesBackThoughTheRobotBelievesToBeElsewhere) {
   At(500, 60);
   At(500, 60);
-  EXPECT_TRUE(held_.contains({kFirst, 60}));
+  EXPECT_TRUE(held_.contains({kPassed, 60}));
   EXPECT_EQ(far_.status().recognised, 1u);
   At(501, 60);
   EXPECT_EQ(far_.status().recognised, 1u) << "it is on its way";
@@ -146,7 +146,7 @@ TEST_F(FarMapsTest, ALocalMapThatCannotBeReadIsSaidOnceAndTheRobotGoesOn) {
   At(60);
   EXPECT_EQ(reads_, 1) << "nobody tries again";
   At(150);
-  EXPECT_TRUE(held_.contains({kSecond, 50}));
+  EXPECT_TRUE(held_.contains({kPassedNext, 50}));
 }
 
 TEST_F(FarMapsTest, TheNextLocalMapIsToldAnew) {
@@ -162,7 +162,7 @@ TEST_F(FarMapsTest, TheNextLocalMapIsToldAnew) {
 TEST_F(FarMapsTest, InAnotherFrameNobodyKnowsWhereTheyLie) {
   wanted_for_ = {34};
   far_.BeginLocalMap({34}, /*goes_on=*/false);
-  Keep(kThird, 0);
+  Keep(kInUse, 0);
   At(50);
   EXPECT_EQ(reads_, 0);
   EXPECT_EQ(far_.status().local_maps, 0u);
@@ -175,10 +175,10 @@ TEST_F(FarMapsTest, TheThreadDoesTheSame) {
       [&](LocalMapId, const SharedUpdate& update) {
         if (!update.keyframes.empty() && !came.HasBeenNotified()) came.Notify();
       },
-      &WordsOf);
-  far.BeginLocalMap(kFirst, false);
-  far.BeginLocalMap(kThird, true);
-  far.Keep(kFirst, MapOf(kFirst, 0));
+      &LooksOf);
+  far.BeginLocalMap(kPassed, false);
+  far.BeginLocalMap(kInUse, true);
+  far.Keep(kPassed, MapOf(kPassed, 0));
   far.Start();
   FarLook look;
   look.centre = Eigen::Vector3d(50, 0, 0);
