@@ -5,21 +5,26 @@
 namespace corbslam::client_agent {
 namespace {
 
-constexpr SheddingLimits kLimits = {.max_map_bytes = 1000, .radius_m = 40};
+SheddingLimits WithRadius(double radius_m) {
+  SheddingLimits limits;
+  limits.max_map_bytes = 1000;
+  limits.radius_m = radius_m;
+  return limits;
+}
 
 SheddingEvidence Evidence(double x, int seconds, uint64_t bytes, size_t own, size_t foreign) {
   return {bytes, own, foreign, {x, 0, 0}, seconds * int64_t{1'000'000'000}};
 }
 
 TEST(ShareSheddingTest, OthersGoBeforeTheMapIsFullAndOwnPartsAreNoReason) {
-  ShareShedder shedder(kLimits);
+  ShareShedder shedder(WithRadius(40));
   EXPECT_FALSE(shedder.Judge(Evidence(0, 0, 400, 0, 10)).has_value()) << "it fits";
   EXPECT_FALSE(shedder.Judge(Evidence(0, 1, 1200, 20, 10)).has_value()) << "own parts fill it";
   EXPECT_EQ(shedder.Judge(Evidence(0, 2, 900, 4, 6)), 40);
 }
 
 TEST(ShareSheddingTest, ARobotThatOnlyLocalisesIsBounded) {
-  ShareShedder shedder(kLimits);
+  ShareShedder shedder(WithRadius(40));
   EXPECT_EQ(shedder.Judge(Evidence(0, 0, 600, 0, 6)), 40);
   EXPECT_FALSE(shedder.Judge(Evidence(1, 1, 600, 0, 6)).has_value()) << "it is on its way";
   EXPECT_TRUE(shedder.IsUnderWay(1'000'000'000));
@@ -27,7 +32,7 @@ TEST(ShareSheddingTest, ARobotThatOnlyLocalisesIsBounded) {
 }
 
 TEST(ShareSheddingTest, WhereMoreIsNearThanFitsTheRadiusShrinksAndGrowsAgain) {
-  ShareShedder shedder({.max_map_bytes = 1000, .radius_m = 9});
+  ShareShedder shedder(WithRadius(9));
   EXPECT_EQ(shedder.Judge(Evidence(0, 0, 2000, 5, 50)), 9);
   EXPECT_EQ(shedder.Judge(Evidence(0, 10, 2000, 5, 50)), 6);
   EXPECT_EQ(shedder.Judge(Evidence(0, 20, 2000, 5, 50)), 5);
@@ -37,7 +42,7 @@ TEST(ShareSheddingTest, WhereMoreIsNearThanFitsTheRadiusShrinksAndGrowsAgain) {
 }
 
 TEST(ShareSheddingTest, WithoutABoundNothingGoes) {
-  ShareShedder shedder({});
+  ShareShedder shedder(SheddingLimits{});
   EXPECT_FALSE(shedder.Judge(Evidence(0, 0, 1 << 30, 0, 1000)).has_value());
 }
 

@@ -45,6 +45,13 @@ StoreLinkOptions MakeStoreLinkOptions(const AgentOptions& options,
   return link;
 }
 
+SheddingLimits MakeSheddingLimits(const AgentOptions& options) {
+  SheddingLimits limits;
+  limits.max_map_bytes = options.max_map_bytes;
+  limits.radius_m = options.share.radius_m;
+  return limits;
+}
+
 PlaceInquiryOptions MakeInquiryOptions(const AgentOptions& options) {
   PlaceInquiryOptions inquiry;
   inquiry.uplink_bytes_per_second = options.uplink_bytes_per_second;
@@ -122,7 +129,7 @@ SingleAgent::SingleAgent(const AgentOptions& options, std::unique_ptr<Sensor> se
       camera_(std::make_shared<const Camera>(sensor_->camera())),
       vocabulary_(std::move(vocabulary)),
       random_(SeedOf(options)),
-      shedder_({.max_map_bytes = options.max_map_bytes, .radius_m = options.share.radius_m}),
+      shedder_(MakeSheddingLimits(options)),
       inquiry_(options.ask_place, MakeInquiryOptions(options), !options.deterministic),
       link_(std::make_unique<StoreLink>(
           MakeStoreLinkOptions(options, recorded_camera), uplink,

@@ -175,7 +175,8 @@ AgentOptions MakeAgentOptions(const Flags& flags, const FeatureSelection& upload
   options.share = ScopeOf(ShareOf(flags));
   options.localise_only = flags.localise_only;
   ApplySpoolFlags(flags.spool, options);
-  options.max_map_bytes = MaxMapBytes(flags.memory, options.max_outbox_bytes);
+  options.max_map_bytes = MaxMapBytes(flags.memory, options.max_outbox_bytes,
+                                      /*has_server=*/!flags.server.empty());
   // The trajectory is asked for at the end, or by other programs at any time.
   options.keep_trajectory = !flags.trajectory.empty() || !flags.listen.empty();
   if (!flags.listen.empty()) {
