@@ -15,6 +15,7 @@
 #include "client_agent/agent/agent_events.h"
 #include "client_agent/agent/agent_orders.h"
 #include "client_agent/agent/place_inquiry.h"
+#include "client_agent/far/far_maps.h"
 #include "client_agent/map/near_map.h"
 #include "client_agent/source/source_finding.h"
 #include "client_agent/spool/spool.h"
@@ -131,6 +132,8 @@ struct AgentStatus {
   // Seconds between Create and the first acknowledged keyframe.
   std::optional<double> first_upload_s;
   UploadStatus upload;
+  // What came back of local maps that had left memory, where there is no map store for that.
+  FarMapsStatus far;
   // What looked wrong in the sensor's input, in the order in which it was seen.
   SourceFindings input_findings;
 };

@@ -11,6 +11,7 @@
 #include "absl/time/clock.h"
 #include "client_agent/agent/agent.h"
 #include "client_agent/link/testing/fake_uplink.h"
+#include "client_agent/spool/testing/fake_spool.h"
 
 namespace corbslam::client_agent {
 namespace {
@@ -221,6 +222,71 @@ TEST_F(HandOverAgentTest, NothingLeavesMemoryBeforeItIsSafe) {
   for (int i = kFrames - 1; i > kFrames - 20; --i) Track(*agent, i);
   EXPECT_EQ(agent->GetStatus().hand_overs, 1);
   EXPECT_LT(agent->GetStatus().map_bytes, status.map_bytes / 2);
+}
+
+// Drives to the wall's end and back, with a disk and without a map store.
+class FarAgentTest : public HandOverAgentTest {
+ protected:
+  static constexpr uint64_t kMapBytes = 4 << 20;
+
+  std::unique_ptr<Agent> MakeWithDisk() {
+    AgentOptions options = Bounded(kMapBytes);
+    options.deterministic = true;
+    options.sensor.orb.features = 1000;
+    options.spool_within = absl::Seconds(1);
+    options.share.radius_m = 6;
+    // Little waits in memory: what comes back is read from the disk.
+    options.max_outbox_bytes = 1 << 16;
+    auto vocabulary =
+        *Vocabulary::Load(std::string(CORBSLAM_SOURCE_DIR) + "/slam/vocabulary/data/corbslam.voc");
+    return *Agent::Create(options, Calibration(), vocabulary, nullptr, *OpenFakeSpool(&disk_));
+  }
+  void DriveOut(Agent& agent) {
+    for (int i = 0; i < kFrames; ++i) {
+      ASSERT_EQ(Track(agent, i).state, TrackingState::kTracking) << i;
+    }
+    ASSERT_GE(agent.GetStatus().hand_overs, 1);
+  }
+  void DriveBack(Agent& agent, int frames) {
+    for (int i = 1; i < frames; ++i) {
+      SensorImages images = ImagesOf(kFrames - 1 - i);
+      images.timestamp_ns = (kFrames + i) * kFrame_ns;
+      const auto result = agent.Track(images);
+      ASSERT_TRUE(result.ok()) << result.status();
+      ASSERT_EQ(result->state, TrackingState::kTracking) << i;
+      EXPECT_NEAR(result->camera_from_local.Inverse().translation.x(), (kFrames - 1 - i) * kStep_m,
+                  2 * kDrift_m);
+      most_bytes_ = std::max(most_bytes_, agent.GetStatus().map_bytes);
+    }
+  }
+
+  FakeDisk disk_;
+  uint64_t most_bytes_ = 0;
+};
+
+TEST_F(FarAgentTest, WithoutAStoreWhatItPassesAgainComesBackFromTheDisk) {
+  const std::unique_ptr<Agent> agent = MakeWithDisk();
+  DriveOut(*agent);
+  const uint64_t brought_on_the_way_out = agent->GetStatus().far.brought_back;
+  DriveBack(*agent, kFrames);
+  const AgentStatus status = agent->GetStatus();
+  EXPECT_GT(status.far.brought_back, brought_on_the_way_out + 5);
+  EXPECT_GT(status.foreign_keyframes, 0);
+  EXPECT_GT(status.foreign_points_percent, 5);
+  EXPECT_EQ(status.far.unreadable, 0u);
+  EXPECT_LT(most_bytes_, 2 * kMapBytes);
+  EXPECT_FALSE(status.global_from_local.has_value()) << "there is no global frame";
+}
+
+TEST_F(FarAgentTest, ADamagedDiskEndsNoRobot) {
+  const std::unique_ptr<Agent> agent = MakeWithDisk();
+  DriveOut(*agent);
+  for (auto& [name, content] : disk_.files) {
+    for (size_t i = content.size() / 10; i < content.size(); i += 1000) content[i] ^= 0x55;
+  }
+  DriveBack(*agent, kFrames / 2);
+  EXPECT_GT(agent->GetStatus().far.unreadable, 0u);
+  EXPECT_EQ(agent->GetStatus().lost, 0);
 }
 
 TEST_F(HandOverAgentTest, WithoutABoundTheMapGrows) {

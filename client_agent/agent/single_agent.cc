@@ -48,6 +48,13 @@ StoreLinkOptions MakeStoreLinkOptions(const AgentOptions& options,
   return link;
 }
 
+SheddingLimits MakeSheddingLimits(const AgentOptions& options) {
+  SheddingLimits limits;
+  limits.max_map_bytes = options.max_map_bytes;
+  limits.radius_m = options.share.radius_m;
+  return limits;
+}
+
 PlaceInquiryOptions MakeInquiryOptions(const AgentOptions& options) {
   PlaceInquiryOptions inquiry;
   inquiry.uplink_bytes_per_second = options.uplink_bytes_per_second;
@@ -126,26 +133,33 @@ SingleAgent::SingleAgent(const AgentOptions& options, std::unique_ptr<Sensor> se
       vocabulary_(std::move(vocabulary)),
       random_(SeedOf(options)),
       max_map_bytes_(options.max_map_bytes),
+      shedder_(MakeSheddingLimits(options)),
       inquiry_(options.ask_place, MakeInquiryOptions(options), !options.deterministic),
       link_(std::make_unique<StoreLink>(
           MakeStoreLinkOptions(options, recorded_camera), uplink,
           [vocabulary = vocabulary_](const std::vector<Descriptor>& descriptors) {
             return std::make_shared<const Words>(vocabulary->Transform(descriptors));
           },
-          std::move(spool), kept.ok() ? kept->local_map() : LocalMapId())) {
+          std::move(spool), kept.ok() ? kept->local_map() : LocalMapId())),
+      far_(MakeFarMaps(uplink != nullptr)) {
   if (options_.orders != nullptr) options_.orders->SetCamera(*camera_);
   if (kept.ok()) resuming_ = Resuming{kept->newest_ns(), std::nullopt};
   OpenLocalMap(std::nullopt, kept.ok() ? &*kept : nullptr);
   if (!kept.ok() && options_.resume && !absl::IsNotFound(kept.status())) {
     NoteNotResumed(std::string(kept.status().message()));
   }
-  if (!options_.deterministic) link_->Start();
+  if (options_.deterministic) return;
+  link_->Start();
+  if (far_ != nullptr) far_->Start();
 }
 
-SingleAgent::~SingleAgent() { current().Stop(); }
+SingleAgent::~SingleAgent() {
+  if (far_ != nullptr) far_->Stop();
+  current().Stop();
+}
 
 void SingleAgent::OpenLocalMap(const std::optional<Similarity3d>& global_from_local,
-                               const KeptMap* kept) {
+                               const KeptMap* kept, bool goes_on) {
   LocalMapSessionOptions options;
   if (kept != nullptr) options.local_map = kept->local_map();
   while (!options.local_map.IsValid()) options.local_map.value = random_();
@@ -170,6 +184,7 @@ void SingleAgent::OpenLocalMap(const std::optional<Similarity3d>& global_from_lo
   }
   if (kept != nullptr) current().GoOnFrom(*kept);
   link_->BeginLocalMap(current().map(), current(), kept);
+  if (far_ != nullptr) far_->BeginLocalMap(options.local_map, goes_on);
   if (!options_.deterministic) current().Start();
   absl::MutexLock lock(&mutex_);
   sessions_.push_back(current_session_);
@@ -205,6 +220,7 @@ void SingleAgent::KeepResultsOf(const LocalMapSession& session) {
   finished_.loops.closed += loops.closed;
   finished_.loops.closed_against_others += loops.closed_against_others;
   AppendTrajectory(tracked_frames_, session.map(), finished_.trajectory);
+  KeepForReturn(session);
   std::erase_if(tracked_frames_, [&](const TrackedFrame& frame) {
     return frame.reference.local_map == session.map().local_map();
   });
@@ -219,8 +235,10 @@ absl::StatusOr<TrackingResult> SingleAgent::Track(const SensorImages& images) {
   UseAnswer();
   TrackingResult result = current().tracker().Track(images.timestamp_ns, std::move(features));
   smooth_pose_.Add(result);
-  Record(result, absl::ToDoubleMilliseconds(absl::Now() - start));
-  AskForPlace(result);
+  const bool is_placed = link_->GlobalFromLocal().has_value();
+  Record(result, absl::ToDoubleMilliseconds(absl::Now() - start), is_placed);
+  AskForPlace(result, is_placed);
+  LookForFar(result);
   if (resuming_.has_value()) NoteResumed(result);
   if (!mapping_paused_ && (current().tracker().IsLostForGood() || link_->NeedsNewLocalMap())) {
     BeginLocalMap();
@@ -231,12 +249,11 @@ absl::StatusOr<TrackingResult> SingleAgent::Track(const SensorImages& images) {
   return result;
 }
 
-void SingleAgent::AskForPlace(const TrackingResult& result) {
+void SingleAgent::AskForPlace(const TrackingResult& result, bool is_placed) {
   const bool is_lost = result.why_no_pose == WhyNoPose::kNotRecognised;
   const bool is_tracked = result.state == TrackingState::kTracking;
-  const std::optional<Similarity3d> known = link_->GlobalFromLocal();
   // A lost robot can look where it is told only if it knows where that is in its map.
-  if (is_lost ? !known.has_value() : !is_tracked || known.has_value()) return;
+  if (is_lost ? !is_placed : !is_tracked || is_placed) return;
   if (!inquiry_.MayAsk(is_lost)) return;
   PlaceQuestion question{current().tracker().last_payload(), current().map().local_map(), {}};
   if (is_tracked) question.camera_from_local = result.camera_from_local;
@@ -270,6 +287,7 @@ bool SingleAgent::Use(const PlaceAnswer& answer) {
 
 void SingleAgent::Follow(const ChangedLimits& limits) {
   max_map_bytes_ = limits.max_map_bytes.value_or(max_map_bytes_);
+  shedder_.SetMaxMapBytes(max_map_bytes_);
   if (limits.uplink_bytes_per_second) link_->SetUplinkRate(*limits.uplink_bytes_per_second);
   if (limits.share) link_->SetShare(*limits.share);
 }
@@ -303,10 +321,10 @@ void SingleAgent::Watch(const Features& features) {
   status_.input_findings.push_back(*std::move(finding));
 }
 
-void SingleAgent::Record(const TrackingResult& result, double tracking_ms) {
+void SingleAgent::Record(const TrackingResult& result, double tracking_ms, bool is_placed) {
   const bool tracked = result.state == TrackingState::kTracking;
   const size_t foreign_keyframes = link_->shared_keyframes();
-  const bool is_placed = link_->GlobalFromLocal().has_value();
+  const absl::Time now = absl::Now();
   tracking_ms_.Add(tracking_ms);
   {
     absl::MutexLock lock(&mutex_);
@@ -315,20 +333,12 @@ void SingleAgent::Record(const TrackingResult& result, double tracking_ms) {
     if (is_placed) presumed_global_from_local_.reset();
     ++status_.frames;
     ++(tracked ? status_.tracked : status_.lost);
-    if (tracked) {
-      has_pose_ = true;
-      status_.timestamp_ns = result.timestamp_ns;
-      status_.local_from_camera = result.camera_from_local.Inverse();
-      // Where the reference is another's keyframe, the frame is in no local map's trajectory.
-      if (options_.keep_trajectory && current().map().IsOwn(result.reference)) {
-        tracked_frames_.push_back(
-            {result.timestamp_ns, result.reference, result.reference_from_camera});
-      }
-      if (options_.keep_trajectory && options_.localise_only) {
-        finished_.trajectory.push_back(
-            {result.timestamp_ns, result.local_map, status_.local_from_camera});
-      }
+    first_frame_ = std::min(first_frame_, now);
+    const bool is_located = tracked && (is_placed || presumed_global_from_local_.has_value());
+    if (is_located && !status_.located_after_s.has_value()) {
+      status_.located_after_s = absl::ToDoubleSeconds(now - first_frame_);
     }
+    if (tracked) RecordPose(result);
     if (tracked && foreign_keyframes > 0) {
       points_matched_ += result.points_matched;
       foreign_points_matched_ += result.foreign_points_matched;
@@ -340,20 +350,25 @@ void SingleAgent::Record(const TrackingResult& result, double tracking_ms) {
   } else {
     link_->AddLostFrame(result.timestamp_ns);
   }
-  NoteLocated(tracked);
   // The frame of the local map is then the global one.
   LocalisedFrame localised{result.timestamp_ns, std::nullopt};
   if (tracked) localised.camera_from_global = result.camera_from_local;
   link_->AddLocalised(localised);
 }
 
-void SingleAgent::NoteLocated(bool tracked) {
-  const bool is_placed = tracked && GlobalFromLocal().has_value();
-  const absl::Time now = absl::Now();
-  absl::MutexLock lock(&mutex_);
-  first_frame_ = std::min(first_frame_, now);
-  if (is_placed && !status_.located_after_s.has_value()) {
-    status_.located_after_s = absl::ToDoubleSeconds(now - first_frame_);
+void SingleAgent::RecordPose(const TrackingResult& result) {
+  has_pose_ = true;
+  status_.timestamp_ns = result.timestamp_ns;
+  status_.local_from_camera = result.camera_from_local.Inverse();
+  if (!options_.keep_trajectory) return;
+  // Where the reference is another's keyframe, the frame is in no local map's trajectory.
+  if (current().map().IsOwn(result.reference)) {
+    tracked_frames_.push_back(
+        {result.timestamp_ns, result.reference, result.reference_from_camera});
+  }
+  if (options_.localise_only) {
+    finished_.trajectory.push_back(
+        {result.timestamp_ns, result.local_map, status_.local_from_camera});
   }
 }
 
@@ -361,6 +376,7 @@ void SingleAgent::Step() {
   if (!options_.deterministic) return;
   current().Step();
   link_->Step();
+  if (far_ != nullptr) far_->Step();
   // Works off what came back while sending.
   current().Step();
 }
@@ -411,6 +427,7 @@ AgentStatus SingleAgent::GetStatus() const {
   status.foreign_keyframes = static_cast<int>(link_->shared_keyframes());
   status.shared_updates = link_->shared_updates();
   status.upload = link_->upload();
+  if (far_ != nullptr) status.far = far_->status();
   if (const auto first = link_->first_acknowledged()) {
     status.first_upload_s = absl::ToDoubleSeconds(*first - created_);
   }

@@ -14,7 +14,9 @@
 #include "client_agent/agent/agent.h"
 #include "client_agent/agent/hand_over.h"
 #include "client_agent/agent/local_map_session.h"
+#include "client_agent/agent/share_shedding.h"
 #include "client_agent/agent/smooth_pose.h"
+#include "client_agent/far/far_maps.h"
 #include "client_agent/link/store_link.h"
 #include "client_agent/map/map_history.h"
 #include "client_agent/source_checks/input_watch.h"
@@ -45,26 +47,35 @@ class SingleAgent : public Agent {
  private:
   // `global_from_local` is where the new local map lies until the map store says it.
   // `kept`: what the local map is made of, where an earlier process began it.
+  // `goes_on`: it lies in the frame of the one before.
   void OpenLocalMap(const std::optional<Similarity3d>& global_from_local = std::nullopt,
-                    const KeptMap* kept = nullptr);
+                    const KeptMap* kept = nullptr, bool goes_on = false);
   // Before the first frame: begins a new local map where the frames' time goes back to before what
   // is resumed.
   void CheckTimeGoesOn(int64_t timestamp_ns);
   void NoteResumed(const TrackingResult& result);
   void NoteNotResumed(const std::string& why);
+  // Without a map store, earlier local maps come back from the spool; null: they don't.
+  std::unique_ptr<FarMaps> MakeFarMaps(bool has_uplink);
+  void KeepForReturn(const LocalMapSession& session) const;
+  void LookForFar(const TrackingResult& result) const;
   void FollowOrders();
   void Follow(const ChangedLimits& limits);
   void Watch(const Features& features);
   // Asks where the frame was that was tracked last, if it is lost or its map is in no place.
-  void AskForPlace(const TrackingResult& result);
+  // `is_placed`: the link says where the map lies.
+  void AskForPlace(const TrackingResult& result, bool is_placed);
   void UseAnswer();
   // Returns whether what the map store found told the robot something.
   bool Use(const PlaceAnswer& answer);
-  void Record(const TrackingResult& result, double tracking_ms);
-  void NoteLocated(bool tracked);
+  void Record(const TrackingResult& result, double tracking_ms, bool is_placed);
+  void RecordPose(const TrackingResult& result) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void EndLocalMap();
   // Goes on in a new local map where the one in use is full and the frame is fit for it.
   void HandOverIfFull(const TrackingResult& result);
+  // Lets go of what others made and is far, before anything of the robot's own goes. Returns false
+  // where that is of no use now.
+  bool ShedOthers(const TrackingResult& result, uint64_t map_bytes);
   HandOverEvidence GatherEvidence() const;
   void HandOver(const HandedFrame& handed);
   void WarnOfLateLink(uint64_t map_bytes);
@@ -93,7 +104,8 @@ class SingleAgent : public Agent {
   std::shared_ptr<LocalMapSession> current_session_;
   SmoothPose smooth_pose_;
   bool warned_of_late_link_ = false;
-  uint64_t max_map_bytes_;       // AgentOptions::max_map_bytes, or what orders said since.
+  uint64_t max_map_bytes_;  // AgentOptions::max_map_bytes, or what orders said since.
+  ShareShedder shedder_;
   bool mapping_paused_ = false;  // By the orders for the newest frame.
   // While the camera is sought in a local map that an earlier process began.
   struct Resuming {
@@ -122,6 +134,7 @@ class SingleAgent : public Agent {
   PlaceInquiry inquiry_;
   // The link reads the sessions' maps, so that it is destroyed before them.
   std::unique_ptr<StoreLink> link_;
+  const std::unique_ptr<FarMaps> far_;  // Uses the link.
   std::jthread freeing_;
 };
 

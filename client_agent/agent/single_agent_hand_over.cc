@@ -22,6 +22,7 @@ HandOverEvidence SingleAgent::GatherEvidence() const {
 
 void SingleAgent::HandOverIfFull(const TrackingResult& result) {
   if (max_map_bytes_ == 0) return;
+  if (ShedOthers(result, current().map_bytes())) return;
   const HandOverLimits limits = {.max_map_bytes = max_map_bytes_};
   const HandOverEvidence evidence = GatherEvidence();
   const HandOverVerdict verdict = JudgeHandOver(limits, evidence, result);
@@ -34,9 +35,28 @@ void SingleAgent::HandOverIfFull(const TrackingResult& result) {
   HandOver(*handed);
 }
 
+bool SingleAgent::ShedOthers(const TrackingResult& result, uint64_t map_bytes) {
+  // What comes back from the spool is bounded as it is.
+  if (far_ != nullptr || options_.share.mode != ShareMode::kNearby) return false;
+  if (result.state != TrackingState::kTracking) return false;
+  SheddingEvidence evidence;
+  evidence.map_bytes = map_bytes;
+  evidence.own_keyframes = static_cast<size_t>(current().map().own_items().keyframes);
+  evidence.foreign_keyframes = link_->shared_keyframes();
+  evidence.centre = CameraCentre(result.camera_from_local);
+  evidence.timestamp_ns = result.timestamp_ns;
+  const std::optional<double> radius_m = shedder_.Judge(evidence);
+  if (!radius_m.has_value()) return shedder_.IsUnderWay(result.timestamp_ns);
+  LOG(INFO) << "others' " << evidence.foreign_keyframes
+            << " keyframes take most of the local map's " << (map_bytes >> 20)
+            << " MiB: those farther than " << *radius_m << " m go";
+  link_->AskAnew(*radius_m);
+  return true;
+}
+
 void SingleAgent::HandOver(const HandedFrame& handed) {
   EndLocalMap();
-  OpenLocalMap(GlobalFromLocal());
+  OpenLocalMap(GlobalFromLocal(), /*kept=*/nullptr, /*goes_on=*/true);
   warned_of_late_link_ = false;
   // The queue of a new local map has room.
   CHECK(current().tracker().TakeOver(handed));

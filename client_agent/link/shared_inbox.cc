@@ -29,15 +29,23 @@ SharedInbox::SharedInbox(LocalMapId local_map, MapJobs& jobs, Uplink& uplink,
     : local_map_(local_map), jobs_(jobs), uplink_(uplink), limits_(limits), shared_(local_map) {}
 
 void SharedInbox::Add(ArrivedUpdate update) {
+  std::vector<ArrivedUpdate> updates;
+  updates.push_back(std::move(update));
+  AddAll(std::move(updates));
+}
+
+void SharedInbox::AddAll(std::vector<ArrivedUpdate> updates) {
   {
     absl::MutexLock lock(&mutex_);
-    if (closed_) return;
-    bytes_ += ApproximateBytes(update.update);
-    updates_.push_back(std::move(update));
-    // A job that was posted before takes this update with it. The job is posted under the lock, so
-    // that none is posted after Close.
-    if (updates_.size() == 1) {
+    if (closed_ || updates.empty()) return;
+    // A job that was posted before takes these updates with it. The job is posted under the lock,
+    // so that none is posted after Close.
+    if (updates_.empty()) {
       jobs_.PostJob([self = shared_from_this()](GuardedMap& map) { self->PlaceArrived(map); });
+    }
+    for (ArrivedUpdate& update : updates) {
+      bytes_ += ApproximateBytes(update.update);
+      updates_.push_back(std::move(update));
     }
     if (!IsFull()) return;
   }

@@ -39,6 +39,8 @@ class SharedInbox : public std::enable_shared_from_this<SharedInbox> {
 
   // Takes in one update, and has the mapping thread place it soon.
   void Add(ArrivedUpdate update);
+  // Takes in several, which are placed together.
+  void AddAll(std::vector<ArrivedUpdate> updates);
   // Notes that the local map has ended: nothing is placed any more, and nothing keeps the session
   // from reading.
   void Close();

@@ -82,6 +82,7 @@ void StoreLink::BeginLocalMap(GuardedMap& map, MapJobs& jobs, const KeptMap* kep
     reopen_ |= !recordings_.empty();
     inbox_.swap(inbox);
     share_watch_ = ShareWatch();
+    anew_ = ShareAnew();
     recorder->SetPointsFollow(store_moves_points_);
     recording->closed = options_.localise_only || !queue_.Begin(map.local_map());
     needs_new_local_map_ = recording->closed && !options_.localise_only;
@@ -167,6 +168,7 @@ void StoreLink::Start() {
 void StoreLink::Step() {
   if (uplink_ == nullptr) return;
   ConnectIfDue();
+  PlaceAnew();
   TakeBatches(/*all=*/true);
   LetGoOfClosed();
   if (WritesAll()) SpillDue(/*now=*/true);
@@ -227,6 +229,7 @@ bool StoreLink::IsDone() const {
 void StoreLink::Run() {
   while (WaitForWork()) {
     ConnectIfDue();
+    PlaceAnew();
     TakeBatches(/*all=*/false);
     LetGoOfClosed();
     if (WritesAll()) SpillDue(/*now=*/false);
@@ -573,6 +576,7 @@ void StoreLink::OnShared(SharedUpdate update) {
   ArrivedUpdate arrived = Prepare(std::move(update));
   std::shared_ptr<SharedInbox> inbox;
   std::optional<LinkEvent> event;
+  std::vector<ArrivedUpdate> ready;
   {
     absl::MutexLock lock(&mutex_);
     // The rest of the updates for a map that has ended will be told again for the one that goes on.
@@ -581,9 +585,41 @@ void StoreLink::OnShared(SharedUpdate update) {
     ++shared_updates_;
     inbox = inbox_;
     event = share_watch_.Add(arrived.update);
+    if (anew_.is_waiting()) {
+      ready = anew_.Add(std::move(arrived), options_.clock());
+    } else {
+      ready.push_back(std::move(arrived));
+    }
   }
-  inbox->Add(std::move(arrived));
+  inbox->AddAll(std::move(ready));
   if (event.has_value()) Tell(*event, inbox->local_map());
+}
+
+void StoreLink::AskAnew(double radius_m) {
+  const size_t held = shared_keyframes();
+  absl::MutexLock lock(&mutex_);
+  if (session_ != Session::kOpen || reopen_ || anew_.is_waiting()) return;
+  share_.radius_m = radius_m;
+  anew_.Begin(held);
+  reopen_ = true;
+  wake_ = true;
+}
+
+void StoreLink::PlaceAnew() {
+  std::vector<ArrivedUpdate> ready;
+  std::shared_ptr<SharedInbox> inbox;
+  {
+    absl::MutexLock lock(&mutex_);
+    ready = anew_.TakeDue(options_.clock());
+    inbox = inbox_;
+  }
+  if (inbox != nullptr) inbox->AddAll(std::move(ready));
+}
+
+void StoreLink::Share(LocalMapId for_local_map, SharedUpdate update) {
+  ArrivedUpdate arrived = Prepare(std::move(update));
+  const std::shared_ptr<SharedInbox> inbox = CurrentInbox();
+  if (inbox != nullptr && inbox->local_map() == for_local_map) inbox->Add(std::move(arrived));
 }
 
 void StoreLink::Tell(LinkEvent event, LocalMapId local_map) const {

@@ -18,6 +18,7 @@
 #include "client_agent/link/localised_outbox.h"
 #include "client_agent/link/map_jobs.h"
 #include "client_agent/link/no_uplink.h"
+#include "client_agent/link/share_anew.h"
 #include "client_agent/link/share_watch.h"
 #include "client_agent/link/shared_inbox.h"
 #include "client_agent/map/guarded_map.h"
@@ -108,6 +109,15 @@ class StoreLink : private UplinkListener {
   void OnCorrected(LocalMapId local_map, const OwnCorrection& correction, GuardedMap& map);
   void AddTrackedFrame(const TrackedFrame& frame);
   void AddLostFrame(int64_t timestamp_ns);
+  // Takes what the robot itself brings back of its earlier local maps, as if the store had shared
+  // it; nothing where another local map is in use by now. Computes words, as OnShared does.
+  void Share(LocalMapId for_local_map, SharedUpdate update);
+  // Asks the store to tell anew what others made within `radius_m` of the robot. When that is here,
+  // all else that others made goes; until then the robot has what it had. Does nothing while no
+  // session stands, or while it waits for that.
+  void AskAnew(double radius_m);
+  // Does what UploadQueue::ReadLocalMap does, for a local map that Reads says is told.
+  absl::StatusOr<KeptMap> ReadTold(LocalMapId local_map) { return queue_.ReadLocalMap(local_map); }
   // Takes where a frame was of a robot that localises only, for which the two above do nothing.
   void AddLocalised(const LocalisedFrame& frame);
 
@@ -162,6 +172,8 @@ class StoreLink : private UplinkListener {
   bool WaitForWork();
   void NoteCapabilities(const Capabilities& store) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void ConnectIfDue();
+  // Takes over what was told anew, if it has been waited for long enough.
+  void PlaceAnew();
   // Gives the recorders the frames that tracking has added.
   void DeliverFrames() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void TakeBatches(bool all);
@@ -212,6 +224,8 @@ class StoreLink : private UplinkListener {
   mutable absl::Mutex mutex_;
   std::vector<std::unique_ptr<Recording>> recordings_ ABSL_GUARDED_BY(mutex_);
   std::shared_ptr<SharedInbox> inbox_ ABSL_GUARDED_BY(mutex_);
+  ShareAnew anew_ ABSL_GUARDED_BY(mutex_);
+  ShareScope share_ ABSL_GUARDED_BY(mutex_);        // What is asked for now.
   ShareWatch share_watch_ ABSL_GUARDED_BY(mutex_);  // Of the local map in use.
   enum class Session { kNone, kOpening, kOpen, kRefused };
   Session session_ ABSL_GUARDED_BY(mutex_) = Session::kNone;

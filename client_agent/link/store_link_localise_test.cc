@@ -7,6 +7,7 @@
 #include "client_agent/link/store_link.h"
 #include "client_agent/link/testing/fake_map_jobs.h"
 #include "client_agent/link/testing/fake_uplink.h"
+#include "client_agent/link/testing/test_payload.h"
 #include "gtest/gtest.h"
 
 namespace corbslam::client_agent {
@@ -121,6 +122,68 @@ TEST_F(StoreLinkLocaliseTest, OthersKeyframesArePlacedWhereTheStoreSaysThatTheFr
   ASSERT_TRUE(link->GlobalFromLocal().has_value());
   EXPECT_TRUE(link->GlobalFromLocal()->ToRigid().translation.isZero(0));
   EXPECT_FALSE(link->NeedsNewLocalMap());
+}
+
+// What others made within some place of the global frame, which is the robot's own.
+SharedUpdate Others(uint32_t first, uint32_t count) {
+  SharedUpdate update;
+  update.revision = first + 1;
+  update.global_from_local = Similarity3d::Identity();
+  for (uint32_t i = first; i < first + count; ++i) {
+    SharedKeyframe keyframe;
+    keyframe.payload = testing::MakeTestPayload({{9}, i}, 0);
+    update.keyframes.push_back(std::move(keyframe));
+  }
+  return update;
+}
+
+TEST_F(StoreLinkLocaliseTest, WhatIsFarGoesWhenEnoughOfWhatIsNearIsHere) {
+  const auto link = MakeLink();
+  const auto held = [&] {
+    jobs_.Run(map_);
+    return map_.Read([](const Map& map) { return map.keyframes().size(); });
+  };
+  link->Step();
+  uplink_.Share(Others(0, 100));
+  EXPECT_EQ(held(), 100u);
+  link->AskAnew(20);
+  link->Step();
+  ASSERT_EQ(uplink_.requests.size(), 2u);
+  EXPECT_EQ(uplink_.requests[1].last_revision, 0u) << "the store is to tell all again";
+  EXPECT_EQ(uplink_.requests[1].share.radius_m, 20);
+  uplink_.Share(Others(100, ShareAnew::kEnough - 1));
+  EXPECT_EQ(held(), 100u) << "tracking goes on in what it had";
+  uplink_.Share(Others(200, 1));
+  EXPECT_EQ(held(), ShareAnew::kEnough);
+  uplink_.Share(Others(201, 5));
+  EXPECT_EQ(held(), ShareAnew::kEnough + 5) << "the rest comes as ever";
+}
+
+TEST_F(StoreLinkLocaliseTest, WhereLittleIsNearItIsNotWaitedForLong) {
+  const auto link = MakeLink();
+  link->Step();
+  uplink_.Share(Others(0, 100));
+  jobs_.Run(map_);
+  link->AskAnew(20);
+  link->Step();
+  uplink_.Share(Others(100, 2));
+  now_ += ShareAnew::kMaxWait;
+  link->Step();
+  jobs_.Run(map_);
+  EXPECT_EQ(link->shared_keyframes(), 2u);
+}
+
+TEST_F(StoreLinkLocaliseTest, WithoutASessionTheRobotKeepsWhatItHas) {
+  const auto link = MakeLink();
+  link->Step();
+  uplink_.Share(Others(0, 100));
+  jobs_.Run(map_);
+  uplink_.reachable = false;
+  uplink_.Break(absl::UnavailableError("cut"));
+  link->AskAnew(20);
+  link->Step();
+  jobs_.Run(map_);
+  EXPECT_EQ(link->shared_keyframes(), 100u);
 }
 
 }  // namespace

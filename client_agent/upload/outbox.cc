@@ -86,6 +86,14 @@ std::vector<SpooledBatch> Outbox::Kept(LocalMapId local_map) const {
   return it == local_maps_.end() ? std::vector<SpooledBatch>() : it->second.kept;
 }
 
+std::vector<Outbox::Entry> Outbox::EntriesOf(LocalMapId local_map) const {
+  std::vector<Entry> entries;
+  for (const Entry& entry : entries_) {
+    if (entry.local_map == local_map) entries.push_back(entry);
+  }
+  return entries;
+}
+
 void Outbox::ReplaceKept(LocalMapId local_map, const std::vector<SpooledBatch>& whole) {
   const auto it = local_maps_.find(local_map);
   if (it == local_maps_.end() || whole.empty() || !it->second.keeps) {

@@ -99,6 +99,8 @@ class Outbox {
   void MarkUnwritten(uint64_t order);
   // Returns the acknowledged batches of a local map that stay in the spool, in order.
   std::vector<SpooledBatch> Kept(LocalMapId local_map) const;
+  // Returns those of it that are not acknowledged, in order.
+  std::vector<Entry> EntriesOf(LocalMapId local_map) const;
   // Has `whole` stand for those up to its number.
   void ReplaceKept(LocalMapId local_map, const std::vector<SpooledBatch>& whole);
   // Returns the places in the spool that came to be needed no more since the last call.

@@ -19,6 +19,7 @@
 #include "client_agent/spool/spool.h"
 #include "client_agent/upload/held_back.h"
 #include "client_agent/upload/held_items.h"
+#include "client_agent/upload/kept_map.h"
 #include "client_agent/upload/outbox.h"
 #include "slam/exchange/map_update.h"
 #include "slam/exchange/uplink.h"
@@ -109,6 +110,9 @@ class UploadQueue {
   UploadStatus status() const;
 
   void MarkUnsent();
+  // Makes a local map of all its batches, which neither the store nor anybody else has taken yet.
+  // May wait for the disk, and may be called beside all else. Errors are ReadKeptMap's.
+  absl::StatusOr<KeptMap> ReadLocalMap(LocalMapId local_map);
 
   // Writes what is to be written to the spool, moves the oldest batches there while there are more
   // in memory than allowed, and gives back room. An error is in the status.

@@ -2,6 +2,7 @@
 #include <glog/logging.h>
 
 #include <chrono>
+#include <map>
 #include <utility>
 
 #include "client_agent/upload/kept_map_reading.h"
@@ -21,6 +22,30 @@ absl::StatusOr<std::vector<MapUpdateBatch>> MakeWhole(LocalMapId local_map,
 }
 
 }  // namespace
+
+absl::StatusOr<KeptMap> UploadQueue::ReadLocalMap(LocalMapId local_map) {
+  std::vector<SpooledBatch> records;
+  std::map<uint64_t, std::shared_ptr<const MapUpdateBatch>> in_memory;
+  {
+    absl::MutexLock lock(&mutex_);
+    records = outbox_.Kept(local_map);
+    for (const Outbox::Entry& entry : outbox_.EntriesOf(local_map)) {
+      SpooledBatch record;
+      record.record.local_map = local_map;
+      record.record.number = entry.number;
+      if (entry.batch != nullptr) in_memory[entry.number] = entry.batch;
+      records.push_back(entry.spooled.value_or(record));
+    }
+  }
+  return ReadKeptMap(local_map, records,
+                     [&](const SpooledBatch& spooled) -> absl::StatusOr<MapUpdateBatch> {
+                       const auto batch = in_memory.find(spooled.record.number);
+                       if (batch != in_memory.end() && spooled.record.kind == Kind::kBatch) {
+                         return *batch->second;
+                       }
+                       return spool_->Read(spooled);
+                     });
+}
 
 void UploadQueue::BeginWhole() {
   MakingWhole making;

@@ -15,7 +15,8 @@ std::string MiB(uint64_t bytes) { return absl::StrCat(bytes >> 20, " MiB"); }
 void AddMemoryFlags(CLI::App& app, MemoryFlags& flags) {
   app.add_option("--memory-budget", flags.budget_bytes,
                  "Memory of the process, as 500MB, beyond which far parts of the map leave it for "
-                 "the map store, and come back when they are near, or for --spool; 0: no bound")
+                 "the map store (without one for --spool) and come back when they are near; 0: no "
+                 "bound")
       ->transform(CLI::AsSizeValue(/*kb_is_1000=*/false))
       ->capture_default_str()
       ->group(kRareGroup);
@@ -45,9 +46,9 @@ absl::Status CheckMemoryFlags(const MemoryFlags& flags, const ShareFlags& share,
   return absl::OkStatus();
 }
 
-uint64_t MaxMapBytes(const MemoryFlags& flags, uint64_t outbox_bytes) {
+uint64_t MaxMapBytes(const MemoryFlags& flags, uint64_t outbox_bytes, bool has_server) {
   if (flags.budget_bytes == 0) return 0;
-  return (flags.budget_bytes - kRobotItself_bytes - outbox_bytes) / 3 * 2;
+  return (flags.budget_bytes - kRobotItself_bytes - outbox_bytes) / 3 * (has_server ? 2 : 1);
 }
 
 }  // namespace corbslam::services

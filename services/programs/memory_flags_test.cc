@@ -59,6 +59,8 @@ TEST(MemoryFlagsTest, TheMapHasWhatTheRestLeaves) {
   const uint64_t map = MaxMapBytes(parsed.memory, kOutbox);
   EXPECT_GT(map, 150 * kMiB);
   EXPECT_LT(map + kRobotItself_bytes + kOutbox, 500 * kMiB);
+  EXPECT_LT(MaxMapBytes(parsed.memory, kOutbox, /*has_server=*/false), map)
+      << "what comes back is read by the robot itself";
   EXPECT_GT(MaxMapBytes(parsed.memory, 0), map) << "what the outbox does not take is the map's";
 }
 

@@ -137,9 +137,7 @@ absl::Status CheckLocaliseOnly(const Flags& flags) {
     return absl::InvalidArgumentError(
         "--spool (--spool-dir) keeps what a robot maps, and with --localise-only it maps nothing");
   }
-  if (flags.memory.budget_bytes == 0) return absl::OkStatus();
-  return absl::InvalidArgumentError(
-      "--memory-budget bounds what a robot maps, and with --localise-only it maps nothing");
+  return absl::OkStatus();
 }
 
 absl::StatusOr<FeatureSelection> ParseUpload(const Flags& flags) {
@@ -177,7 +175,8 @@ AgentOptions MakeAgentOptions(const Flags& flags, const FeatureSelection& upload
   options.share = ScopeOf(ShareOf(flags));
   options.localise_only = flags.localise_only;
   ApplySpoolFlags(flags.spool, options);
-  options.max_map_bytes = MaxMapBytes(flags.memory, options.max_outbox_bytes);
+  options.max_map_bytes = MaxMapBytes(flags.memory, options.max_outbox_bytes,
+                                      /*has_server=*/!flags.server.empty());
   // The trajectory is asked for at the end, or by other programs at any time.
   options.keep_trajectory = !flags.trajectory.empty() || !flags.listen.empty();
   options.events = std::make_shared<client_agent::AgentEvents>();

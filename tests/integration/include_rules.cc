@@ -63,6 +63,7 @@ const std::map<absl::string_view, Heights>& Ladders() {
            {"shared", 1},
            {"spool", 0},
            {"upload", 1},
+           {"far", 2},
            {"link", 2},
            {"source_checks", 1},
            {"live", 1},

@@ -22,6 +22,9 @@ void AddMap(const AgentStatus& status, Families& families) {
   families.Counter("corbslam_robot_local_maps_total", "Local maps begun.", status.local_maps);
   families.Counter("corbslam_robot_hand_overs_total",
                    "Local maps begun because the one before was full.", status.hand_overs);
+  families.Counter("corbslam_robot_brought_back_keyframes_total",
+                   "Keyframes that came back from the spool after they had left memory.",
+                   Number(status.far.brought_back));
   families.Gauge("corbslam_robot_map_bytes",
                  "About what the local map in use takes in memory, with what others made in it.",
                  Number(status.map_bytes));

@@ -40,6 +40,9 @@ RobotReport MakeRobotReport(const Agent& agent) {
   report.lost = status.lost;
   report.local_maps = status.local_maps;
   report.hand_overs = status.hand_overs;
+  report.brought_back = status.far.brought_back;
+  report.far_recognised = status.far.recognised;
+  report.far_unreadable = status.far.unreadable;
   report.resumed_after_s = status.resumed_after_s;
   report.why_not_resumed = status.why_not_resumed;
   report.map_mb = static_cast<double>(status.map_bytes) / (1 << 20);

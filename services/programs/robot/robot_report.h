@@ -71,6 +71,11 @@ struct RobotReport {
   double pictures_s = 0;  // Seconds that its camera took for `frames`.
   int local_maps = 0;
   int hand_overs = 0;
+  // Without a map store: keyframes that came back after they had left memory, as often as they did;
+  // places recognised for that; local maps that could not be read.
+  uint64_t brought_back = 0;
+  uint64_t far_recognised = 0;
+  uint64_t far_unreadable = 0;
   // Seconds of frames after which the local map of an earlier process went on.
   std::optional<double> resumed_after_s;
   std::string why_not_resumed;  // Empty: it was, or there was none.

@@ -29,6 +29,9 @@ void VisitFields(Report& report, Visitor& visit) {
   visit("/pictures_s", report.pictures_s);
   visit("/local_maps", report.local_maps);
   visit("/hand_overs", report.hand_overs);
+  visit("/far/brought_back", report.brought_back);
+  visit("/far/recognised", report.far_recognised);
+  visit("/far/unreadable", report.far_unreadable);
   visit("/resumed_after_s", report.resumed_after_s);
   visit("/why_not_resumed", report.why_not_resumed);
   visit("/map_mb", report.map_mb);

@@ -27,6 +27,9 @@ RobotReport MakeWholeReport() {
   report.pictures_s = 10.625;
   report.local_maps = 107;
   report.hand_overs = 135;
+  report.brought_back = 137;
+  report.far_recognised = 138;
+  report.far_unreadable = 139;
   report.resumed_after_s = 0.144;
   report.why_not_resumed = "another camera";
   report.map_mb = 136.5;
