@@ -1,12 +1,13 @@
 // Measures whether the covariances of poses are as large as their errors: plays simulated drives
-// and compares the motion between two frames with the truth. With the points of the map held fixed
-// the errors of two frames are independent, and the squared error of the motion in units of its
-// covariance is distributed as chi2 with six degrees of freedom (Bar-Shalom et al., "Estimation
-// with Applications to Tracking and Navigation", 2001, section 5.4: the normalised estimation error
-// squared).
-//   pose_consistency VOCABULARY SOURCE...
+// and compares the motion between two frames with the truth. The covariance of the
+// motion is the sum of both poses' and of what the drift grew by between (docs/pose.md). Where it
+// is right, the squared error in units of it is distributed as chi2 with six degrees of freedom
+// (Bar-Shalom et al., "Estimation with Applications to Tracking and Navigation", 2001, section 5.4:
+// the normalised estimation error squared).
+//   pose_consistency [--at-least PERCENT] VOCABULARY SOURCE...
 // SOURCE is sim:WORLD?OPTION=VALUE&... with the options of the world, the way and the robot.
-// Prints a row for each source and gap, as JSON.
+// Prints a row for each source and gap, as JSON. Returns 1 where fewer than PERCENT of a row's
+// errors are within the 95 % bound.
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
@@ -15,9 +16,12 @@
 #include <utility>
 #include <vector>
 
+#include "absl/strings/numbers.h"
+#include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
 #include "absl/strings/strip.h"
 #include "client_agent/agent/agent.h"
+#include "client_agent/agent/pose_drift.h"
 #include "slam/evaluation/trajectory.h"
 #include "slam/geometry/lie.h"
 #include "slam/simulation/sequence/simulated_sequence.h"
@@ -39,13 +43,14 @@ struct Posed {
   TrackingResult result;
 };
 
-// A pose's covariance as a perturbation of camera_from_local on the left: what InMapAxes undoes.
-Matrix6d InCameraAxes(const TrackingResult& result) {
+// A covariance in the map's axes as one of a perturbation of camera_from_local on the left: what
+// InMapAxes undoes.
+Matrix6d InCameraAxes(const TrackingResult& result, const Matrix6d& covariance) {
   const Eigen::Matrix3d turn = result.camera_from_local.rotation.toRotationMatrix();
   Matrix6d J = Matrix6d::Zero();
   J.topLeftCorner<3, 3>() = -turn;
   J.bottomRightCorner<3, 3>() = -turn;
-  return J * *result.covariance * J.transpose();
+  return J * covariance * J.transpose();
 }
 
 Matrix6d Adjoint(const Rigid3d& motion) {
@@ -63,18 +68,22 @@ double NormalisedError(const SimulatedSequence& sequence, const Posed& a, const 
   const Rigid3d truth =
       sequence.world_from_camera(b.frame).Inverse() * sequence.world_from_camera(a.frame);
   const Matrix6d adjoint = Adjoint(estimated);
+  const Matrix6d drift = DriftBetween(a.result, b.result);
   const Matrix6d covariance =
-      InCameraAxes(b.result) + adjoint * InCameraAxes(a.result) * adjoint.transpose();
+      InCameraAxes(b.result, *b.result.covariance + drift) +
+      adjoint * InCameraAxes(a.result, *a.result.covariance) * adjoint.transpose();
   const Vector6d error = LogSE3(truth * estimated.Inverse());
   return error.dot(covariance.ldlt().solve(error));
 }
 
 bool IsUsable(const TrackingResult& result) {
-  return result.state == TrackingState::kTracking && result.covariance.has_value();
+  return result.state == TrackingState::kTracking && result.covariance.has_value() &&
+         result.drift.has_value();
 }
 
-void PrintRow(const std::string& source, size_t gap, std::vector<double> errors) {
-  if (errors.empty()) return;
+// Returns how many per cent are within the 95 % bound.
+double PrintRow(const std::string& source, size_t gap, std::vector<double> errors) {
+  if (errors.empty()) return 0;
   double sum = 0;
   int within = 0;
   constexpr double kBound95 = 12.592;  // Of chi2 with six degrees of freedom.
@@ -88,6 +97,7 @@ void PrintRow(const std::string& source, size_t gap, std::vector<double> errors)
       "\"median_nees\": %.2f, \"within_95_percent\": %.1f}\n",
       source.c_str(), gap, errors.size(), sum / count, MeanMedian(errors), 100 * within / count);
   std::fflush(stdout);
+  return 100 * within / count;
 }
 
 absl::StatusOr<std::vector<Posed>> Drive(const SimulatedSequence& sequence,
@@ -124,7 +134,8 @@ absl::StatusOr<SimulationSpec> ParseSimulation(const std::string& source) {
   return spec;
 }
 
-absl::Status Measure(const std::string& source, std::shared_ptr<const Vocabulary> vocabulary) {
+absl::Status Measure(const std::string& source, double at_least,
+                     std::shared_ptr<const Vocabulary> vocabulary) {
   ASSIGN_OR_RETURN(const SimulationSpec spec, ParseSimulation(source));
   ASSIGN_OR_RETURN(const auto sequence, SimulatedSequence::Make(spec));
   ASSIGN_OR_RETURN(const std::vector<Posed> posed, Drive(*sequence, std::move(vocabulary)));
@@ -136,7 +147,12 @@ absl::Status Measure(const std::string& source, std::shared_ptr<const Vocabulary
       if (b.frame - a.frame != gap || a.result.epoch != b.result.epoch) continue;
       errors.push_back(NormalisedError(*sequence, a, b));
     }
-    PrintRow(source, gap, std::move(errors));
+    const double within = PrintRow(source, gap, std::move(errors));
+    if (within < at_least) {
+      return absl::OutOfRangeError(absl::StrCat(within, " % of the motions over ", gap,
+                                                " frames are within their 95 % bounds, fewer than ",
+                                                at_least, " %: the covariances say too little"));
+    }
   }
   return absl::OkStatus();
 }
@@ -145,17 +161,23 @@ absl::Status Measure(const std::string& source, std::shared_ptr<const Vocabulary
 }  // namespace corbslam::tests
 
 int main(int argc, char** argv) {
-  if (argc < 3) {
-    std::fprintf(stderr, "usage: pose_consistency VOCABULARY SOURCE...\n");
+  double at_least = 0;
+  int first = 1;
+  if (argc > 2 && std::string(argv[1]) == "--at-least") {
+    if (!absl::SimpleAtod(argv[2], &at_least)) argc = 0;
+    first = 3;
+  }
+  if (argc < first + 2) {
+    std::fprintf(stderr, "usage: pose_consistency [--at-least PERCENT] VOCABULARY SOURCE...\n");
     return 2;
   }
-  auto vocabulary = corbslam::Vocabulary::Load(argv[1]);
+  auto vocabulary = corbslam::Vocabulary::Load(argv[first]);
   if (!vocabulary.ok()) {
     std::fprintf(stderr, "%s\n", vocabulary.status().ToString().c_str());
     return 1;
   }
-  for (int i = 2; i < argc; ++i) {
-    const absl::Status status = corbslam::tests::Measure(argv[i], *vocabulary);
+  for (int i = first + 1; i < argc; ++i) {
+    const absl::Status status = corbslam::tests::Measure(argv[i], at_least, *vocabulary);
     if (status.ok()) continue;
     std::fprintf(stderr, "%s: %s\n", argv[i], status.ToString().c_str());
     return 1;
