@@ -4,10 +4,11 @@
 // is right, the squared error in units of it is distributed as chi2 with six degrees of freedom
 // (Bar-Shalom et al., "Estimation with Applications to Tracking and Navigation", 2001, section 5.4:
 // the normalised estimation error squared).
-//   pose_consistency [--at-least PERCENT] VOCABULARY SOURCE...
+//   pose_consistency [--at-least PERCENT] [--frames COUNT] VOCABULARY SOURCE...
 // SOURCE is sim:WORLD?OPTION=VALUE&... with the options of the world, the way and the robot.
 // Prints a row for each source and gap, as JSON. Returns 1 where fewer than PERCENT of a row's
 // errors are within the 95 % bound.
+#include <CLI/CLI.hpp>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
@@ -16,7 +17,6 @@
 #include <utility>
 #include <vector>
 
-#include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
 #include "absl/strings/strip.h"
@@ -37,6 +37,11 @@ using client_agent::TrackingResult;
 using client_agent::TrackingState;
 
 namespace {
+
+struct Options {
+  double at_least_percent = 0;
+  size_t frames = 1'000'000;
+};
 
 struct Posed {
   size_t frame;
@@ -100,7 +105,7 @@ double PrintRow(const std::string& source, size_t gap, std::vector<double> error
   return 100 * within / count;
 }
 
-absl::StatusOr<std::vector<Posed>> Drive(const SimulatedSequence& sequence,
+absl::StatusOr<std::vector<Posed>> Drive(const SimulatedSequence& sequence, size_t frames,
                                          std::shared_ptr<const Vocabulary> vocabulary) {
   AgentOptions options;
   options.deterministic = true;
@@ -109,7 +114,7 @@ absl::StatusOr<std::vector<Posed>> Drive(const SimulatedSequence& sequence,
   ASSIGN_OR_RETURN(const auto agent,
                    Agent::Create(options, sequence.calibration(), vocabulary, nullptr));
   std::vector<Posed> posed;
-  for (size_t frame = 0; frame < sequence.frame_count(); ++frame) {
+  for (size_t frame = 0; frame < std::min(frames, sequence.frame_count()); ++frame) {
     ASSIGN_OR_RETURN(const SensorImages images, sequence.Render(frame));
     ASSIGN_OR_RETURN(const TrackingResult result, agent->Track(images));
     if (IsUsable(result)) posed.push_back({frame, result});
@@ -134,11 +139,12 @@ absl::StatusOr<SimulationSpec> ParseSimulation(const std::string& source) {
   return spec;
 }
 
-absl::Status Measure(const std::string& source, double at_least,
+absl::Status Measure(const std::string& source, const Options& options,
                      std::shared_ptr<const Vocabulary> vocabulary) {
   ASSIGN_OR_RETURN(const SimulationSpec spec, ParseSimulation(source));
   ASSIGN_OR_RETURN(const auto sequence, SimulatedSequence::Make(spec));
-  ASSIGN_OR_RETURN(const std::vector<Posed> posed, Drive(*sequence, std::move(vocabulary)));
+  ASSIGN_OR_RETURN(const std::vector<Posed> posed,
+                   Drive(*sequence, options.frames, std::move(vocabulary)));
   for (const size_t gap : std::vector<size_t>{1, 3, 10}) {
     std::vector<double> errors;
     for (size_t i = gap; i < posed.size(); ++i) {
@@ -148,10 +154,11 @@ absl::Status Measure(const std::string& source, double at_least,
       errors.push_back(NormalisedError(*sequence, a, b));
     }
     const double within = PrintRow(source, gap, std::move(errors));
-    if (within < at_least) {
+    if (within < options.at_least_percent) {
       return absl::OutOfRangeError(absl::StrCat(within, " % of the motions over ", gap,
                                                 " frames are within their 95 % bounds, fewer than ",
-                                                at_least, " %: the covariances say too little"));
+                                                options.at_least_percent,
+                                                " %: the covariances say too little"));
     }
   }
   return absl::OkStatus();
@@ -161,25 +168,27 @@ absl::Status Measure(const std::string& source, double at_least,
 }  // namespace corbslam::tests
 
 int main(int argc, char** argv) {
-  double at_least = 0;
-  int first = 1;
-  if (argc > 2 && std::string(argv[1]) == "--at-least") {
-    if (!absl::SimpleAtod(argv[2], &at_least)) argc = 0;
-    first = 3;
-  }
-  if (argc < first + 2) {
-    std::fprintf(stderr, "usage: pose_consistency [--at-least PERCENT] VOCABULARY SOURCE...\n");
-    return 2;
-  }
-  auto vocabulary = corbslam::Vocabulary::Load(argv[first]);
+  CLI::App app("Measures whether the covariances of poses are as large as their errors.");
+  corbslam::tests::Options options;
+  std::string vocabulary_file;
+  std::vector<std::string> sources;
+  app.add_option("--at-least", options.at_least_percent,
+                 "fail where fewer errors of a row are within the 95 % bound, percent")
+      ->check(CLI::Range(0.0, 100.0));
+  app.add_option("--frames", options.frames, "play no more of each drive")
+      ->check(CLI::PositiveNumber);
+  app.add_option("vocabulary", vocabulary_file)->required();
+  app.add_option("sources", sources, "sim:WORLD?OPTION=VALUE&...")->required();
+  CLI11_PARSE(app, argc, argv);
+  auto vocabulary = corbslam::Vocabulary::Load(vocabulary_file);
   if (!vocabulary.ok()) {
     std::fprintf(stderr, "%s\n", vocabulary.status().ToString().c_str());
     return 1;
   }
-  for (int i = first + 1; i < argc; ++i) {
-    const absl::Status status = corbslam::tests::Measure(argv[i], at_least, *vocabulary);
+  for (const std::string& source : sources) {
+    const absl::Status status = corbslam::tests::Measure(source, options, *vocabulary);
     if (status.ok()) continue;
-    std::fprintf(stderr, "%s: %s\n", argv[i], status.ToString().c_str());
+    std::fprintf(stderr, "%s: %s\n", source.c_str(), status.ToString().c_str());
     return 1;
   }
   return 0;
