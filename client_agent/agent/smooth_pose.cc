@@ -13,7 +13,13 @@ constexpr double kFullShare = 0.3;
 void SmoothPose::Add(TrackingResult& result) {
   const bool has_pose = result.state == TrackingState::kTracking;
   if (has_pose) {
-    if (Jumps(result)) ++epoch_;
+    if (Jumps(result)) {
+      ++epoch_;
+      drift_.Begin(result);
+    } else {
+      drift_.GoOn(result);
+    }
+    result.drift = drift_.drift();
     if (!odom_from_camera_.has_value()) {
       odom_from_camera_ = result.camera_from_local.Inverse();
     } else if (result.motion.has_value() && result.local_map == local_map_) {

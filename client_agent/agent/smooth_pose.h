@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "client_agent/agent/pose_drift.h"
 #include "client_agent/tracking/tracking_result.h"
 #include "slam/geometry/rigid3.h"
 #include "slam/util/ids.h"
@@ -15,10 +16,10 @@ namespace corbslam::client_agent {
 // until something jumps. Not thread-safe.
 class SmoothPose {
  public:
-  // Sets epoch and odom_from_camera of the next frame's result. The epoch is the number of the
-  // jumps so far, from 1 on; odom_from_camera is nullopt before the first pose. Where the camera is
-  // found again, a known motion since the last pose is added as one step; in another local map
-  // nobody knows it, and the camera is taken not to have moved.
+  // Sets epoch, drift and odom_from_camera of the next frame's result. The epoch is the number of
+  // the jumps so far, from 1 on; odom_from_camera is nullopt before the first pose. Where the
+  // camera is found again, a known motion since the last pose is added as one step; in another
+  // local map nobody knows it, and the camera is taken not to have moved.
   void Add(TrackingResult& result);
 
   // Notes that the camera goes on in another local map at the pose that it has, which is no jump.
@@ -33,6 +34,7 @@ class SmoothPose {
 
   uint64_t epoch_ = 0;
   std::optional<Rigid3d> odom_from_camera_;
+  PoseDrift drift_;
   bool had_pose_ = false;
   LocalMapId local_map_;
   uint64_t corrections_ = 0;

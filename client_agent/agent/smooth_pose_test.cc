@@ -95,6 +95,20 @@ TEST_F(SmoothPoseTest, AHandOverIsNoJump) {
   EXPECT_EQ(epoch_, 3u) << "a correction of the new local map";
 }
 
+TEST_F(SmoothPoseTest, AJumpBeginsTheDriftAnew) {
+  const auto drift_at = [&](TrackingResult result) {
+    result.covariance = Matrix6d::Identity();
+    smooth_.Add(result);
+    return result.drift.value_or(-Matrix6d::Identity())(0, 0);
+  };
+  EXPECT_EQ(drift_at(Tracked(0, 0)), 0);
+  EXPECT_NEAR(drift_at(Tracked(1, 1)), 1, 1e-9);
+  EXPECT_NEAR(drift_at(Tracked(2, 1)), 2, 1e-9);
+  EXPECT_EQ(drift_at(Tracked(11, 1, kFirst, 1)), 0);
+  smooth_.GoOnIn(kSecond);
+  EXPECT_NEAR(drift_at(Tracked(12, 1, kSecond)), 1, 1e-9) << "a hand-over is no jump";
+}
+
 TEST(PoseQualityTest, GrowsWithPointsAndTheirShare) {
   TrackingResult result = Tracked(0, 0);
   EXPECT_EQ(PoseQuality(result), 0);

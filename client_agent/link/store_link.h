@@ -244,7 +244,6 @@ class StoreLink : private UplinkListener {
   // Whether the last session's store moves points with their keyframes.
   bool store_moves_points_ ABSL_GUARDED_BY(mutex_) = true;
   bool reopen_ ABSL_GUARDED_BY(mutex_) = false;
-  ShareScope share_ ABSL_GUARDED_BY(mutex_);  // What is asked for now.
   HeldBackWatch held_back_ ABSL_GUARDED_BY(mutex_);
   // Under a budget, counts whose turn it is among the local maps that are told.
   size_t turn_ ABSL_GUARDED_BY(mutex_) = 0;

@@ -57,6 +57,9 @@ struct TrackingResult {
   bool made_keyframe = false;
   // What SmoothPose adds, whether there is a pose or not.
   uint64_t epoch = 0;
+  // The covariance of what the map near the camera has drifted since the epoch began (PoseDrift),
+  // in the map's axes; nullopt where nobody knows.
+  std::optional<Matrix6d> drift;
   std::optional<Rigid3d> odom_from_camera;
 };
 

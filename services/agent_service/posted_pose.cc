@@ -13,13 +13,15 @@ using client_agent::WhyNoPose;
 
 namespace {
 
-void WriteCovariance(const TrackingResult& result, const Rigid3d& camera_from_wanted,
-                     v1::WatchPoseResponse& response) {
-  if (!result.covariance.has_value()) return;
+// Writes the covariance of the wanted frame, from the camera's; nothing for none.
+void WriteCovariance(const TrackingResult& result, const std::optional<Matrix6d>& of_camera,
+                     const Rigid3d& camera_from_wanted,
+                     google::protobuf::RepeatedField<double>& written) {
+  if (!of_camera.has_value()) return;
   const Matrix6d covariance =
-      OfAttachedFrame(result.camera_from_local.Inverse(), camera_from_wanted, *result.covariance);
+      OfAttachedFrame(result.camera_from_local.Inverse(), camera_from_wanted, *of_camera);
   for (int row = 0; row < 6; ++row) {
-    for (int column = 0; column < 6; ++column) response.add_covariance(covariance(row, column));
+    for (int column = 0; column < 6; ++column) written.Add(covariance(row, column));
   }
 }
 
@@ -45,7 +47,8 @@ void WritePose(const PostedPose& posted, const Rigid3d& camera_from_wanted,
   response.set_quality(client_agent::PoseQuality(result));
   response.set_points_matched(static_cast<uint32_t>(result.points_matched));
   response.set_points_in_view(static_cast<uint32_t>(result.points_in_view));
-  WriteCovariance(result, camera_from_wanted, response);
+  WriteCovariance(result, result.covariance, camera_from_wanted, *response.mutable_covariance());
+  WriteCovariance(result, result.drift, camera_from_wanted, *response.mutable_drift());
   WriteVelocity(posted, camera_from_wanted, response);
 }
 

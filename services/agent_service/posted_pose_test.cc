@@ -27,6 +27,7 @@ TrackingResult Tracked() {
   result.odom_from_camera = Rigid3d{Eigen::Quaterniond::Identity(), {0, 0, 1.5}};
   result.motion = CameraMotion{{Eigen::Quaterniond::Identity(), {0, 0, -0.1}}, 100'000'000};
   result.covariance = Matrix6d(1e-4 * Matrix6d::Identity());
+  result.drift = Matrix6d(1e-2 * Matrix6d::Identity());
   result.points_matched = 300;
   result.points_in_view = 900;
   result.epoch = 3;
@@ -47,6 +48,8 @@ TEST(PostedPoseTest, SaysHowSureItIsAndHowItMoves) {
   EXPECT_THAT(pose.covariance(), SizeIs(36));
   EXPECT_DOUBLE_EQ(pose.covariance(0), 1e-4);
   EXPECT_DOUBLE_EQ(pose.covariance(1), 0);
+  ASSERT_THAT(pose.drift(), SizeIs(36));
+  EXPECT_DOUBLE_EQ(pose.drift(0), 1e-2);
   EXPECT_DOUBLE_EQ(pose.quality(), 0.75);
   EXPECT_EQ(pose.points_matched(), 300u);
   EXPECT_EQ(pose.points_in_view(), 900u);
@@ -73,6 +76,7 @@ TEST(PostedPoseTest, APoseOfTheBodyHasTheBodysErrorsAndVelocity) {
   EXPECT_NEAR(pose.velocity(4), 1, 1e-9);
   EXPECT_NEAR(pose.covariance(0), 1e-4 + 4 * 1e-4, 1e-12);
   EXPECT_NEAR(pose.covariance(14), 1e-4, 1e-12);
+  EXPECT_NEAR(pose.drift(0), 5e-2, 1e-12);
   EXPECT_NEAR(pose.map_from_odom().translation(2), 0.5, 1e-12) << "whatever rides on the robot";
 }
 
@@ -83,6 +87,7 @@ TEST(PostedPoseTest, LostItClaimsNothing) {
   EXPECT_FALSE(pose.has_map_from_odom());
   EXPECT_TRUE(pose.has_odom_from_camera()) << "the smooth pose stays";
   EXPECT_THAT(pose.covariance(), IsEmpty());
+  EXPECT_THAT(pose.drift(), IsEmpty());
   EXPECT_THAT(pose.velocity(), IsEmpty());
   EXPECT_EQ(pose.quality(), 0);
 }
