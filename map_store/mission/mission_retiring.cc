@@ -23,7 +23,10 @@ bool MissionRetiring::RunOne() {
   Retirement retirement;
   const absl::StatusOr<Look> look = TakeNext();
   if (look.ok()) {
-    retirement = PlanRetirement(look->view, strand_.options());
+    StayCounts stays;
+    retirement = PlanRetirement(look->view, strand_.options(), &stays);
+    VLOG(1) << "mission " << strand_.name() << ": of " << look->view.candidates.size()
+            << " keyframes stay " << ToString(stays);
     done = Commit(*look, retirement);
   }
   turn_.Unlock();

@@ -5,7 +5,6 @@
 
 #include "absl/container/flat_hash_set.h"
 #include "map_store/retiring/fading.h"
-#include "map_store/retiring/keyframe_choice.h"
 #include "map_store/retiring/landmark_sights.h"
 
 namespace corbslam::map_store {
@@ -83,7 +82,8 @@ std::vector<Retirement> CutIntoParts(const Retirement& retirement) {
   return parts;
 }
 
-Retirement PlanRetirement(const RetiringView& view, const MapStoreOptions& options) {
+Retirement PlanRetirement(const RetiringView& view, const MapStoreOptions& options,
+                          StayCounts* stays) {
   Retirement retirement;
   const SightsOfLandmarks sights = FindSights(view, {});
   const std::vector<MapPointId> vanished = FindFaded(view, sights, {});
@@ -94,7 +94,7 @@ Retirement PlanRetirement(const RetiringView& view, const MapStoreOptions& optio
   ChoiceOptions choice;
   choice.seen_share = options.retire_share;
   const absl::flat_hash_set<MapPointId> faded(vanished.begin(), vanished.end());
-  retirement.keyframes = ChooseKeyframes(view, sights, faded, choice);
+  retirement.keyframes = ChooseKeyframes(view, sights, faded, choice, stays);
   return retirement;
 }
 

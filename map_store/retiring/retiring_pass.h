@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "map_store/options.h"
+#include "map_store/retiring/keyframe_choice.h"
 #include "map_store/retiring/retirement.h"
 #include "map_store/retiring/retiring_view.h"
 
@@ -46,8 +47,9 @@ class RetiringPasses {
   std::map<LocalMapId, Progress> progress_;
 };
 
-// Decides what retires of a view. Pure.
-Retirement PlanRetirement(const RetiringView& view, const MapStoreOptions& options);
+// Decides what retires of a view, and counts in `stays`, if given, why the rest stays. Pure.
+Retirement PlanRetirement(const RetiringView& view, const MapStoreOptions& options,
+                          StayCounts* stays = nullptr);
 
 // Cuts a retirement into parts that each take some milliseconds to apply. What stays in one of them
 // stays in all, so that any first ones may be applied without the others.
