@@ -17,6 +17,11 @@ bool MissionRetiring::IsDue() const {
   return !strand_.deleted() && passes_.IsDue(strand_.state());
 }
 
+void MissionRetiring::NoteAllDone() {
+  StateWriteLock lock(strand_);
+  passes_.NoteAllDone(strand_.mutable_state());
+}
+
 bool MissionRetiring::RunOne() {
   if (!IsDue() || !fusion_.IsIdle() || !turn_.TryLock()) return false;
   bool done = false;

@@ -9,7 +9,7 @@ namespace {
 
 // Grows with each change of the fields below: a summary of another format is not used, and the
 // mission is read instead.
-constexpr uint32_t kSummaryFormat = 1;
+constexpr uint32_t kSummaryFormat = 2;
 
 }  // namespace
 
@@ -33,7 +33,7 @@ void Fields(Archive& archive, T& load) {
 
 template <typename Archive, MayBeConst<MissionSummary> T>
 void Fields(Archive& archive, T& summary) {
-  archive(summary.info, summary.load, summary.work_left);
+  archive(summary.info, summary.load, summary.work_left, summary.retired);
 }
 
 std::string EncodeSummary(const MissionSummary& summary) {

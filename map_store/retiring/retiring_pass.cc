@@ -21,6 +21,11 @@ size_t CountClosed(const MissionState& state, const Island& island) {
       island.local_maps, [&state](LocalMapId id) { return state.FindLocalMap(id)->closed; }));
 }
 
+// One session alone needs all that it has.
+bool MayRetire(const MissionState& state, const Island& island) {
+  return island.fused && island.local_maps.size() >= 2 && CountClosed(state, island) >= 2;
+}
+
 RetiringStretch MakeStretch(const LocalMapState& local_map, const Island& island, size_t begin) {
   RetiringStretch stretch{local_map.id, island.id, {}, begin};
   for (; stretch.end < local_map.arrived.size(); ++stretch.end) {
@@ -45,7 +50,7 @@ std::optional<size_t> RetiringPasses::BeginOf(const LocalMapState& local_map,
 
 std::optional<RetiringStretch> RetiringPasses::Next(const MissionState& state) const {
   for (const auto& [id, island] : state.global.islands) {
-    if (!island.fused || island.local_maps.size() < 2 || CountClosed(state, island) < 2) continue;
+    if (!MayRetire(state, island)) continue;
     for (const LocalMapId& member : island.local_maps) {
       const LocalMapState& local_map = *state.FindLocalMap(member);
       const std::optional<size_t> begin = BeginOf(local_map, island);
@@ -57,7 +62,7 @@ std::optional<RetiringStretch> RetiringPasses::Next(const MissionState& state) c
 
 bool RetiringPasses::IsDue(const MissionState& state) const {
   for (const auto& [id, island] : state.global.islands) {
-    if (!island.fused || island.local_maps.size() < 2 || CountClosed(state, island) < 2) continue;
+    if (!MayRetire(state, island)) continue;
     for (const LocalMapId& member : island.local_maps) {
       if (BeginOf(*state.FindLocalMap(member), island).has_value()) return true;
     }
@@ -67,6 +72,16 @@ bool RetiringPasses::IsDue(const MissionState& state) const {
 
 void RetiringPasses::NoteDone(const RetiringStretch& stretch) {
   progress_[stretch.local_map] = {stretch.island, stretch.end};
+}
+
+void RetiringPasses::NoteAllDone(const MissionState& state) {
+  for (const auto& [id, island] : state.global.islands) {
+    if (!MayRetire(state, island)) continue;
+    for (const LocalMapId& member : island.local_maps) {
+      const LocalMapState& local_map = *state.FindLocalMap(member);
+      if (local_map.closed) progress_[member] = {id, local_map.arrived.size()};
+    }
+  }
 }
 
 std::vector<Retirement> CutIntoParts(const Retirement& retirement) {

@@ -25,8 +25,8 @@ struct RetiringStretch {
 
 // Names stretches of local maps that are closed and in an island with another closed one, each
 // once for each island that the local map comes into: what came before is looked at again where it
-// lies around the stretch. Not stored: after a restart everything is looked at once more. A value;
-// not thread-safe.
+// lies around the stretch. Not stored: after a restart everything is looked at once more, unless
+// the mission slept when nothing was due. A value; not thread-safe.
 class RetiringPasses {
  public:
   // Returns the next stretch; nullopt if there is none. It costs a look at each local map.
@@ -34,6 +34,8 @@ class RetiringPasses {
   bool IsDue(const MissionState& state) const;
   // The caller says that the stretch was looked at.
   void NoteDone(const RetiringStretch& stretch);
+  // The caller says that nothing was due of this very state when it was put away.
+  void NoteAllDone(const MissionState& state);
 
  private:
   struct Progress {
