@@ -19,7 +19,7 @@ bool MissionRetiring::IsDue() const {
 
 void MissionRetiring::NoteAllDone() {
   StateWriteLock lock(strand_);
-  passes_.NoteAllDone(strand_.mutable_state());
+  passes_.NoteAllDone(strand_.state());
 }
 
 bool MissionRetiring::RunOne() {
