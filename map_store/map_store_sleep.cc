@@ -72,6 +72,7 @@ absl::StatusOr<std::shared_ptr<Mission>> MapStore::LoadSleeper(const std::string
     return recovered;
   }
   mission->events().GoOnFrom(sleeper.events);
+  if (sleeper.summary.retired) mission->retiring().NoteAllDone();
   ++woken_;
   waking_ns_ += absl::ToInt64Nanoseconds(absl::Now() - begin);
   Wake();

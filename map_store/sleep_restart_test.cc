@@ -118,5 +118,48 @@ TEST_F(SleepRestartTest, WorkForFusionHasTheMissionRead) {
   EXPECT_EQ(store_->GetMission(kMission)->islands, 1u);
 }
 
+// Two joined sessions, of which all has retired that may.
+class RetiredMissionTest : public SleepRestartTest {
+ protected:
+  RetiredMissionTest() {
+    options_.retire = true;
+    worker_ = &truthful_;
+    Open();
+    TestAgent a(*store_, kMission, "a", map_a_);
+    TestAgent b(*store_, kMission, "b", map_b_);
+    EXPECT_TRUE(a.Stream().ok() && b.Stream().ok());
+    EXPECT_TRUE(a.Close().ok() && b.Close().ok());
+    store_->CloseSession(a.session());
+    store_->CloseSession(b.session());
+    EXPECT_TRUE(store_->RunFusionUntilIdle(kMission).ok());
+  }
+  // Reads the mission if it sleeps.
+  bool IsIdleAwake() {
+    EXPECT_TRUE(
+        store_->GetLocalMap(kMission, map_a_.map.keyframes().begin()->first.local_map).ok());
+    EXPECT_FALSE(IsAsleep());
+    return *store_->IsFusionIdle(kMission);
+  }
+};
+
+TEST_F(RetiredMissionTest, WakesWithNothingToLookAt) {
+  ASSERT_TRUE(IsIdleAwake());
+  ASSERT_TRUE(store_->SleepMission(kMission).ok());
+  EXPECT_TRUE(IsIdleAwake());
+  EXPECT_EQ(OpenAgain(), 0);
+  EXPECT_TRUE(IsIdleAwake()) << "the summary says it after a restart, too";
+}
+
+TEST_F(RetiredMissionTest, IsLookedAtWhereAStoreKeptEverythingBefore) {
+  options_.retire = false;
+  Open();
+  ASSERT_TRUE(IsIdleAwake());
+  options_.retire = true;
+  OpenAgain();
+  EXPECT_FALSE(IsIdleAwake());
+  ASSERT_TRUE(store_->RunFusionUntilIdle(kMission).ok());
+  EXPECT_TRUE(IsIdleAwake());
+}
+
 }  // namespace
 }  // namespace corbslam::map_store

@@ -100,7 +100,10 @@ bool Mission::Retire(uint64_t changes) {
 }
 
 MissionSummary Mission::Summarise() const {
-  return {.info = Info(), .load = Load(), .work_left = fusion_.HasWork()};
+  return {.info = Info(),
+          .load = Load(),
+          .work_left = fusion_.HasWork(),
+          .retired = retiring_.IsDone()};
 }
 
 void Mission::Delete() {

@@ -17,13 +17,21 @@ bool MissionRetiring::IsDue() const {
   return !strand_.deleted() && passes_.IsDue(strand_.state());
 }
 
+void MissionRetiring::NoteAllDone() {
+  StateWriteLock lock(strand_);
+  passes_.NoteAllDone(strand_.state());
+}
+
 bool MissionRetiring::RunOne() {
   if (!IsDue() || !fusion_.IsIdle() || !turn_.TryLock()) return false;
   bool done = false;
   Retirement retirement;
   const absl::StatusOr<Look> look = TakeNext();
   if (look.ok()) {
-    retirement = PlanRetirement(look->view, strand_.options());
+    StayCounts stays;
+    retirement = PlanRetirement(look->view, strand_.options(), &stays);
+    VLOG(1) << "mission " << strand_.name() << ": of " << look->view.candidates.size()
+            << " keyframes stay " << ToString(stays);
     done = Commit(*look, retirement);
   }
   turn_.Unlock();

@@ -29,6 +29,10 @@ class MissionRetiring {
   bool RunOne();
   // Returns whether something is still to be looked at.
   bool IsDue() const;
+  // Returns whether everything was looked at: not where nothing retires, or there is no worker.
+  bool IsDone() const { return IsWanted() && !IsDue(); }
+  // The caller says that it was when the mission fell asleep, and that its state is as it was then.
+  void NoteAllDone();
 
  private:
   struct Look {

@@ -34,7 +34,7 @@ void Fields(Archive& archive, T& load) {
 
 template <typename Archive, MayBeConst<MissionSummary> T>
 void Fields(Archive& archive, T& summary) {
-  archive(summary.info, summary.load, summary.work_left);
+  archive(summary.info, summary.load, summary.work_left, summary.retired);
 }
 
 std::string EncodeSummary(const MissionSummary& summary) {

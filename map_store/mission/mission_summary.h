@@ -18,6 +18,8 @@ struct MissionSummary {
   MissionLoad load;
   // Whether fusion would have something to do, had it a worker.
   bool work_left = false;
+  // Whether all that may retire had: when the mission wakes, only what comes then is looked at.
+  bool retired = false;
 };
 
 // Returns the bytes of all that is the mission's own; they begin with the number of their format.

@@ -26,6 +26,7 @@ MissionSummary MakeMissionSummary() {
   summary.load.waiting = {.verify = 1, .fuse = 2, .adjust = 3};
   summary.load.longest_write_s = 0.25;
   summary.work_left = true;
+  summary.retired = true;
   return summary;
 }
 
@@ -41,6 +42,7 @@ TEST(MissionSummaryTest, ComesBackAsItWas) {
   EXPECT_EQ(read->load.waiting.adjust, 3u);
   EXPECT_EQ(read->load.longest_write_s, 0.25);
   EXPECT_TRUE(read->work_left);
+  EXPECT_TRUE(read->retired);
 }
 
 TEST(MissionSummaryTest, AnotherFormatAndCutBytesAreRefused) {

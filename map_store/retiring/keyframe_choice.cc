@@ -6,7 +6,9 @@
 #include <optional>
 #include <set>
 #include <tuple>
+#include <utility>
 
+#include "absl/strings/str_cat.h"
 #include "map_store/retiring/local_map_links.h"
 
 namespace corbslam::map_store {
@@ -20,14 +22,19 @@ class Choice {
  public:
   Choice(const RetiringView& view, const SightsOfLandmarks& sights,
          const absl::flat_hash_set<MapPointId>& faded, const ChoiceOptions& options)
-      : view_(view), sights_(sights), faded_(faded), options_(options), links_(view.overlaps) {}
+      : view_(view),
+        sights_(sights),
+        faded_(faded),
+        options_(options),
+        company_(FindCompany(view, options.company)),
+        links_(view.overlaps) {}
 
   std::vector<RetiredKeyframe> Run() {
-    for (const KeyframeId& id : Order()) {
-      if (!MayGo(id)) continue;
-      going_.push_back(id);
-      gone_.insert(id);
-      links_.Cut(id);
+    for (const KeyframeId& id : OrderByAge()) {
+      if (Judge(id) == Verdict::kGoes) LetGo(id);
+    }
+    for (const KeyframeId& id : OrderByShare()) {
+      if (Judge(id) == Verdict::kGoes) LetGo(id);
     }
     std::vector<RetiredKeyframe> retired;
     for (const KeyframeId& id : going_) {
@@ -36,20 +43,71 @@ class Choice {
     return retired;
   }
 
+  StayCounts CountStays() const {
+    StayCounts counts;
+    for (const KeyframeId& id : view_.candidates) {
+      if (gone_.contains(id) || view_.map.FindKeyframe(id) == nullptr) continue;
+      const Verdict verdict = view_.parents.contains(id) ? Judge(id) : Verdict::kRoot;
+      counts.roots += verdict == Verdict::kRoot;
+      counts.newest += verdict == Verdict::kNewest;
+      counts.links += verdict == Verdict::kLinks;
+      counts.homeless += verdict == Verdict::kHomeless;
+      counts.unseen += verdict == Verdict::kUnseen;
+      counts.unplaced += verdict == Verdict::kUnplaced || verdict == Verdict::kGoes;
+    }
+    return counts;
+  }
+
  private:
-  std::vector<KeyframeId> Order() const {
-    std::vector<std::tuple<bool, size_t, double, KeyframeId>> ranked;
+  enum class Verdict { kGoes, kRoot, kNewest, kLinks, kHomeless, kUnseen, kUnplaced };
+
+  struct Rank {
+    bool holds = false;
+    size_t session = 0;
+    double share = 0;
+    KeyframeId id;
+  };
+
+  void LetGo(KeyframeId id) {
+    going_.push_back(id);
+    gone_.insert(id);
+    links_.Cut(id);
+  }
+
+  std::vector<Rank> RankAll() const {
+    std::vector<Rank> ranks;
     for (const KeyframeId& id : view_.candidates) {
       const Keyframe* keyframe = view_.map.FindKeyframe(id);
-      if (keyframe == nullptr || !view_.parents.contains(id)) continue;
-      ranked.emplace_back(links_.Holds(id), view_.closed.at(id.local_map).order,
-                          -SeenShare(*keyframe), id);
+      if (keyframe == nullptr || !view_.parents.contains(id) || gone_.contains(id)) continue;
+      ranks.push_back(
+          {links_.Holds(id), view_.closed.at(id.local_map).order, SeenShare(*keyframe), id});
     }
-    std::sort(ranked.begin(), ranked.end());
+    return ranks;
+  }
+
+  template <typename Key>
+  static std::vector<KeyframeId> Sorted(std::vector<Rank> ranks, const Key& key) {
+    std::sort(ranks.begin(), ranks.end(),
+              [&key](const Rank& a, const Rank& b) { return key(a) < key(b); });
     std::vector<KeyframeId> order;
-    order.reserve(ranked.size());
-    for (const auto& [holds, session, share, id] : ranked) order.push_back(id);
+    order.reserve(ranks.size());
+    for (const Rank& rank : ranks) order.push_back(rank.id);
     return order;
+  }
+
+  std::vector<KeyframeId> OrderByAge() const {
+    return Sorted(RankAll(), [](const Rank& rank) {
+      return std::tuple(rank.holds, rank.session, -rank.share, rank.id);
+    });
+  }
+
+  // Of those that stand in company.
+  std::vector<KeyframeId> OrderByShare() const {
+    std::vector<Rank> ranks = RankAll();
+    std::erase_if(ranks, [this](const Rank& rank) { return !IsInCompany(rank.id); });
+    return Sorted(std::move(ranks), [](const Rank& rank) {
+      return std::tuple(rank.holds, -rank.share, rank.session, rank.id);
+    });
   }
 
   struct Worth {
@@ -58,14 +116,33 @@ class Choice {
     int homeless = 0;  // Without it.
   };
 
-  bool MayGo(KeyframeId id) const {
-    const Worth worth = WorthOf(*view_.map.FindKeyframe(id));
-    const bool is_redundant = worth.landmarks > 0 &&
-                              worth.seen >= options_.seen_share * worth.landmarks &&
-                              worth.homeless <= options_.max_homeless_share * worth.landmarks;
-    if (!is_redundant || links_.IsNeeded(id)) return false;
+  Verdict Judge(KeyframeId id) const {
     const std::map<KeyframeId, int> shared = CountShared(id);
-    return IsSeenLater(id, shared) && FindStandIn(id, shared).IsValid();
+    if (!IsSeenLater(id, shared)) return Verdict::kNewest;
+    if (links_.IsNeeded(id)) return Verdict::kLinks;
+    const bool in_company = IsInCompany(id);
+    const Worth worth = WorthOf(*view_.map.FindKeyframe(id));
+    const double max_homeless =
+        in_company ? options_.max_homeless_share_in_company : options_.max_homeless_share;
+    if (worth.homeless > max_homeless * worth.landmarks) return Verdict::kHomeless;
+    const bool is_seen = worth.landmarks > 0 && worth.seen >= options_.seen_share * worth.landmarks;
+    if (!is_seen && !in_company) return Verdict::kUnseen;
+    return FindStandIn(id, shared).IsValid() ? Verdict::kGoes : Verdict::kUnplaced;
+  }
+
+  // Returns the keyframes that stay and look at its place.
+  std::vector<KeyframeId> CompanyOf(KeyframeId id) const {
+    const auto it = company_.find(id);
+    if (it == company_.end()) return {};
+    std::vector<KeyframeId> company = it->second;
+    std::erase_if(company, [this](KeyframeId other) { return gone_.contains(other); });
+    return company;
+  }
+
+  bool IsInCompany(KeyframeId id) const {
+    std::set<LocalMapId> looks;
+    for (const KeyframeId& other : CompanyOf(id)) looks.insert(other.local_map);
+    return looks.size() >= options_.max_looks;
   }
 
   // Returns the share of the landmarks that it observes of which enough others see.
@@ -80,7 +157,7 @@ class Choice {
       const LandmarkSights* sights = Find(keyframe.points[i]);
       if (sights == nullptr) continue;
       ++worth.landmarks;
-      Judge(keyframe.points[i], *sights, keyframe.id(), keyframe.keypoints()[i].octave, worth);
+      Weigh(keyframe.points[i], *sights, keyframe.id(), keyframe.keypoints()[i].octave, worth);
     }
     return worth;
   }
@@ -91,7 +168,7 @@ class Choice {
     return it == sights_.end() ? nullptr : &it->second;
   }
 
-  void Judge(MapPointId landmark, const LandmarkSights& sights, KeyframeId by, int octave,
+  void Weigh(MapPointId landmark, const LandmarkSights& sights, KeyframeId by, int octave,
              Worth& worth) const {
     int others = 0;
     bool observed = false;
@@ -130,13 +207,15 @@ class Choice {
     return shared;
   }
 
-  // Returns whether a later local map sees the place.
+  // Returns whether a later local map sees the place, in whatever light.
   bool IsSeenLater(KeyframeId id, const std::map<KeyframeId, int>& shared) const {
-    const size_t session = view_.closed.at(id.local_map).order;
-    return std::ranges::any_of(shared, [&](const auto& other) {
-      return other.second >= options_.min_shared &&
-             view_.closed.at(other.first.local_map).order > session;
-    });
+    const auto is_later = [this, id](KeyframeId other) {
+      return view_.closed.at(other.local_map).order > view_.closed.at(id.local_map).order;
+    };
+    return std::ranges::any_of(CompanyOf(id), is_later) ||
+           std::ranges::any_of(shared, [&](const auto& other) {
+             return other.second >= options_.min_shared && is_later(other.first);
+           });
   }
 
   // Returns the keyframe that stays and sees most of what this one observes; of those that see as
@@ -184,6 +263,7 @@ class Choice {
   const SightsOfLandmarks& sights_;
   const absl::flat_hash_set<MapPointId>& faded_;
   const ChoiceOptions& options_;
+  const Company company_;
   LocalMapLinks links_;
   std::vector<KeyframeId> going_;
   absl::flat_hash_set<KeyframeId> gone_;
@@ -194,8 +274,17 @@ class Choice {
 std::vector<RetiredKeyframe> ChooseKeyframes(const RetiringView& view,
                                              const SightsOfLandmarks& sights,
                                              const absl::flat_hash_set<MapPointId>& faded,
-                                             const ChoiceOptions& options) {
-  return Choice(view, sights, faded, options).Run();
+                                             const ChoiceOptions& options, StayCounts* stays) {
+  Choice choice(view, sights, faded, options);
+  std::vector<RetiredKeyframe> retired = choice.Run();
+  if (stays != nullptr) *stays = choice.CountStays();
+  return retired;
+}
+
+std::string ToString(const StayCounts& counts) {
+  return absl::StrCat(counts.roots, " roots, ", counts.newest, " newest, ", counts.links,
+                      " that join local maps, ", counts.homeless, " with points of their own, ",
+                      counts.unseen, " unseen, ", counts.unplaced, " without stand-in");
 }
 
 }  // namespace corbslam::map_store

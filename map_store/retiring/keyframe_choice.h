@@ -2,9 +2,12 @@
 #ifndef CORBSLAM_MAP_STORE_RETIRING_KEYFRAME_CHOICE_H_
 #define CORBSLAM_MAP_STORE_RETIRING_KEYFRAME_CHOICE_H_
 
+#include <cstddef>
+#include <string>
 #include <vector>
 
 #include "absl/container/flat_hash_set.h"
+#include "map_store/retiring/company.h"
 #include "map_store/retiring/landmark_sights.h"
 #include "map_store/retiring/retirement.h"
 #include "map_store/retiring/retiring_view.h"
@@ -23,17 +26,38 @@ struct ChoiceOptions {
   // What stands in for a keyframe shares at least so many landmarks with it: the covisibility that
   // makes keyframes neighbours.
   int min_shared = 15;
+  // Where keyframes of so many other local maps look at the same place, a keyframe may go whatever
+  // of it they see, by day and by night: so many looks a place has. Those of which the others see
+  // most go first, so that looks that differ are left.
+  size_t max_looks = 3;
+  // Such a keyframe may take more landmarks with it.
+  double max_homeless_share_in_company = 0.3;
+  CompanyOptions company;
 };
+
+// Why candidates stay: how many for each reason, the first that holds.
+struct StayCounts {
+  size_t roots = 0;     // First keyframes of their local maps.
+  size_t newest = 0;    // Nothing later looks at the place.
+  size_t links = 0;     // Their overlap alone joins local maps.
+  size_t homeless = 0;  // Others would lose too many landmarks.
+  size_t unseen = 0;    // Too few others see what they see, and the place has looks to spare.
+  size_t unplaced = 0;  // Nothing that stays could stand in.
+};
+
+std::string ToString(const StayCounts& counts);
 
 // Returns the keyframes in the order in which they go, each judged by those that are left at its
 // turn: those that hold no overlap before those that do, those of earlier local maps before later
 // ones, those of which most is seen first. What the last local map that sees a place has of it
 // stays, and so do a local map's root, keyframes whose overlap alone joins local maps, and those
-// that nothing stands in for. `faded` landmarks don't count. Pure.
+// that nothing stands in for. Then those go that stand in company, those of which most is seen
+// first. `faded` landmarks don't count. Counts in `stays`, if given, what stays. Pure.
 std::vector<RetiredKeyframe> ChooseKeyframes(const RetiringView& view,
                                              const SightsOfLandmarks& sights,
                                              const absl::flat_hash_set<MapPointId>& faded,
-                                             const ChoiceOptions& options);
+                                             const ChoiceOptions& options,
+                                             StayCounts* stays = nullptr);
 
 }  // namespace corbslam::map_store
 

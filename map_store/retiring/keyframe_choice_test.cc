@@ -149,6 +149,66 @@ TEST_F(KeyframeChoiceTest, AViewFromAloneStays) {
   EXPECT_TRUE(Choose(view, all).empty());
 }
 
+// Five sessions over one place that look different to each other: no rule of what is seen lets go.
+class LooksOfAPlaceTest : public KeyframeChoiceTest {
+ protected:
+  LooksOfAPlaceTest() { options_.seen_share = 2; }
+  // Local maps of which keyframes that stay look at the keyframe's place.
+  static size_t CountLooks(const Company& company, KeyframeId id,
+                           const std::set<KeyframeId>& going) {
+    std::set<LocalMapId> looks;
+    const auto it = company.find(id);
+    if (it == company.end()) return 0;
+    for (const KeyframeId& other : it->second) {
+      if (!going.contains(other)) looks.insert(other.local_map);
+    }
+    return looks.size();
+  }
+
+  SyntheticMap fourth_ = Drive(4, 4);
+  SyntheticMap fifth_ = Drive(5, 5);
+  RetiringView view_ = MakeDriveView({&first_, &second_, &third_, &fourth_, &fifth_},
+                                     TheWorld().world, Joined::kMerged);
+  ChoiceOptions options_;
+};
+
+TEST_F(LooksOfAPlaceTest, AreBounded) {
+  const std::vector<RetiredKeyframe> retired = Choose(view_, options_);
+  const auto counts = CountByLocalMap(retired);
+  ASSERT_FALSE(retired.empty());
+  EXPECT_FALSE(counts.contains(LocalMapId{5})) << "the newest look stays";
+  std::set<KeyframeId> going;
+  for (const RetiredKeyframe& one : retired) going.insert(one.id);
+  const Company company = FindCompany(view_, {});
+  for (const KeyframeId& id : view_.candidates) {
+    if (going.contains(id) || id.index == 0 || id.local_map == LocalMapId{5}) continue;
+    EXPECT_LT(CountLooks(company, id, going), options_.max_looks) << ToString(id);
+  }
+  for (const RetiredKeyframe& one : retired) {
+    EXPECT_GE(CountLooks(company, one.id, going), options_.max_looks - 1) << ToString(one.id);
+  }
+}
+
+TEST_F(LooksOfAPlaceTest, StayWhileThereIsRoom) {
+  options_.max_looks = 5;
+  EXPECT_TRUE(Choose(view_, options_).empty());
+}
+
+TEST_F(LooksOfAPlaceTest, ThatOthersDependOnStay) {
+  options_.max_homeless_share_in_company = -1;
+  EXPECT_TRUE(Choose(view_, options_).empty());
+}
+
+TEST_F(LooksOfAPlaceTest, EveryCandidateThatStaysHasAReason) {
+  StayCounts stays;
+  const auto retired = ChooseKeyframes(view_, FindSights(view_, {}), {}, options_, &stays);
+  EXPECT_EQ(stays.roots, 5u);
+  EXPECT_GE(stays.newest, static_cast<size_t>(kKeyframes - 1));
+  EXPECT_EQ(stays.roots + stays.newest + stays.links + stays.homeless + stays.unseen +
+                stays.unplaced + retired.size(),
+            view_.candidates.size());
+}
+
 // Of units that differ nothing stands in for anything.
 TEST_F(KeyframeChoiceTest, StandInsHaveTheSameUnits) {
   RetiringView view = View(Joined::kMerged);

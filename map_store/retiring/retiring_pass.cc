@@ -5,7 +5,6 @@
 
 #include "absl/container/flat_hash_set.h"
 #include "map_store/retiring/fading.h"
-#include "map_store/retiring/keyframe_choice.h"
 #include "map_store/retiring/landmark_sights.h"
 
 namespace corbslam::map_store {
@@ -20,6 +19,11 @@ constexpr size_t kPointsOfPart = 500;
 size_t CountClosed(const MissionState& state, const Island& island) {
   return static_cast<size_t>(std::ranges::count_if(
       island.local_maps, [&state](LocalMapId id) { return state.FindLocalMap(id)->closed; }));
+}
+
+// One session alone needs all that it has.
+bool MayRetire(const MissionState& state, const Island& island) {
+  return island.fused && island.local_maps.size() >= 2 && CountClosed(state, island) >= 2;
 }
 
 RetiringStretch MakeStretch(const LocalMapState& local_map, const Island& island, size_t begin) {
@@ -46,7 +50,7 @@ std::optional<size_t> RetiringPasses::BeginOf(const LocalMapState& local_map,
 
 std::optional<RetiringStretch> RetiringPasses::Next(const MissionState& state) const {
   for (const auto& [id, island] : state.global.islands) {
-    if (!island.fused || island.local_maps.size() < 2 || CountClosed(state, island) < 2) continue;
+    if (!MayRetire(state, island)) continue;
     for (const LocalMapId& member : island.local_maps) {
       const LocalMapState& local_map = *state.FindLocalMap(member);
       const std::optional<size_t> begin = BeginOf(local_map, island);
@@ -58,7 +62,7 @@ std::optional<RetiringStretch> RetiringPasses::Next(const MissionState& state) c
 
 bool RetiringPasses::IsDue(const MissionState& state) const {
   for (const auto& [id, island] : state.global.islands) {
-    if (!island.fused || island.local_maps.size() < 2 || CountClosed(state, island) < 2) continue;
+    if (!MayRetire(state, island)) continue;
     for (const LocalMapId& member : island.local_maps) {
       if (BeginOf(*state.FindLocalMap(member), island).has_value()) return true;
     }
@@ -68,6 +72,16 @@ bool RetiringPasses::IsDue(const MissionState& state) const {
 
 void RetiringPasses::NoteDone(const RetiringStretch& stretch) {
   progress_[stretch.local_map] = {stretch.island, stretch.end};
+}
+
+void RetiringPasses::NoteAllDone(const MissionState& state) {
+  for (const auto& [id, island] : state.global.islands) {
+    if (!MayRetire(state, island)) continue;
+    for (const LocalMapId& member : island.local_maps) {
+      const LocalMapState& local_map = *state.FindLocalMap(member);
+      if (local_map.closed) progress_[member] = {id, local_map.arrived.size()};
+    }
+  }
 }
 
 std::vector<Retirement> CutIntoParts(const Retirement& retirement) {
@@ -83,7 +97,8 @@ std::vector<Retirement> CutIntoParts(const Retirement& retirement) {
   return parts;
 }
 
-Retirement PlanRetirement(const RetiringView& view, const MapStoreOptions& options) {
+Retirement PlanRetirement(const RetiringView& view, const MapStoreOptions& options,
+                          StayCounts* stays) {
   Retirement retirement;
   const SightsOfLandmarks sights = FindSights(view, {});
   const std::vector<MapPointId> vanished = FindFaded(view, sights, {});
@@ -94,7 +109,7 @@ Retirement PlanRetirement(const RetiringView& view, const MapStoreOptions& optio
   ChoiceOptions choice;
   choice.seen_share = options.retire_share;
   const absl::flat_hash_set<MapPointId> faded(vanished.begin(), vanished.end());
-  retirement.keyframes = ChooseKeyframes(view, sights, faded, choice);
+  retirement.keyframes = ChooseKeyframes(view, sights, faded, choice, stays);
   return retirement;
 }
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "map_store/options.h"
+#include "map_store/retiring/keyframe_choice.h"
 #include "map_store/retiring/retirement.h"
 #include "map_store/retiring/retiring_view.h"
 
@@ -24,8 +25,8 @@ struct RetiringStretch {
 
 // Names stretches of local maps that are closed and in an island with another closed one, each
 // once for each island that the local map comes into: what came before is looked at again where it
-// lies around the stretch. Not stored: after a restart everything is looked at once more. A value;
-// not thread-safe.
+// lies around the stretch. Not stored: after a restart everything is looked at once more, unless
+// the mission slept when nothing was due. A value; not thread-safe.
 class RetiringPasses {
  public:
   // Returns the next stretch; nullopt if there is none. It costs a look at each local map.
@@ -33,6 +34,8 @@ class RetiringPasses {
   bool IsDue(const MissionState& state) const;
   // The caller says that the stretch was looked at.
   void NoteDone(const RetiringStretch& stretch);
+  // The caller says that nothing was due of this very state when it was put away.
+  void NoteAllDone(const MissionState& state);
 
  private:
   struct Progress {
@@ -46,8 +49,9 @@ class RetiringPasses {
   std::map<LocalMapId, Progress> progress_;
 };
 
-// Decides what retires of a view. Pure.
-Retirement PlanRetirement(const RetiringView& view, const MapStoreOptions& options);
+// Decides what retires of a view, and counts in `stays`, if given, why the rest stays. Pure.
+Retirement PlanRetirement(const RetiringView& view, const MapStoreOptions& options,
+                          StayCounts* stays = nullptr);
 
 // Cuts a retirement into parts that each take some milliseconds to apply. What stays in one of them
 // stays in all, so that any first ones may be applied without the others.
