@@ -19,7 +19,8 @@ map_store::ForgetRequest FromProto(const std::string& agent,
   return request;
 }
 
-void ToProto(const map_store::ForgottenLocalMaps& forgotten, v1::ForgetLocalMapsResponse* proto) {
+void ForgottenToProto(const map_store::ForgottenLocalMaps& forgotten,
+                      v1::ForgetLocalMapsResponse* proto) {
   for (const LocalMapId& id : forgotten.local_maps) proto->add_local_maps(ToString(id));
   proto->set_parts(forgotten.parts);
   proto->set_keyframes(forgotten.keyframes);
@@ -36,7 +37,7 @@ grpc::ServerUnaryReactor* MapStoreService::ForgetLocalMaps(
     ASSIGN_OR_RETURN(const AgentPath path, ParseAgentName(request->parent(), false));
     ASSIGN_OR_RETURN(const map_store::ForgottenLocalMaps forgotten,
                      store_.ForgetLocalMaps(path.mission, FromProto(path.agent, *request)));
-    ToProto(forgotten, response);
+    ForgottenToProto(forgotten, response);
     LOG(INFO) << LogFields{.mission = path.mission}
               << (request->dry_run() ? "local maps that would be deleted of agent "
                                      : "local maps deleted of agent ")
