@@ -28,7 +28,7 @@ std::string Format(const CheckedMission& mission) {
   return text;
 }
 
-nlohmann::ordered_json ToJson(const CheckedMission& mission) {
+nlohmann::ordered_json CheckedToJson(const CheckedMission& mission) {
   nlohmann::ordered_json json = {
       {"mission", mission.name}, {"damage", nullptr}, {"disk_bytes", mission.disk_bytes}};
   json["notes"] = mission.notes;
@@ -50,7 +50,7 @@ absl::Status CheckFolder(const std::string& directory) {
     ProgressTicker ticker("reads the first mission");
     RETURN_IF_ERROR(map_store::CheckJournal(directory, [&](const CheckedMission& mission) {
       Say(Format(mission));
-      rows.push_back(ToJson(mission));
+      rows.push_back(CheckedToJson(mission));
       ++missions;
       damaged += mission.status.ok() ? 0 : 1;
       ticker.Set(absl::StrCat("read ", missions, missions == 1 ? " mission" : " missions"));
