@@ -344,8 +344,8 @@ TEST_F(MissionArchiveTest, DamageIsFoundWhereverItIs) {
   EXPECT_TRUE(absl::IsDataLoss(Read(file + "x").status()));
   EXPECT_TRUE(absl::IsFailedPrecondition(Read("a picture of a cat").status()));
   std::string newer = file;
-  newer[8] = 10;
-  EXPECT_THAT(std::string(Read(newer).status().message()), HasSubstr("has format 10"));
+  newer[8] = 11;
+  EXPECT_THAT(std::string(Read(newer).status().message()), HasSubstr("has format 11"));
   EXPECT_TRUE(absl::IsResourceExhausted(Read(file, 1000, file.size() - 1).status()));
 }
 

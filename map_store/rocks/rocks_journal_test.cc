@@ -511,7 +511,7 @@ TEST_F(RocksJournalTest, TheFormatBeforeBecomesThisOneSoThatOlderProgramsRefuseI
   guard.reset(raw);
   std::string format;
   ASSERT_TRUE(guard->Get({}, map_store::FormatKey(), &format).ok());
-  EXPECT_EQ(format, std::string("\x0d\0\0\0", 4));
+  EXPECT_EQ(format, std::string("\x0e\0\0\0", 4));
 }
 
 // Makes of a journal what programs of older formats wrote: one database with all missions.
@@ -521,7 +521,7 @@ void MakeShared(const std::string& folder, const std::string& format) {
   const std::unique_ptr<rocksdb::DB> shared(raw);
   std::string before;
   ASSERT_TRUE(shared->Get({}, map_store::FormatKey(), &before).ok());
-  EXPECT_EQ(before, std::string("\x0d\0\0\0", 4));
+  EXPECT_EQ(before, std::string("\x0e\0\0\0", 4));
   ASSERT_TRUE(rocksdb::DB::OpenForReadOnly({}, MissionFolder(folder), &raw).ok());
   const std::unique_ptr<rocksdb::DB> own(raw);
   const std::unique_ptr<rocksdb::Iterator> it(own->NewIterator({}));
@@ -638,11 +638,11 @@ TEST_F(RocksJournalTest, ANewerFormatAndASecondProcessAreRefusedByName) {
   rocksdb::DB* raw = nullptr;
   ASSERT_TRUE(rocksdb::DB::Open({}, options.directory, &raw).ok());
   const std::unique_ptr<rocksdb::DB> closing(raw);
-  ASSERT_TRUE(raw->Put({}, map_store::FormatKey(), std::string("\x0d\0\0\0", 4)).ok());
+  ASSERT_TRUE(raw->Put({}, map_store::FormatKey(), std::string("\x0e\0\0\0", 4)).ok());
   ASSERT_TRUE(raw->Close().ok());
   const auto newer = RocksJournal::Open(options);
   EXPECT_EQ(newer.status().code(), absl::StatusCode::kFailedPrecondition);
-  EXPECT_THAT(std::string(newer.status().message()), HasSubstr("has format 13"));
+  EXPECT_THAT(std::string(newer.status().message()), HasSubstr("has format 14"));
 
   const auto nowhere = RocksJournal::Open({.directory = "/proc/version/journal"});
   EXPECT_EQ(nowhere.status().code(), absl::StatusCode::kFailedPrecondition);
