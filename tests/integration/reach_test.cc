@@ -99,7 +99,7 @@ TEST_P(WrongAddressTest, IsNamedByEveryProgram) {
   EXPECT_EQ(doctor.End(), 1);
   EXPECT_THAT(doctor.Log(), HasSubstr(GetParam().says));
   Program robot("client_agent", Robot(address, "0:9"));
-  EXPECT_EQ(robot.End(), 1);
+  EXPECT_EQ(robot.End(), 2);
   EXPECT_THAT(robot.Log(), AllOf(HasSubstr("--server"), HasSubstr(GetParam().says)));
 }
 

@@ -72,15 +72,15 @@ class RobotSettingsTest : public ::testing::Test {
 };
 
 TEST_F(RobotSettingsTest, ARobotRunsWithWhatItsOwnerSigned) {
-  Set("owner.key", {"--features", "700", "--max-rate", "15"});
+  Set("owner.key", {"--features", "700", "--max-rate", "5"});
   Set("owner.key", {"--agent", "alpha", "--uplink-kbps", "100000"});
   const json stats = Drive({"--settings-key", FileOf("owner.pem"), "--settings-kept",
                             FileOf("kept"), "--features", "800"});
   const std::string taken = stats["settings"]["taken"].dump();
   EXPECT_THAT(taken, AllOf(HasSubstr("# features = 700"), HasSubstr("the flag was given and stays"),
-                           HasSubstr("max-rate = 15"), HasSubstr("uplink-kbps = 100000")));
+                           HasSubstr("max-rate = 5"), HasSubstr("uplink-kbps = 100000")));
   EXPECT_TRUE(stats["settings"]["refused"].empty()) << stats["settings"].dump();
-  // The camera made 30 frames a second.
+  // The camera made 15 frames a second, or more.
   EXPECT_GT(stats["dropped"].get<int>(), 5);
   EXPECT_GT(std::filesystem::file_size(FileOf("kept")), 64u);
 }
