@@ -81,6 +81,8 @@ absl::StatusOr<std::optional<uint64_t>> CheckHeader(SpoolFiles& files, const std
   ASSIGN_OR_RETURN(const std::string header,
                    files.Read(name, 0, kFixedHeaderBytes + kMaxOwnerBytes));
   const size_t magic_bytes = std::min(header.size(), kMagic.size());
+  // After a loss of power a file may have its length and zeros where nothing was synced yet.
+  if (header.find_first_not_of('\0') == std::string::npos) return std::nullopt;
   if (header.substr(0, magic_bytes) != kMagic.substr(0, magic_bytes)) {
     return Foreign(name, "is no spool file");
   }
