@@ -84,9 +84,9 @@ const LocalMapState* MapBefore(const MissionState& state, const LocalMapState& l
 // often does so where it was. Words alone find that place only among others that look like it.
 std::optional<KeyframeId> EndOfMapBefore(const MissionState& state, const QueryTask& task) {
   const LocalMapState& own = *state.FindLocalMap(task.query.local_map);
+  if (own.arrival.at(task.query) >= kFirstKeyframes) return std::nullopt;
   const LocalMapState* before = MapBefore(state, own);
   if (before == nullptr || before->id != task.against) return std::nullopt;
-  if (own.arrival.at(task.query) >= kFirstKeyframes) return std::nullopt;
   for (size_t i = before->settled; i-- > 0;) {
     const KeyframeId id = before->arrived[i];
     if (before->map.FindKeyframe(id) != nullptr) return id;

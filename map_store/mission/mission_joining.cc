@@ -22,7 +22,8 @@ bool MissionJoining::IsDue() const {
 }
 
 bool MissionJoining::RunOne() {
-  if (!IsDue() || !fusion_.IsIdle() || retiring_.IsDue()) return false;
+  // IsDue looks at all local maps after each batch: it comes last.
+  if (!fusion_.IsIdle() || retiring_.IsDue() || !IsDue()) return false;
   {
     absl::MutexLock turn(&strand_.turn());
     // Another thread may have begun to fuse since.

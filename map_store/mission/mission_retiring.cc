@@ -29,7 +29,7 @@ bool MissionRetiring::RunOne() {
   const absl::StatusOr<Look> look = TakeNext();
   if (look.ok()) {
     StayCounts stays;
-    retirement = PlanRetirement(look->view, strand_.options(), &stays);
+    retirement = PlanRetirement(look->view, strand_.options(), VLOG_IS_ON(1) ? &stays : nullptr);
     VLOG(1) << "mission " << strand_.name() << ": of " << look->view.candidates.size()
             << " keyframes stay " << ToString(stays);
     done = Commit(*look, retirement);

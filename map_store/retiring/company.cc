@@ -2,6 +2,10 @@
 
 #include <algorithm>
 #include <optional>
+#include <utility>
+#include <vector>
+
+#include "slam/util/median.h"
 
 namespace corbslam::map_store {
 namespace {
@@ -27,9 +31,7 @@ std::optional<double> MedianDistance(const Map& map, const Keyframe& keyframe,
     distances.push_back((keyframe.camera_from_map * point->position_in_map).norm());
   }
   if (distances.size() < std::max<size_t>(min_landmarks, 1)) return std::nullopt;
-  const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
-  std::nth_element(distances.begin(), middle, distances.end());
-  return *middle;
+  return Median(std::move(distances));
 }
 
 }  // namespace
