@@ -31,13 +31,8 @@ constexpr uint32_t kKeyframesOfDrive = 10;
 std::vector<SyntheticMap> MakeDrives() {
   std::vector<SyntheticMap> drives;
   for (uint64_t session = 1; session <= kStarts; ++session) {
-    testing::SyntheticMapOptions options;
-    options.local_map = {session};
-    options.seed = session;
-    options.drift_yaw_rad = 0.002;
-    drives.push_back(MakeSyntheticMap(
-        TheWorld().world, testing::PosesOnRing(static_cast<double>(session), 4, kKeyframesOfDrive),
-        options));
+    drives.push_back(
+        testing::MakeRingMap(session, static_cast<double>(session), kKeyframesOfDrive));
   }
   return drives;
 }

@@ -10,6 +10,7 @@
 #include "services/client/remote/remote_uplink.h"
 #include "services/map_store_service/map_store_service.h"
 #include "services/server/server.h"
+#include "services/testing/uplink_notes.h"
 
 namespace corbslam::services {
 
@@ -21,15 +22,6 @@ namespace {
 
 using ::testing::HasSubstr;
 using ::testing::SizeIs;
-
-class IdleListener : public UplinkListener {
- public:
-  void OnSessionOpened(const SessionGrant&) override {}
-  void OnAcknowledged(const Acknowledgement&) override {}
-  void OnShared(SharedUpdate) override {}
-  void OnExactPlacesWanted() override {}
-  void OnSessionClosed(const absl::Status&) override {}
-};
 
 // Holds the settings that an uplink was told.
 class ToldSettings {
@@ -135,7 +127,7 @@ TEST_F(RobotSettingsServiceTest, RefusesWhatIsOlderOrOfOthers) {
 TEST_F(RobotSettingsServiceTest, AStreamIsToldBehindTheGrantAndAtChanges) {
   ASSERT_TRUE(Set("missions/lab", Make(1)).ok());
   ToldSettings told;
-  IdleListener listener;
+  UplinkNotes listener;
   RemoteUplinkOptions options;
   options.on_settings = [&told](const auto& list) { told.Add(list); };
   const auto uplink = MakeRemoteUplink(server_->InProcessChannel(), options);
