@@ -43,7 +43,8 @@ class JournalSpaceTest : public ::testing::Test {
     journal_ = *std::move(opened);
   }
   uint64_t Bytes() const { return BytesIn(folder_.string()); }
-  // Waits until the journal takes no more than that; a minute is what it has.
+  // Waits until the journal takes no more than that; a minute is what it has. The missions that
+  // stay may hold a written log beside the table made of it for a moment.
   bool Shrinks(uint64_t bytes) const {
     const absl::Time deadline = absl::Now() + absl::Minutes(1);
     while (Bytes() > bytes && absl::Now() < deadline) absl::SleepFor(absl::Milliseconds(50));
@@ -65,7 +66,7 @@ TEST_F(JournalSpaceTest, ADeletedMissionsDiskIsFreeAtOnce) {
   const uint64_t one = journal_->DiskBytes("b");
   ASSERT_TRUE(journal_->DeleteMission("a").ok());
   EXPECT_EQ(journal_->DiskBytes("a"), 0u);
-  EXPECT_LT(Bytes(), empty + 5 * one / 2);
+  EXPECT_TRUE(Shrinks(empty + 5 * one / 2)) << Bytes() << ", one takes " << one;
   // Also of what was there at the start.
   Open();
   ASSERT_TRUE(journal_->DeleteMission("b").ok());

@@ -20,10 +20,12 @@
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
+#include "map_store/archive/archive.h"
 #include "map_store/map_store.h"
 #include "map_store/rocks/durable_mark.h"
 #include "map_store/rocks/journal_folder.h"
 #include "map_store/rocks/journal_keys.h"
+#include "map_store/rocks/mission_header.h"
 #include "map_store/testing/shared_world.h"
 #include "map_store/testing/store_dump.h"
 #include "map_store/testing/test_agent.h"
@@ -511,7 +513,7 @@ TEST_F(RocksJournalTest, TheFormatBeforeBecomesThisOneSoThatOlderProgramsRefuseI
   guard.reset(raw);
   std::string format;
   ASSERT_TRUE(guard->Get({}, map_store::FormatKey(), &format).ok());
-  EXPECT_EQ(format, std::string("\x0e\0\0\0", 4));
+  EXPECT_EQ(format, map_store::EncodeFormat());
 }
 
 // Makes of a journal what programs of older formats wrote: one database with all missions.
@@ -521,7 +523,7 @@ void MakeShared(const std::string& folder, const std::string& format) {
   const std::unique_ptr<rocksdb::DB> shared(raw);
   std::string before;
   ASSERT_TRUE(shared->Get({}, map_store::FormatKey(), &before).ok());
-  EXPECT_EQ(before, std::string("\x0e\0\0\0", 4));
+  EXPECT_EQ(before, map_store::EncodeFormat());
   ASSERT_TRUE(rocksdb::DB::OpenForReadOnly({}, MissionFolder(folder), &raw).ok());
   const std::unique_ptr<rocksdb::DB> own(raw);
   const std::unique_ptr<rocksdb::Iterator> it(own->NewIterator({}));
@@ -573,7 +575,7 @@ TEST_F(RocksJournalTest, AJournalWithoutProfilesBecomesOneThatOlderProgramsRefus
   const std::string local = DumpLocal(kMission, *store);
   store.reset();
   const std::string eleven("\x0b\0\0\0", 4);
-  const std::string now("\x0d\0\0\0", 4);
+  const std::string now = map_store::EncodeFormat();
   EXPECT_EQ(SwapFormat(options.directory, eleven), now);
   EXPECT_EQ(SwapFormat(MissionFolder(options.directory), eleven), now);
   store = Open(options);
@@ -638,11 +640,13 @@ TEST_F(RocksJournalTest, ANewerFormatAndASecondProcessAreRefusedByName) {
   rocksdb::DB* raw = nullptr;
   ASSERT_TRUE(rocksdb::DB::Open({}, options.directory, &raw).ok());
   const std::unique_ptr<rocksdb::DB> closing(raw);
-  ASSERT_TRUE(raw->Put({}, map_store::FormatKey(), std::string("\x0e\0\0\0", 4)).ok());
+  map_store::ArchiveWriter next;
+  next(map_store::kJournalFormat + 1);
+  ASSERT_TRUE(raw->Put({}, map_store::FormatKey(), next.Take()).ok());
   ASSERT_TRUE(raw->Close().ok());
   const auto newer = RocksJournal::Open(options);
   EXPECT_EQ(newer.status().code(), absl::StatusCode::kFailedPrecondition);
-  EXPECT_THAT(std::string(newer.status().message()), HasSubstr("has format 14"));
+  EXPECT_THAT(std::string(newer.status().message()), HasSubstr(absl::StrCat("has format ", map_store::kJournalFormat + 1)));
 
   const auto nowhere = RocksJournal::Open({.directory = "/proc/version/journal"});
   EXPECT_EQ(nowhere.status().code(), absl::StatusCode::kFailedPrecondition);

@@ -3,13 +3,14 @@ import { execFileSync } from 'node:child_process';
 import { generateKeyPairSync } from 'node:crypto';
 import { writeFileSync } from 'node:fs';
 import { join } from 'node:path';
-import type { CDPSession, Page } from 'playwright-core';
+import type { CDPSession, Locator, Page } from 'playwright-core';
 import type { Places } from './programs';
 
 interface Camera { azimuth: number; polar: number; distance: number }
 interface Finger { x: number; y: number }
 
 const STEPS = 12;
+const TAPS = 5;
 /** The roles of what is acted with; each needs a name. */
 const CONTROLS = ['button', 'checkbox', 'combobox', 'slider', 'link', 'textbox', 'application', 'image'];
 
@@ -39,6 +40,21 @@ export async function pinchAndTurn(page: Page): Promise<{ before: Camera; pinche
   await drag(session, [{ x: x - 80, y }], [{ x: x + 80, y }]);
   await page.waitForTimeout(300);
   return { before, pinched, turned: await camera(page) };
+}
+
+/**
+ * Taps on what shows a panel, again where the browser took the tap for a long press: a page drawn
+ * without a graphics card may be asked for each touch later than a finger rests.
+ */
+export async function tapUntilShown(tab: Locator, panel: Locator): Promise<void> {
+  for (let taps = 1; ; taps++) {
+    await tab.tap();
+    try {
+      return await panel.waitFor({ state: 'visible', timeout: 5_000 });
+    } catch (error) {
+      if (taps === TAPS) throw error;
+    }
+  }
 }
 
 /** Plays an open history fast to its end; returns the moments that were seen, each once. */

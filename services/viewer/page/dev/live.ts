@@ -5,7 +5,7 @@ import { mkdirSync, mkdtempSync, rmSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { type Browser, type BrowserContextOptions, type Page, chromium } from 'playwright-core';
-import { checkNames, makeToken, pinchAndTurn, playPast } from './hands';
+import { checkNames, makeToken, pinchAndTurn, playPast, tapUntilShown } from './hands';
 import { Program, option, start } from './programs';
 
 const BROWSER = ['--no-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--disable-quic',
@@ -120,8 +120,7 @@ async function touch(browser: Browser, url: string): Promise<void> {
   const { before, pinched, turned } = await pinchAndTurn(phone);
   check(pinched.distance < 0.8 * before.distance, 'two fingers that part go nearer');
   check(Math.abs(turned.azimuth - pinched.azimuth) > 5, 'one finger turns the map');
-  await phone.getByRole('button', { name: 'Events' }).tap();
-  await phone.locator('#events').waitFor({ state: 'visible', timeout: 20_000 });
+  await tapUntilShown(phone.getByRole('button', { name: 'Events' }), phone.locator('#events'));
   check(true, 'a tap on a tab shows its panel');
   await shot(phone, '09_phone');
   await phone.close();
