@@ -21,6 +21,7 @@ import tempfile
 import time
 
 KITTI_CAMERA = "718.856 718.856 607.1928 185.2157"
+USUAL_EXPOSURE = 1.5  # What the simulator takes where a drive says nothing (docs/simulation.md).
 
 
 def parse_arguments():
@@ -30,6 +31,7 @@ def parse_arguments():
     parser.add_argument("--drive", default="sim:city?seed=7&length=1500")
     parser.add_argument("--frames", type=int, default=1200, help="of the drive that is mapped")
     parser.add_argument("--pictures", type=int, default=200, help="that are looked up of each kind")
+    parser.add_argument("--lights", default="0.6", help="shares of the mapped drive's light, by commas")
     parser.add_argument("--camera", default=KITTI_CAMERA, help="fx fy cx cy of its pictures")
     parser.add_argument("--keep", help="folder with map.backup: made, or used where it is there")
     parser.add_argument("--json", help="file for the results")
@@ -145,6 +147,13 @@ def look_up(store, arguments, folder, name, options, poses):
     return row
 
 
+def kinds_of(arguments):
+    lights = [(f"light {share}", f"&phase=0.5&exposure={USUAL_EXPOSURE * float(share):g}")
+              for share in arguments.lights.split(",") if share]
+    return [("the same", ""), ("half a frame later", "&phase=0.5"), *lights,
+            ("gamma 1.4", "&phase=0.5&gamma=1.4")]
+
+
 def map_drive(store, arguments):
     mapped = store.run("simulated_agent", "--source",
                        with_options(arguments.drive, f"frames=0:{arguments.frames - 1}"),
@@ -208,9 +217,7 @@ def main():
             mission, poses = (kept_map if arguments.keep else build_map)(store, arguments, folder)
             keyframes = re.search(r'"keyframes":\s*(\d+)', json.dumps(mission))
             rows = [look_up(store, arguments, folder, kind, options, poses)
-                    for kind, options in (("the same", ""), ("half a frame later", "&phase=0.5"),
-                                          ("darker", "&phase=0.5&exposure=0.9"),
-                                          ("gamma 1.4", "&phase=0.5&gamma=1.4"))]
+                    for kind, options in kinds_of(arguments)]
             after = poses_of(store, folder)
             moved = max(math.dist(a[1:4], b[1:4]) for a, b in zip(poses, after))
         finally:
