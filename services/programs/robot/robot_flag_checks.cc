@@ -1,0 +1,146 @@
+#include "services/programs/robot/robot_flag_checks.h"
+
+#include <string>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/strip.h"
+#include "client_agent/live/live_sources.h"
+#include "client_agent/source/source_kinds.h"
+#include "services/client/remote/channel.h"
+#include "services/convert/errors.h"
+#include "services/convert/resource_names.h"
+#include "services/programs/checks.h"
+#include "services/programs/link_flags.h"
+#include "services/programs/memory_flags.h"
+#include "services/programs/observe_flags.h"
+#include "services/programs/record_flags.h"
+#include "services/programs/share_flags.h"
+#include "services/server/server.h"
+#include "slam/util/status_macros.h"
+
+namespace corbslam::services {
+
+using client_agent::ApplyOptions;
+using client_agent::FeatureSelection;
+using client_agent::ParseFeatureSelection;
+using client_agent::ParseSourceSpec;
+using client_agent::SourceSpec;
+using client_agent::UseRig;
+
+namespace {
+
+absl::StatusOr<SourceSpec> FlaggedSource(const RobotFlags& flags) {
+  ASSIGN_OR_RETURN(SourceSpec spec, ParseSourceSpec(flags.source));
+  if (!flags.rig.empty()) RETURN_IF_ERROR(UseRig(flags.rig, spec));
+  if (!flags.frames.empty()) RETURN_IF_ERROR(ApplyOptions("frames=" + flags.frames, spec));
+  return spec;
+}
+
+absl::Status CheckFlaggedSource(const RobotFlags& flags) {
+  ASSIGN_OR_RETURN(const SourceSpec spec, FlaggedSource(flags));
+  return CheckRobotSource(spec, flags.strict);
+}
+
+absl::Status CheckPace(const RobotFlags& flags) {
+  if (flags.pace != Pace::kStep || flags.server.empty()) return absl::OkStatus();
+  return absl::InvalidArgumentError(
+      "--pace step is of a robot alone: with --server what comes depends on the network; "
+      "corbslam run --pace step plays several robots and a store in lockstep");
+}
+
+absl::Status CheckLocaliseOnly(const RobotFlags& flags) {
+  if (!flags.localise_only) return absl::OkStatus();
+  if (flags.server.empty()) {
+    return absl::InvalidArgumentError("--localise-only needs --server, whose map it localises in");
+  }
+  const ShareMode mode = flags.share.mode.value_or(ShareMode::kEverything);
+  if (mode == ShareMode::kNone || mode == ShareMode::kCorrections) {
+    return absl::InvalidArgumentError(
+        "--localise-only needs others' keyframes: --share nearby or everything");
+  }
+  if (!flags.spool.folder.empty()) {
+    return absl::InvalidArgumentError(
+        "--spool (--spool-dir) keeps what a robot maps, and with --localise-only it maps nothing");
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+absl::StatusOr<RobotSource> OpenFlaggedSource(const RobotFlags& flags,
+                                              const absl::Notification& stop) {
+  ASSIGN_OR_RETURN(const SourceSpec spec, FlaggedSource(flags));
+  return OpenRobotSource(spec, flags.strict, stop);
+}
+
+absl::StatusOr<FeatureSelection> ParseUpload(const RobotFlags& flags) {
+  absl::string_view text = flags.upload;
+  if (!absl::ConsumePrefix(&text, "features=")) {
+    return absl::InvalidArgumentError(absl::StrCat(
+        "--upload is ", flags.upload, ", must be features=all, features=mapped or features=N"));
+  }
+  const absl::StatusOr<FeatureSelection> selection = ParseFeatureSelection(text);
+  if (selection.ok()) return selection;
+  return Locate(selection.status(), "--upload");
+}
+
+absl::StatusOr<std::shared_ptr<grpc::Channel>> MakeStoreChannel(const RobotFlags& flags) {
+  if (flags.server.empty()) return nullptr;
+  ASSIGN_OR_RETURN(const auto credentials, MakeChannelCredentials(flags.security));
+  return MakeChannel(flags.server, credentials);
+}
+
+absl::Status CheckListenSecurity(const RobotFlags& flags) {
+  if (flags.listen.empty()) return absl::OkStatus();
+  return CheckServerSecurity(ListenSecurityOf(flags), flags.mission, flags.agent);
+}
+
+absl::Status CheckSettable(const RobotFlags& flags) {
+  const bool has_server = !flags.server.empty();
+  RETURN_IF_ERROR(CheckMemoryFlags(flags.memory, flags.share, flags.outbox_mb << 20,
+                                   has_server || !flags.spool.folder.empty()));
+  RETURN_IF_ERROR(CheckShareFlags(ShareOf(flags), has_server));
+  RETURN_IF_ERROR(CheckLocaliseOnly(flags));
+  return ParseUpload(flags).status();
+}
+
+std::vector<absl::Status> CheckPlaces(const RobotFlags& flags) {
+  std::vector<absl::Status> found;
+  if (!flags.server.empty()) found.push_back(CheckFlagServer("--server", flags.server));
+  if (!flags.listen.empty()) found.push_back(CheckFlagAddress("--listen", flags.listen));
+  if (!flags.spool.folder.empty()) found.push_back(CheckFolder("--spool", flags.spool.folder));
+  found.push_back(CheckSpoolFlags(flags.spool, !flags.server.empty()));
+  if (flags.server.empty()) found.push_back(CheckNoLinkFlags(flags.link));
+  const bool has_server = !flags.server.empty();
+  found.push_back(CheckMemoryFlags(flags.memory, flags.share, flags.outbox_mb << 20,
+                                   has_server || !flags.spool.folder.empty()));
+  found.push_back(CheckSettingsFlags(flags.settings, has_server));
+  found.push_back(CheckShareFlags(ShareOf(flags), has_server));
+  found.push_back(CheckPace(flags));
+  found.push_back(CheckLocaliseOnly(flags));
+  found.push_back(CheckRecording(flags.record));
+  for (const std::string& file :
+       {flags.stats, flags.trajectory, flags.held_map, flags.settings.kept}) {
+    if (!file.empty()) found.push_back(CheckFolderOf(file));
+  }
+  const std::vector<absl::Status> observing = CheckObserving(flags.observe);
+  found.insert(found.end(), observing.begin(), observing.end());
+  return found;
+}
+
+std::vector<absl::Status> CheckRobotFlags(const RobotFlags& flags) {
+  std::vector<absl::Status> found = {
+      CheckNameSegment("--mission", flags.mission),
+      CheckNameSegment("--agent", flags.agent),
+      MakeStoreChannel(flags).status(),
+      CheckListenSecurity(flags),
+      CheckVocabulary(flags.vocabulary),
+      ParseUpload(flags).status(),
+      CheckFlaggedSource(flags),
+  };
+  const std::vector<absl::Status> places = CheckPlaces(flags);
+  found.insert(found.end(), places.begin(), places.end());
+  return found;
+}
+
+}  // namespace corbslam::services

@@ -1,0 +1,38 @@
+// Says what is wrong with a robot's flags, before it begins.
+#ifndef CORBSLAM_SERVICES_PROGRAMS_ROBOT_ROBOT_FLAG_CHECKS_H_
+#define CORBSLAM_SERVICES_PROGRAMS_ROBOT_ROBOT_FLAG_CHECKS_H_
+
+#include <grpcpp/channel.h>
+
+#include <memory>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "absl/synchronization/notification.h"
+#include "client_agent/upload/feature_selection.h"
+#include "services/programs/robot/robot_flags.h"
+#include "services/programs/robot/robot_source.h"
+
+namespace corbslam::services {
+
+// Opens --source with --rig and --frames. CANCELLED where it was stopped while it waited for who
+// drives its camera.
+absl::StatusOr<RobotSource> OpenFlaggedSource(const RobotFlags& flags,
+                                              const absl::Notification& stop);
+absl::StatusOr<client_agent::FeatureSelection> ParseUpload(const RobotFlags& flags);
+// Returns null without --server.
+absl::StatusOr<std::shared_ptr<grpc::Channel>> MakeStoreChannel(const RobotFlags& flags);
+
+// Checks how other programs on the robot reach it.
+absl::Status CheckListenSecurity(const RobotFlags& flags);
+// Checks what the map store may set.
+absl::Status CheckSettable(const RobotFlags& flags);
+// Checks places in the network and on disk, and flags that need others: in a moment.
+std::vector<absl::Status> CheckPlaces(const RobotFlags& flags);
+// Checks all, as --check does: files are read.
+std::vector<absl::Status> CheckRobotFlags(const RobotFlags& flags);
+
+}  // namespace corbslam::services
+
+#endif  // CORBSLAM_SERVICES_PROGRAMS_ROBOT_ROBOT_FLAG_CHECKS_H_
