@@ -119,6 +119,12 @@ set_links() {
   done
 }
 
+# Lists of libraries in CMake's files, as Ceres' and RocksDB's, name some by the path on an arm64 machine.
+set_paths() {
+  find "$root/usr/lib" -name '*.cmake' -exec \
+    sed -i "s|;/usr/lib/aarch64-linux-gnu/lib|;$root/usr/lib/aarch64-linux-gnu/lib|g" {} +
+}
+
 packages=$(wanted | sort | xargs)
 made="$packages; $(alone | xargs); by $(cksum <"$0")"
 [ "$(cat "$root/.made" 2>/dev/null || true)" != "$made" ] || exit 0
@@ -141,5 +147,6 @@ while read -r file; do
   unpack "$archives/$file"
 done <"$apt/files"
 set_links
+set_paths
 rm -rf "$apt/archives" "$apt/lists" "$apt"/*cache.bin
 echo "$made" >"$root/.made"
