@@ -86,9 +86,9 @@ void Append(std::vector<T>& from, std::vector<T>& to) {
 void NotePart(const LocalMapState& part, LocalMapState& whole) {
   const uint64_t frames = whole.frames.size();
   const uint64_t lost = whole.lost_frames_ns.size();
-  whole.joined.push_back({part.id, part.last_batch, frames, lost});
+  whole.AddPart({part.id, part.last_batch, frames, lost});
   for (const JoinedLocalMap& inner : part.joined) {
-    whole.joined.push_back(
+    whole.AddPart(
         {inner.id, inner.last_batch, frames + inner.first_frame, lost + inner.first_lost_frame});
   }
 }
