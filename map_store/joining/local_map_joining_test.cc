@@ -130,6 +130,8 @@ TEST(LocalMapJoiningTest, ATrajectoryGoesThroughOneSessionAfterTheOther) {
   for (size_t i = 0; i < trajectory->poses.size(); ++i) {
     EXPECT_EQ(trajectory->poses[i].timestamp_ns, static_cast<int64_t>(1000 + i % 3));
     EXPECT_EQ(trajectory->poses[i].after_gap, i > 0 && i % 3 == 0) << i;
+    // Whoever sorts poses by time keeps sessions apart by this.
+    EXPECT_EQ(trajectory->poses[i].local_map, (LocalMapId{1 + i / kKeyframesOfStart})) << i;
   }
 }
 
