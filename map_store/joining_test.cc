@@ -5,72 +5,22 @@
 
 #include <memory>
 #include <string>
-#include <vector>
 
 #include "map_store/map_store.h"
 #include "map_store/testing/byte_journal.h"
+#include "map_store/testing/one_robots_store.h"
 #include "map_store/testing/recover_whole.h"
-#include "map_store/testing/shared_world.h"
 #include "map_store/testing/store_dump.h"
-#include "map_store/testing/test_agent.h"
-#include "map_store/testing/truthful_worker.h"
 
 namespace corbslam::map_store {
 namespace {
 
 using testing::ByteJournal;
-using testing::JournalBytes;
-using testing::SyntheticMap;
-using testing::TestAgent;
+using testing::kKeyframesOfDrive;
+using testing::kOneRobot;
+using testing::kStarts;
+using testing::OneRobotsStore;
 using testing::TheWorld;
-
-constexpr char kOneRobot[] = "r";
-constexpr size_t kStarts = 4;
-constexpr uint32_t kKeyframesOfDrive = 10;
-
-std::vector<SyntheticMap> MakeDrives() {
-  std::vector<SyntheticMap> drives;
-  for (uint64_t session = 1; session <= kStarts; ++session) {
-    drives.push_back(
-        testing::MakeRingMap(session, static_cast<double>(session), kKeyframesOfDrive));
-  }
-  return drives;
-}
-
-// A store in which one robot starts four times; the newest session stays as it is.
-class OneRobotsStore {
- public:
-  explicit OneRobotsStore(bool joins)
-      : worker_({&drives_[0], &drives_[1], &drives_[2], &drives_[3]}),
-        store_(Options(joins), TheWorld().vocabulary, std::make_unique<ByteJournal>(bytes_),
-               &worker_) {}
-
-  static MapStoreOptions Options(bool joins) {
-    MapStoreOptions options = testing::DeterministicOptions();
-    options.join_local_maps = joins;
-    options.keep_local_maps = 1;
-    return options;
-  }
-  void Start(size_t session) {
-    agents_.push_back(std::make_unique<TestAgent>(store_, "m", kOneRobot, drives_[session]));
-    ASSERT_TRUE(agents_.back()->Stream().ok());
-    ASSERT_TRUE(agents_.back()->Close().ok());
-    ASSERT_TRUE(store_.RunFusionUntilIdle("m").ok());
-  }
-  void StartAll() {
-    for (size_t session = 0; session < kStarts; ++session) Start(session);
-  }
-  MapStore& store() { return store_; }
-  TestAgent& agent(size_t session) { return *agents_[session]; }
-  const std::shared_ptr<JournalBytes>& bytes() const { return bytes_; }
-
- private:
-  const std::vector<SyntheticMap> drives_ = MakeDrives();
-  testing::TruthfulWorker worker_;
-  std::shared_ptr<JournalBytes> bytes_ = std::make_shared<JournalBytes>();
-  MapStore store_;
-  std::vector<std::unique_ptr<TestAgent>> agents_;
-};
 
 TEST(JoiningTest, OldSessionsBecomeOneAndFusionGoesOn) {
   OneRobotsStore joined(true);

@@ -5,6 +5,8 @@
 #include <memory>
 
 #include "map_store/map_store.h"
+#include "map_store/testing/one_robots_store.h"
+#include "map_store/testing/recover_whole.h"
 #include "map_store/testing/shared_world.h"
 #include "map_store/testing/test_agent.h"
 #include "slam/verification/frame_location.h"
@@ -174,6 +176,36 @@ TEST_F(LocalizeTest, NamesWhatIsMissing) {
   EXPECT_TRUE(absl::IsNotFound(without.Localize(kMission, query, nullptr).status()));
   const auto cancelled = store_.Localize(kMission, query, [] { return false; });
   EXPECT_TRUE(absl::IsCancelled(cancelled.status())) << cancelled.status();
+}
+
+// Three of a robot's sessions became one local map; a worker that looks pictures up has what that
+// store left.
+TEST(LocalizeInJoinedTest, FindsPlacesOfEachPart) {
+  testing::OneRobotsStore robot(true);
+  robot.StartAll();
+  ASSERT_EQ(robot.store().GetMission(kMission)->local_maps, 2u);
+  LocatingWorker worker;
+  MapStore store(testing::OneRobotsStore::Options(true), testing::TheWorld().vocabulary,
+                 std::make_unique<testing::ByteJournal>(robot.bytes()), &worker);
+  ASSERT_TRUE(testing::RecoverWhole(store).ok());
+  for (const size_t session : {0, 1, 2}) {
+    const SyntheticMap& drive = robot.drives()[session];
+    const KeyframeId id = std::next(drive.map.keyframes().begin(), 4)->first;
+    // The keyframe itself is asked for: the same place in the same session.
+    Keyframe picture;
+    picture.payload = drive.map.FindKeyframe(id)->payload;
+    picture.points.resize(picture.keypoints().size());
+    const auto answer = store.Localize(kMission, {.picture = picture, .prior = {}}, nullptr);
+    ASSERT_TRUE(answer.ok()) << answer.status();
+    ASSERT_EQ(ToString(answer->stage), "LOCATED") << ToString(id);
+    EXPECT_EQ(answer->island, (IslandId{1}));
+    // It says where fusion has that keyframe.
+    const auto keyframe = store.GetKeyframe(kMission, id);
+    ASSERT_TRUE(keyframe.ok()) << "ids stay";
+    const Rigid3d error =
+        answer->camera_from_island * keyframe->camera_from_island.ToRigid().Inverse();
+    EXPECT_LT(error.translation.norm() + RotationAngle(error.rotation), 0.1);
+  }
 }
 
 }  // namespace

@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <cstdint>
 #include <limits>
+#include <map>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
@@ -26,50 +29,98 @@ absl::StatusOr<uint64_t> ParseKey(absl::string_view key) {
   return number;
 }
 
-// Returns how many of a mission's local maps come before the first one of the page.
-absl::StatusOr<size_t> ParseLocalMapKey(absl::string_view key) {
-  ASSIGN_OR_RETURN(const uint64_t last, ParseKey(key));
-  if (key.empty()) return 0;
-  return std::min(last, std::numeric_limits<uint64_t>::max() - 1) + 1;
+// Reads the numbers in a page's key, as many as `numbers` takes.
+absl::Status ParseKeys(absl::string_view key, const std::vector<uint64_t*>& numbers) {
+  const std::vector<absl::string_view> parts = absl::StrSplit(key, '/');
+  if (parts.size() != numbers.size()) return NoSuchPageToken();
+  for (size_t i = 0; i < parts.size(); ++i) {
+    if (!absl::SimpleAtoi(parts[i], numbers[i])) return NoSuchPageToken();
+  }
+  return absl::OkStatus();
 }
 
-// The place of a keyframe among all of a mission: by the arrival of its local map, then by index.
-struct KeyframePlace {
-  KeyframeId id;
+// The place of a local map in the order of arrival, as the numbers of a book (ArrivalBook) say it.
+struct ArrivalPlace {
   bool is_first_page = true;
+  uint64_t number = 0;
+  uint64_t gone = 0;
 };
 
-absl::StatusOr<KeyframePlace> ParseKeyframeKey(absl::string_view key) {
-  if (key.empty()) return KeyframePlace();
+using Arrivals = std::map<uint64_t, LocalMapId>;
+
+// Returns where the list goes on. ABORTED where the numbers are of another book.
+absl::StatusOr<Arrivals::const_iterator> FindArrival(const ArrivalPlace& place,
+                                                     const ArrivalBook& book) {
+  if (place.is_first_page) return book.names().begin();
+  if (place.gone == book.gone()) return book.names().lower_bound(place.number);
+  return absl::AbortedError(
+      "the list changed: local maps were deleted or became one, and the mission was read anew from "
+      "its journal since the page before; begin again, without a page_token");
+}
+
+std::string LocalMapKey(uint64_t number, const ArrivalBook& book) {
+  return absl::StrCat(number, "/", book.gone());
+}
+
+// The place of a keyframe among those of one local map, or of all: by the arrival of the local map
+// that it was made in, then by index.
+struct KeyframePlace {
+  ArrivalPlace local_map;
+  KeyframeId id;  // Of all local maps: its index only.
+};
+
+absl::StatusOr<KeyframePlace> ParseKeyframeKey(absl::string_view key, bool of_all) {
   KeyframePlace place;
-  place.is_first_page = false;
-  const std::vector<absl::string_view> parts = absl::StrSplit(key, '/');
-  if (parts.size() != 2 || !absl::SimpleAtoi(parts[0], &place.id.local_map.value) ||
-      !absl::SimpleAtoi(parts[1], &place.id.index)) {
-    return NoSuchPageToken();
-  }
+  if (key.empty()) return place;
+  place.local_map.is_first_page = false;
+  uint64_t index = 0;
+  RETURN_IF_ERROR(of_all ? ParseKeys(key, {&place.local_map.number, &place.local_map.gone, &index})
+                         : ParseKeys(key, {&place.id.local_map.value, &index}));
+  if (index > std::numeric_limits<uint32_t>::max()) return NoSuchPageToken();
+  place.id.index = static_cast<uint32_t>(index);
   return place;
 }
 
-// A local map has keyframes of several names, and its place in the order may change.
-std::string KeyframeKey(KeyframeId id) { return absl::StrCat(id.local_map.value, "/", id.index); }
+// A keyframe, with the number of the local map that it was made in where all are listed.
+struct ListedKeyframe {
+  KeyframeId id;
+  uint64_t number = 0;
+};
 
-// Returns up to `count` keyframes behind a place, of the local maps with an order of `begin` to
-// `end` - 1. INVALID_ARGUMENT where the place's local map is there no more.
-absl::StatusOr<std::vector<KeyframeId>> KeyframesAfter(const MissionState& state,
-                                                       const KeyframePlace& after, size_t begin,
-                                                       size_t end, size_t count) {
-  const LocalMapState* at = after.is_first_page ? nullptr : state.FindLocalMap(after.id.local_map);
-  if (!after.is_first_page && at == nullptr) return NoSuchPageToken();
-  std::vector<KeyframeId> ids;
-  for (size_t i = at == nullptr ? begin : std::max(begin, at->order); i < end && ids.size() < count;
-       ++i) {
-    const LocalMapState& local_map = *state.FindLocalMap(state.order[i]);
-    const auto& keyframes = local_map.map.keyframes();
-    auto it = &local_map == at ? keyframes.upper_bound(after.id) : keyframes.begin();
-    for (; it != keyframes.end() && ids.size() < count; ++it) ids.push_back(it->first);
+// Returns up to `count` keyframes of a local map behind a place.
+std::vector<ListedKeyframe> KeyframesAfter(const LocalMapState& local_map,
+                                           const KeyframePlace& after, size_t count) {
+  std::vector<ListedKeyframe> listed;
+  const auto& keyframes = local_map.map.keyframes();
+  auto it = after.local_map.is_first_page ? keyframes.begin() : keyframes.upper_bound(after.id);
+  for (; it != keyframes.end() && listed.size() < count; ++it) listed.push_back({it->first});
+  return listed;
+}
+
+// Returns up to `count` keyframes of all local maps behind a place.
+absl::StatusOr<std::vector<ListedKeyframe>> KeyframesAfter(const MissionState& state,
+                                                           const KeyframePlace& after,
+                                                           size_t count) {
+  std::vector<ListedKeyframe> listed;
+  ASSIGN_OR_RETURN(auto arrival, FindArrival(after.local_map, state.arrivals));
+  for (; arrival != state.arrivals.names().end() && listed.size() < count; ++arrival) {
+    const auto& [number, name] = *arrival;
+    const LocalMapState* local_map = state.FindLocalMap(name);
+    if (local_map == nullptr) continue;
+    const bool goes_on = !after.local_map.is_first_page && number == after.local_map.number;
+    const auto& keyframes = local_map->map.keyframes();
+    auto it =
+        goes_on ? keyframes.upper_bound({name, after.id.index}) : keyframes.lower_bound({name, 0});
+    for (; it != keyframes.end() && it->first.local_map == name && listed.size() < count; ++it) {
+      listed.push_back({it->first, number});
+    }
   }
-  return ids;
+  return listed;
+}
+
+std::string KeyframeKey(const ListedKeyframe& keyframe, bool of_all, const ArrivalBook& book) {
+  return of_all ? absl::StrCat(LocalMapKey(keyframe.number, book), "/", keyframe.id.index)
+                : absl::StrCat(keyframe.id.local_map.value, "/", keyframe.id.index);
 }
 
 }  // namespace
@@ -109,17 +160,24 @@ absl::StatusOr<Page<LocalMapInfo>> MapStore::ListLocalMaps(absl::string_view mis
   ASSIGN_OR_RETURN(const std::shared_ptr<Mission> mission, FindMission(mission_name));
   ASSIGN_OR_RETURN(const PageStart start, ReadPageStart(request, options_.max_page_size,
                                                         absl::StrCat(mission_name, "/localMaps")));
-  ASSIGN_OR_RETURN(const size_t first, ParseLocalMapKey(start.after));
-  return mission->WithState([&start, first](const MissionState& state) {
-    std::vector<const LocalMapState*> local_maps;
-    for (size_t i = first; i < state.order.size() && local_maps.size() <= start.size; ++i) {
-      local_maps.push_back(state.FindLocalMap(state.order[i]));
+  ArrivalPlace after;
+  if (!start.after.empty()) {
+    after.is_first_page = false;
+    RETURN_IF_ERROR(ParseKeys(start.after, {&after.number, &after.gone}));
+    after.number = std::min(after.number, std::numeric_limits<uint64_t>::max() - 1) + 1;
+  }
+  return mission->WithState([&](const MissionState& state) -> absl::StatusOr<Page<LocalMapInfo>> {
+    std::vector<std::pair<uint64_t, const LocalMapState*>> local_maps;
+    ASSIGN_OR_RETURN(auto arrival, FindArrival(after, state.arrivals));
+    for (; arrival != state.arrivals.names().end() && local_maps.size() <= start.size; ++arrival) {
+      const auto it = state.local_maps.find(arrival->second);
+      if (it != state.local_maps.end()) local_maps.emplace_back(arrival->first, &it->second);
     }
     Page<LocalMapInfo> page;
-    page.next_page_token = EndPage(start, local_maps, [](const LocalMapState* local_map) {
-      return absl::StrCat(local_map->order);
+    page.next_page_token = EndPage(start, local_maps, [&state](const auto& item) {
+      return LocalMapKey(item.first, state.arrivals);
     });
-    for (const LocalMapState* local_map : local_maps) {
+    for (const auto& [number, local_map] : local_maps) {
       page.items.push_back(map_store::DescribeLocalMap(state, *local_map));
     }
     return page;
@@ -133,20 +191,23 @@ absl::StatusOr<Page<KeyframeInfo>> MapStore::ListKeyframes(absl::string_view mis
   const std::string list = absl::StrCat(mission_name, "/keyframes/",
                                         local_map_id.IsValid() ? ToString(local_map_id) : "");
   ASSIGN_OR_RETURN(const PageStart start, ReadPageStart(request, options_.max_page_size, list));
-  ASSIGN_OR_RETURN(const KeyframePlace after, ParseKeyframeKey(start.after));
+  const bool of_all = !local_map_id.IsValid();
+  ASSIGN_OR_RETURN(const KeyframePlace after, ParseKeyframeKey(start.after, of_all));
   return mission->WithState([&](const MissionState& state) -> absl::StatusOr<Page<KeyframeInfo>> {
-    size_t begin = 0;
-    size_t end = state.order.size();
-    if (local_map_id.IsValid()) {
+    std::vector<ListedKeyframe> listed;
+    if (of_all) {
+      ASSIGN_OR_RETURN(listed, KeyframesAfter(state, after, start.size + 1));
+    } else {
       const LocalMapState* local_map = state.FindLocalMap(local_map_id);
       if (local_map == nullptr) return map_store::NoSuchLocalMap(local_map_id);
-      begin = local_map->order;
-      end = begin + 1;
+      listed = KeyframesAfter(*local_map, after, start.size + 1);
     }
-    ASSIGN_OR_RETURN(std::vector<KeyframeId> ids,
-                     KeyframesAfter(state, after, begin, end, start.size + 1));
     Page<KeyframeInfo> page;
-    page.next_page_token = EndPage(start, ids, [](KeyframeId id) { return KeyframeKey(id); });
+    page.next_page_token = EndPage(start, listed, [&](const ListedKeyframe& keyframe) {
+      return KeyframeKey(keyframe, of_all, state.arrivals);
+    });
+    std::vector<KeyframeId> ids;
+    for (const ListedKeyframe& keyframe : listed) ids.push_back(keyframe.id);
     page.items = map_store::DescribeKeyframes(state, ids);
     return page;
   });

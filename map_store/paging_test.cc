@@ -8,6 +8,8 @@
 
 #include "map_store/map_store.h"
 #include "map_store/testing/name_lists.h"
+#include "map_store/testing/one_robots_store.h"
+#include "map_store/testing/recover_whole.h"
 #include "map_store/testing/two_robots.h"
 
 namespace corbslam::map_store {
@@ -130,6 +132,81 @@ TEST_F(PagesTest, OverlapsThatAreFoundAgainBetweenPages) {
   const auto now = *Overlaps(store_)({0, ""});
   const bool first_is_there = now.names.front() == before.names.front();
   EXPECT_EQ(rest->names.size(), now.names.size() - (first_is_there ? 1 : 0));
+}
+
+// One robot's four sessions, of which three are to become one.
+class SessionPagesTest : public ::testing::Test {
+ protected:
+  SessionPagesTest() {
+    for (size_t session = 0; session < testing::kStarts; ++session) robot_.Drive(session);
+  }
+  void Join() { ASSERT_TRUE(robot_.store().RunFusionUntilIdle("m").ok()); }
+  void ForgetAllBut(size_t keep) {
+    const ForgetRequest request{.agent = testing::kOneRobot, .before_ns = {}, .keep = keep};
+    ASSERT_TRUE(robot_.store().ForgetLocalMaps("m", request).ok());
+  }
+  static std::string Name(uint64_t local_map) { return ToString(LocalMapId{local_map}); }
+
+  testing::OneRobotsStore robot_{true};
+};
+
+TEST_F(SessionPagesTest, ListsGoOnBehindSessionsThatBecameOne) {
+  const List local_maps = testing::LocalMaps(robot_.store());
+  const List keyframes = Keyframes(robot_.store(), {});
+  const auto all = *keyframes({0, ""});
+  const auto first_maps = *local_maps({2, ""});
+  ASSERT_THAT(first_maps.names, ElementsAre(Name(1), Name(2)));
+  const auto first = *keyframes({15, ""});
+  Join();
+  ASSERT_THAT(local_maps({0, ""})->names, ElementsAre(Name(1), Name(4)));
+  EXPECT_THAT(local_maps({2, first_maps.next_page_token})->names, ElementsAre(Name(4)));
+  const auto rest = *keyframes({1000, first.next_page_token});
+  const std::vector<std::string> behind(all.names.begin() + 15, all.names.end());
+  EXPECT_THAT(rest.names, ElementsAreArray(behind)) << "none is skipped, and none comes twice";
+}
+
+TEST_F(SessionPagesTest, ListsGoOnBehindSessionsThatWereDeleted) {
+  Join();
+  const List keyframes = Keyframes(robot_.store(), {});
+  const auto all = *keyframes({0, ""});
+  const auto first_maps = *testing::LocalMaps(robot_.store())({1, ""});
+  const auto first = *keyframes({15, ""});
+  ForgetAllBut(1);
+  EXPECT_THAT(testing::LocalMaps(robot_.store())({1, first_maps.next_page_token})->names,
+              ElementsAre(Name(4)));
+  const auto rest = *keyframes({1000, first.next_page_token});
+  const std::vector<std::string> newest(all.names.end() - testing::kKeyframesOfDrive,
+                                        all.names.end());
+  EXPECT_THAT(rest.names, ElementsAreArray(newest));
+  const auto of_one = Keyframes(robot_.store(), {1})({1, ""});
+  EXPECT_TRUE(absl::IsNotFound(of_one.status())) << of_one.status();
+}
+
+// The numbers of local maps are not recorded.
+TEST_F(SessionPagesTest, AfterARestartAListThatLostSomeIsToBeginAgain) {
+  const auto first = *testing::LocalMaps(robot_.store())({1, ""});
+  const auto keyframes = *Keyframes(robot_.store(), {})({1, ""});
+  const auto restarted = [this] {
+    auto store = std::make_unique<MapStore>(
+        testing::OneRobotsStore::Options(true), testing::TheWorld().vocabulary,
+        std::make_unique<testing::ByteJournal>(robot_.bytes()), nullptr);
+    EXPECT_TRUE(testing::RecoverWhole(*store).ok());
+    return store;
+  };
+  auto store = restarted();
+  EXPECT_THAT(testing::LocalMaps(*store)({9, first.next_page_token})->names,
+              ElementsAre(Name(2), Name(3), Name(4)));
+  Join();
+  robot_.bytes()->wants_snapshot = true;
+  ForgetAllBut(1);
+  Join();
+  ASSERT_FALSE(robot_.bytes()->snapshot.empty());
+  store = restarted();
+  for (const auto& page : {testing::LocalMaps(*store)({9, first.next_page_token}),
+                           Keyframes(*store, {})({9, keyframes.next_page_token})}) {
+    EXPECT_TRUE(absl::IsAborted(page.status())) << page.status();
+    EXPECT_THAT(std::string(page.status().message()), ::testing::HasSubstr("begin again"));
+  }
 }
 
 }  // namespace

@@ -375,5 +375,73 @@ TEST_F(SleepTest, WithoutMemoryIdleMissionsSleepAndNoneWakes) {
   EXPECT_TRUE(IsAsleep("first"));
 }
 
+// A mission whose robot started twice, and whose sessions became one.
+class JoinedMissionTest : public SleepTest {
+ protected:
+  JoinedMissionTest() {
+    options_.join_local_maps = true;
+    options_.keep_local_maps = 0;
+    worker_ = &truthful_;
+    Open();
+    Fill(kMission, map_a_);
+    Fill(kMission, map_b_);
+    EXPECT_TRUE(store_->RunFusionUntilIdle(kMission).ok());
+    local_ = DumpLocal(kMission, *store_);
+    global_ = DumpGlobal(kMission, *store_);
+  }
+  void ExpectJoined(const std::string& mission) {
+    const auto whole = store_->GetLocalMap(mission, {0xb});
+    ASSERT_TRUE(whole.ok()) << whole.status();
+    EXPECT_EQ(whole->id, LocalMapId{0xa});
+    EXPECT_THAT(whole->joined, ::testing::ElementsAre(LocalMapId{0xb}));
+    EXPECT_EQ(store_->GetMission(mission)->local_maps, 1u);
+  }
+  void ExpectTheSame() {
+    ExpectJoined(kMission);
+    EXPECT_EQ(FirstDifference(DumpLocal(kMission, *store_), local_), "");
+    EXPECT_EQ(FirstDifference(DumpGlobal(kMission, *store_), global_), "");
+  }
+
+  std::string local_;
+  std::string global_;
+};
+
+TEST_F(JoinedMissionTest, SleepsAndWakesAsItWas) {
+  ASSERT_NO_FATAL_FAILURE(ExpectJoined(kMission));
+  FallAsleep();
+  EXPECT_EQ(store_->GetMission(kMission)->local_maps, 1u);
+  ExpectTheSame();
+  FallAsleep();
+  Open();
+  EXPECT_TRUE(IsAsleep());
+  ExpectTheSame();
+  EXPECT_TRUE(*store_->IsFusionIdle(kMission)) << "nothing is left to become one";
+  EXPECT_TRUE(ChecksOut());
+}
+
+TEST_F(JoinedMissionTest, IsBackedUpAndRestored) {
+  MissionBackup backup = *store_->BackUpMission(kMission);
+  MissionRestorer restorer = store_->StartRestoring();
+  for (std::string piece = backup.Next(1 << 20); !piece.empty(); piece = backup.Next(1 << 20)) {
+    ASSERT_TRUE(restorer.Add(piece).ok());
+  }
+  absl::StatusOr<MissionState> state = restorer.Finish();
+  ASSERT_TRUE(state.ok()) << state.status();
+  ASSERT_TRUE(store_->DeleteMission(kMission).ok());
+  ASSERT_TRUE(store_->RestoreMission(kMission, *std::move(state)).ok());
+  ExpectTheSame();
+  // Its robot comes back to the part that it knows, and is told what the store has of it.
+  SessionRequest request;
+  request.mission = kMission;
+  request.agent = "robot";
+  request.local_maps = {{0xb}};
+  const auto session = store_->OpenSession(request);
+  ASSERT_TRUE(session.ok()) << session.status();
+  ASSERT_EQ(session->grant.acknowledged.size(), 1u);
+  EXPECT_GT(session->grant.acknowledged[0].number, 0u);
+  Open();
+  ExpectJoined(kMission);
+}
+
 }  // namespace
 }  // namespace corbslam::map_store

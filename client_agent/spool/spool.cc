@@ -89,6 +89,7 @@ absl::Status Spool::StartSegment() {
 }
 
 absl::StatusOr<SpooledBatch> Spool::Append(const MapUpdateBatch& batch, SpoolRecord::Kind kind) {
+  ReleasePutOff();
   SpooledBatch spooled;
   spooled.record.kind = kind;
   spooled.record.local_map = batch.local_map;
@@ -138,13 +139,14 @@ void Spool::CutOpenSegment() {
 absl::Status Spool::Sync() {
   if (syncer_ != nullptr) {
     const absl::Status synced = syncer_->SyncNow();
-    if (!synced.ok()) AbandonSegment();
+    if (!synced.ok()) NoteSyncError();
+    ReleasePutOff();
     return synced;
   }
   if (synced_ == appended_ || open_segment_ == 0) return absl::OkStatus();
   ++syncs_;
   if (absl::Status synced = files_->Sync(NameOf(open_segment_)); !synced.ok()) {
-    AbandonSegment();
+    NoteSyncError();
     return synced;
   }
   synced_ = appended_;
@@ -163,7 +165,8 @@ void Spool::HurrySync() {
 absl::Status Spool::TakeSyncError() {
   const absl::Status error =
       syncer_ == nullptr ? std::exchange(error_, absl::OkStatus()) : syncer_->TakeError();
-  if (!error.ok()) AbandonSegment();
+  if (!error.ok()) NoteSyncError();
+  ReleasePutOff();
   return error;
 }
 
@@ -189,6 +192,33 @@ void Spool::Release(const SpooledBatch& batch) {
   if (it == segments_.end() || it->second.live == 0 || --it->second.live > 0) return;
   if (batch.segment == open_segment_) open_segment_ = 0;
   RemoveSegment(batch.segment);
+}
+
+void Spool::ReleaseOnceSynced(const SpooledBatch& batch) {
+  if (syncer_ == nullptr) {
+    Release(batch);
+  } else {
+    put_off_.emplace_back(appended_, batch);
+  }
+}
+
+void Spool::ReleasePutOff() {
+  if (put_off_.empty()) return;
+  const uint64_t kept = synced();
+  while (!put_off_.empty() && put_off_.front().first <= kept) {
+    Release(put_off_.front().second);
+    put_off_.pop_front();
+  }
+}
+
+void Spool::NoteSyncError() {
+  open_segment_ = 0;
+  const uint64_t kept = synced();
+  // As many records as were lost are appended first.
+  const uint64_t appended_again = appended_ + (appended_ - kept);
+  for (auto& [order, batch] : put_off_) {
+    if (order > kept) order = appended_again;
+  }
 }
 
 void Spool::RemoveSegment(uint64_t number) {

@@ -4,6 +4,7 @@
 #define CORBSLAM_CLIENT_AGENT_SPOOL_SPOOL_H_
 
 #include <cstdint>
+#include <deque>
 #include <functional>
 #include <map>
 #include <memory>
@@ -77,8 +78,6 @@ class Spool {
   absl::Status TakeSyncError();
   // Returns up to which SpooledBatch::order a loss of power takes nothing.
   uint64_t synced() const;
-  // Returns whether there is SpoolOptions::sync.
-  bool syncs_by_itself() const { return syncer_ != nullptr; }
   // Returns how often the disk was made to keep something.
   uint64_t syncs() const;
   // Returns DATA_LOSS where the disk has not kept the batch.
@@ -86,6 +85,9 @@ class Spool {
   // Releases a batch that is not needed any more. The last one of a segment takes the segment with
   // it.
   void Release(const SpooledBatch& batch);
+  // Releases a batch for which something stands in that was appended by now: once a loss of power
+  // takes nothing of that. Without SpoolOptions::sync nobody promises that, and it is done at once.
+  void ReleaseOnceSynced(const SpooledBatch& batch);
 
   // Returns the bytes that this process appended.
   uint64_t appended_bytes() const { return appended_bytes_; }
@@ -104,8 +106,11 @@ class Spool {
   absl::Status RecoverSegment(const std::string& name);
   absl::Status SyncFound();
   absl::Status StartSegment();
-  // Nothing may follow in the open segment, whose end may be torn.
-  void AbandonSegment() { open_segment_ = 0; }
+  // Releases what was put off and may go by now.
+  void ReleasePutOff();
+  // What came after `synced` is to be appended again. Nothing may follow in the open segment, whose
+  // end may be torn, and what was put off waits for what is appended in place of the lost.
+  void NoteSyncError();
   // Cuts off the end of the open segment that belongs to no whole record.
   void CutOpenSegment();
   void RemoveSegment(uint64_t number);
@@ -117,6 +122,8 @@ class Spool {
   std::unique_ptr<SpoolSyncer> syncer_;
   std::vector<SpooledBatch> found_;
   std::map<uint64_t, Segment> segments_;
+  // What is to be released, each with the order up to which all is to be synced before; ascending.
+  std::deque<std::pair<uint64_t, SpooledBatch>> put_off_;
   uint64_t next_segment_ = 1;
   uint64_t open_segment_ = 0;  // 0: no segment is open.
   uint64_t appended_ = 0;      // SpooledBatch::order of the last one.

@@ -228,6 +228,29 @@ TEST_F(SpoolTest, WhatWasSyncedOutlivesALossOfPower) {
   EXPECT_GT(lost, 0u) << "the test can't tell";
 }
 
+// The first batch is needed until the disk has the second for certain.
+TEST_F(SpoolTest, WhatSomethingStandsInForGoesOnceThatIsSynced) {
+  options_.segment_bytes = 1;  // A batch in each.
+  options_.sync = SyncPolicy{.after = absl::Hours(1), .bytes = 1 << 30};
+  const auto spool = Open();
+  const SpooledBatch before = *spool->Append(BatchOf(7, 1));
+  ASSERT_TRUE(spool->Sync().ok());
+  ASSERT_TRUE(spool->Append(BatchOf(7, 2)).ok());
+  spool->ReleaseOnceSynced(before);
+  EXPECT_EQ(disk_.files.size(), 2u);
+  disk_.sync_fails = true;
+  EXPECT_FALSE(spool->Sync().ok());
+  disk_.sync_fails = false;
+  // Another one is synced, and what stands in is not appended again yet.
+  EXPECT_EQ(disk_.files.size(), 2u);
+  ASSERT_TRUE(spool->Append(BatchOf(7, 2)).ok());
+  EXPECT_EQ(disk_.files.size(), 3u);
+  ASSERT_TRUE(spool->Sync().ok());
+  EXPECT_EQ(disk_.files.size(), 2u) << "the first one's is gone";
+  const auto again = OpenFakeSpool(&disk_, {.owner = options_.owner});
+  for (const SpooledBatch& found : (*again)->found()) EXPECT_EQ(found.record.number, 2u);
+}
+
 TEST_F(SpoolTest, AThreadSyncsWhatIsWritten) {
   const std::string path = ::testing::TempDir() + "/spool_thread_test";
   std::filesystem::remove_all(path);

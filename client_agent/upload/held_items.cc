@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <limits>
 #include <optional>
 #include <set>
 #include <utility>
@@ -202,7 +201,6 @@ absl::Status TellHeldOf(const FoundOfMap& found, Spool& spool, std::vector<Spool
 }  // namespace
 
 absl::Status HeldWriter::Write(const HeldItems& held, uint64_t last_batch, Spool& spool) {
-  ReleaseOutdated(spool.synced(), spool);
   for (const FullKeyframe& keyframe : held.keyframes) {
     MapUpdateBatch batch;
     batch.local_map = held.rest.local_map;
@@ -213,7 +211,8 @@ absl::Status HeldWriter::Write(const HeldItems& held, uint64_t last_batch, Spool
   MapUpdateBatch rest = held.rest;
   rest.number = last_batch;
   ASSIGN_OR_RETURN(const SpooledBatch written, spool.Append(rest, Kind::kHeldRest));
-  for (const SpooledBatch& before : rest_) ReleaseOnceSynced(before, written, spool);
+  // They are needed until what was written now, which stands in for them, outlives a loss of power.
+  for (const SpooledBatch& before : rest_) spool.ReleaseOnceSynced(before);
   rest_ = {written};
   std::set<KeyframeId> still;
   for (const LightKeyframe& light : rest.light_keyframes) still.insert(light.id);
@@ -222,30 +221,20 @@ absl::Status HeldWriter::Write(const HeldItems& held, uint64_t last_batch, Spool
       ++it;
       continue;
     }
-    ReleaseOnceSynced(it->second, written, spool);
+    spool.ReleaseOnceSynced(it->second);
     it = keyframes_.erase(it);
   }
   return absl::OkStatus();
 }
 
-void HeldWriter::ReleaseOnceSynced(const SpooledBatch& before, const SpooledBatch& written,
-                                   Spool& spool) {
-  if (spool.syncs_by_itself()) {
-    outdated_.emplace_back(written.order, before);
-  } else {
-    spool.Release(before);
-  }
-}
-
-void HeldWriter::ReleaseOutdated(uint64_t synced, Spool& spool) {
-  while (!outdated_.empty() && outdated_.front().first <= synced) {
-    spool.Release(outdated_.front().second);
-    outdated_.pop_front();
-  }
+void HeldWriter::Finish(Spool& spool) {
+  for (const auto& [id, spooled] : keyframes_) spool.ReleaseOnceSynced(spooled);
+  for (const SpooledBatch& spooled : rest_) spool.ReleaseOnceSynced(spooled);
+  keyframes_.clear();
+  rest_.clear();
 }
 
 void HeldWriter::Release(Spool& spool) {
-  ReleaseOutdated(std::numeric_limits<uint64_t>::max(), spool);
   for (const auto& [id, spooled] : keyframes_) spool.Release(spooled);
   for (const SpooledBatch& spooled : rest_) spool.Release(spooled);
   keyframes_.clear();

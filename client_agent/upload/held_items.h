@@ -4,7 +4,6 @@
 #define CORBSLAM_CLIENT_AGENT_UPLOAD_HELD_ITEMS_H_
 
 #include <cstdint>
-#include <deque>
 #include <map>
 #include <utility>
 #include <vector>
@@ -29,18 +28,14 @@ class HeldWriter {
  public:
   // `last_batch` is the number of the last batch before, at least 1.
   absl::Status Write(const HeldItems& held, uint64_t last_batch, Spool& spool);
-  // It is all in batches now.
+  // It is all in batches that the spool has; goes once these outlive a loss of power.
+  void Finish(Spool& spool);
+  // Gives room back at once.
   void Release(Spool& spool);
 
  private:
-  // `before` is needed until `written`, which stands in for it, outlives a loss of power.
-  void ReleaseOnceSynced(const SpooledBatch& before, const SpooledBatch& written, Spool& spool);
-  void ReleaseOutdated(uint64_t synced, Spool& spool);
-
   std::map<KeyframeId, SpooledBatch> keyframes_;
   std::vector<SpooledBatch> rest_;
-  // With the order of what stands in for each; ascending.
-  std::deque<std::pair<uint64_t, SpooledBatch>> outdated_;
 };
 
 // Makes batches of what an earlier process held back when it ended, and puts them behind what the

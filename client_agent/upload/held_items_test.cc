@@ -4,10 +4,12 @@
 #include <gtest/gtest.h>
 
 #include <memory>
+#include <random>
 #include <set>
 #include <string>
 #include <utility>
 
+#include "absl/time/time.h"
 #include "client_agent/spool/testing/fake_spool.h"
 #include "client_agent/upload/kept_map_reading.h"
 #include "client_agent/upload/update_recorder.h"
@@ -19,9 +21,29 @@ namespace {
 constexpr LocalMapId kHolding{7};
 constexpr uint32_t kHeldKeypoints = 10;
 
-class HeldItemsTest : public ::testing::Test {
- protected:
-  HeldItemsTest() : spool_(*OpenFakeSpool(&disk_)) { map_.SetObserver(&recorder_); }
+// What a robot maps and holds back, and the spool that keeps it.
+class HeldDrive {
+ public:
+  explicit HeldDrive(const SpoolOptions& options = {}) : spool_(*OpenFakeSpool(&disk_, options)) {
+    map_.SetObserver(&recorder_);
+  }
+  // With segments of this size, and a thread that syncs when it is told to.
+  explicit HeldDrive(uint64_t segment_bytes) : HeldDrive(SyncedWhenTold(segment_bytes)) {}
+
+  static SpoolOptions SyncedWhenTold(uint64_t segment_bytes) {
+    SpoolOptions options;
+    options.segment_bytes = segment_bytes;
+    options.sync = SyncPolicy{.after = absl::Hours(1), .bytes = 1 << 30};
+    return options;
+  }
+  // All is told, and nothing held back any more.
+  void End() {
+    recorder_.StopHoldingBack();
+    WriteBatch();
+    writer_.Finish(*spool_);
+  }
+  Spool& spool() { return *spool_; }
+  FakeDisk& disk() { return disk_; }
 
   // A keyframe that sees a new point, and the point of the one before.
   void AddKeyframe(uint32_t index) {
@@ -63,6 +85,7 @@ class HeldItemsTest : public ::testing::Test {
     return keyframes;
   }
 
+ protected:
   FakeDisk disk_;
   std::unique_ptr<Spool> spool_;
   Map map_;
@@ -71,6 +94,8 @@ class HeldItemsTest : public ::testing::Test {
   HeldWriter writer_;
   uint64_t last_ = 0;
 };
+
+class HeldItemsTest : public ::testing::Test, protected HeldDrive {};
 
 TEST_F(HeldItemsTest, WhatIsHeldBackIsThereAfterTheProcess) {
   for (uint32_t i = 0; i < 5; ++i) AddKeyframe(i);
@@ -185,6 +210,32 @@ TEST_F(HeldItemsTest, ThingsThatAreNotThereAreSaid) {
   const auto spool = *OpenFakeSpool(&disk_);
   EXPECT_TRUE(absl::IsDataLoss(TellHeld(*spool)));
   EXPECT_EQ(spool->found().size(), 1u) << "the batch is there";
+}
+
+// A local map ends: what was held back is in its last batches, which the disk has not got yet.
+TEST(HeldWriterTest, ALossOfPowerTakesNothingWhenALocalMapEnds) {
+  std::mt19937 random(5);
+  int without_the_end = 0;
+  for (int cut = 0; cut < 40; ++cut) {
+    HeldDrive drive(cut % 2 == 0 ? uint64_t{1} : uint64_t{1} << 20);
+    for (uint32_t i = 0; i < 5; ++i) drive.AddKeyframe(i);
+    drive.WriteBatch();
+    drive.WriteHeld();
+    ASSERT_TRUE(drive.spool().Sync().ok());
+    drive.End();
+    FakeDisk after = drive.disk();
+    after.CutPower(random);
+    const std::set<uint32_t> keyframes = HeldDrive::KeyframesAfter(after);
+    EXPECT_EQ(keyframes.size(), 5u) << "cut " << cut;
+    without_the_end += after.Used() < drive.disk().Used() ? 1 : 0;
+    // Once the disk has the batches, what was held back goes.
+    ASSERT_TRUE(drive.spool().Sync().ok());
+    for (const SpooledBatch& left : (*OpenFakeSpool(&drive.disk()))->found()) {
+      const bool shares_a_segment = cut % 2 != 0;
+      EXPECT_TRUE(left.record.kind == SpoolRecord::Kind::kBatch || shares_a_segment);
+    }
+  }
+  EXPECT_GT(without_the_end, 0) << "the test can't tell";
 }
 
 }  // namespace

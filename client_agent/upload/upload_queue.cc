@@ -240,7 +240,18 @@ std::optional<uint64_t> UploadQueue::WriteHeld(const HeldItems& held) {
 void UploadQueue::ReleaseHeld(LocalMapId local_map) {
   const auto it = held_.find(local_map);
   if (it == held_.end()) return;
-  it->second.Release(*spool_);
+  WriteAll();
+  bool all_written = false;
+  {
+    absl::MutexLock lock(&mutex_);
+    all_written = outbox_.OldestUnwritten() == nullptr;
+  }
+  if (all_written) {
+    it->second.Finish(*spool_);
+  } else {
+    // The disk takes no batch: room is worth more.
+    it->second.Release(*spool_);
+  }
   held_.erase(it);
 }
 

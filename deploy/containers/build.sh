@@ -1,6 +1,6 @@
 #!/bin/sh
 # build.sh [OPTION...] [PROGRAM...] [-- ARGUMENT...]: builds the images of map_store, fusion_worker,
-# map_viewer and client_agent, or of those named, with buildah. Arguments go to buildah build, for example
+# map_viewer and client_agent, or of those named (corbslam, the command, too), with buildah. Arguments go to buildah build, for example
 # --isolation chroot --network host where containers get no network of their own.
 #
 # --binaries DIR   ships the programs in DIR, built on this machine (Debian 12), with its libraries;
@@ -39,7 +39,7 @@ while [ $# -gt 0 ] && [ "$1" != -- ]; do
       shift
       ;;
     --debootstrap) debootstrap=yes ;;
-    map_store | fusion_worker | map_viewer | client_agent) programs="$programs $1" ;;
+    map_store | fusion_worker | map_viewer | client_agent | corbslam) programs="$programs $1" ;;
     *) usage "no such option or program: $1" ;;
   esac
   shift

@@ -2,8 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <string>
+#include <utility>
 #include <vector>
+
+#include "absl/container/flat_hash_map.h"
+#include "absl/hash/hash.h"
 
 namespace corbslam::map_store {
 namespace {
@@ -28,34 +31,93 @@ std::vector<LocalMapId> ListOld(const MissionState& state, const AgentState& age
 }
 
 std::optional<LocalMapJoining> Try(LocalMapId part, LocalMapId whole, const MissionState& state) {
-  const Similarity3d* island_from_part = FindMetricFrame(part, state.global);
-  const Similarity3d* island_from_whole = FindMetricFrame(whole, state.global);
-  if (island_from_part == nullptr || island_from_whole == nullptr) return std::nullopt;
-  const LocalMapJoining joining{
-      part, whole, island_from_whole->ToRigid().Inverse() * island_from_part->ToRigid()};
+  const Similarity3d& island_from_part = *FindMetricFrame(part, state.global);
+  const Similarity3d& island_from_whole = *FindMetricFrame(whole, state.global);
+  const LocalMapJoining joining{part, whole,
+                                island_from_whole.ToRigid().Inverse() * island_from_part.ToRigid()};
   if (!CheckMayJoin(joining, state).ok()) return std::nullopt;
   return joining;
 }
 
-std::optional<LocalMapJoining> ChooseOf(const std::vector<LocalMapId>& old,
-                                        const MissionState& state) {
-  for (size_t i = 1; i < old.size(); ++i) {
-    if (FindMetricFrame(old[i], state.global) == nullptr) continue;
-    for (size_t earlier = 0; earlier < i; ++earlier) {
-      if (state.FindIslandOf(old[earlier]) != state.FindIslandOf(old[i])) continue;
-      if (const auto joining = Try(old[i], old[earlier], state)) return joining;
+// Looks through one agent's old local maps, the earliest first.
+class Search {
+ public:
+  Search(const MissionState& state, JoiningMemory& memory) : state_(state), memory_(memory) {}
+
+  // Returns the joining of the local map with an earlier one of those that this was called with.
+  std::optional<LocalMapJoining> Next(LocalMapId id) {
+    if (FindMetricFrame(id, state_.global) == nullptr) return std::nullopt;
+    const LocalMapState& local_map = state_.local_maps.at(id);
+    if (IsKeptApart(local_map, state_.global)) return std::nullopt;
+    LocalMapId* const whole = FindWhole(local_map);
+    if (whole == nullptr || !MayBecomePart(local_map, state_).ok()) return std::nullopt;
+    if (!Stands(state_.local_maps.at(*whole))) {
+      *whole = id;
+      return std::nullopt;
+    }
+    return Stands(local_map) ? Try(id, *whole, state_) : std::nullopt;
+  }
+
+ private:
+  // Local maps of one island whose cameras look alike at first sight.
+  using Kind = std::pair<IslandId, size_t>;
+
+  Kind KindOf(const LocalMapState& local_map) const {
+    size_t looks = local_map.cameras.size();
+    for (const auto& camera : local_map.cameras) {
+      looks = absl::HashOf(looks, camera->fx_px, camera->fy_px, camera->cx_px, camera->cy_px);
+    }
+    return {state_.FindIslandOf(local_map.id)->id, looks};
+  }
+
+  // Returns the earliest one with the same island and cameras that is not known to be unfit; null
+  // if there is none, and then it is this one for those behind.
+  LocalMapId* FindWhole(const LocalMapState& local_map) {
+    std::vector<LocalMapId>& alike = wholes_[KindOf(local_map)];
+    for (LocalMapId& whole : alike) {
+      if (HaveSameCameras(state_.local_maps.at(whole), local_map)) return &whole;
+    }
+    alike.push_back(local_map.id);
+    return nullptr;
+  }
+
+  bool Stands(const LocalMapState& local_map) {
+    const uint64_t revision = state_.global.revision;
+    const size_t keyframes = local_map.map.keyframes().size();
+    const auto known = memory_.trees.find(local_map.id);
+    if (known != memory_.trees.end() && known->second.revision == revision &&
+        known->second.keyframes == keyframes) {
+      return known->second.stand;
+    }
+    ++memory_.walked;
+    const bool stand = StandsByItself(local_map, state_.global);
+    memory_.trees[local_map.id] = {revision, keyframes, stand};
+    return stand;
+  }
+
+  const MissionState& state_;
+  JoiningMemory& memory_;
+  absl::flat_hash_map<Kind, std::vector<LocalMapId>> wholes_;  // Of different cameras each.
+};
+
+}  // namespace
+
+std::optional<LocalMapJoining> ChooseJoining(const MissionState& state, size_t kept,
+                                             JoiningMemory& memory) {
+  std::erase_if(memory.trees,
+                [&state](const auto& item) { return !state.local_maps.contains(item.first); });
+  for (const auto& [name, agent] : state.agents) {
+    Search search(state, memory);
+    for (const LocalMapId& id : ListOld(state, agent, kept)) {
+      if (const auto joining = search.Next(id)) return joining;
     }
   }
   return std::nullopt;
 }
 
-}  // namespace
-
 std::optional<LocalMapJoining> ChooseJoining(const MissionState& state, size_t kept) {
-  for (const auto& [name, agent] : state.agents) {
-    if (const auto joining = ChooseOf(ListOld(state, agent, kept), state)) return joining;
-  }
-  return std::nullopt;
+  JoiningMemory none;
+  return ChooseJoining(state, kept, none);
 }
 
 }  // namespace corbslam::map_store

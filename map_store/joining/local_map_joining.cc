@@ -16,45 +16,6 @@ absl::Status Refused(const LocalMapJoining& joining, absl::string_view why) {
                                                     ToString(joining.whole), ": ", why));
 }
 
-bool HaveSameCameras(const LocalMapState& a, const LocalMapState& b) {
-  const auto same = [](const auto& x, const auto& y) { return *x == *y; };
-  return std::ranges::equal(a.cameras, b.cameras, same) && a.recorded_cameras == b.recorded_cameras;
-}
-
-bool IsKeptApart(const LocalMapState& local_map, const GlobalLayer& global) {
-  return std::ranges::any_of(global.kept_apart, [&local_map](const auto& pair) {
-    return local_map.IsNamed(pair.first) || local_map.IsNamed(pair.second);
-  });
-}
-
-// Returns whether each keyframe has its global pose by itself or through its own tree. What follows
-// a neighbour in the order of ids would follow another one in a larger local map.
-bool StandsByItself(const LocalMapState& local_map, const GlobalLayer& global) {
-  const auto& keyframes = local_map.map.keyframes();
-  absl::flat_hash_map<KeyframeId, KeyframeId> root_of;
-  const auto find_root = [&](const Keyframe& from) {
-    std::vector<KeyframeId> way;
-    const Keyframe* at = &from;
-    while (!root_of.contains(at->id())) {
-      way.push_back(at->id());
-      const Keyframe* parent = local_map.map.FindKeyframe(at->parent);
-      if (parent == nullptr) break;
-      at = parent;
-    }
-    const auto known = root_of.find(at->id());
-    const KeyframeId root = known == root_of.end() ? at->id() : known->second;
-    for (const KeyframeId& id : way) root_of[id] = root;
-    return root;
-  };
-  std::set<KeyframeId> placed_roots;
-  for (const auto& [id, keyframe] : keyframes) {
-    const KeyframeId root = find_root(keyframe);
-    if (global.keyframes.contains(id)) placed_roots.insert(root);
-  }
-  return std::ranges::all_of(
-      keyframes, [&](const auto& item) { return placed_roots.contains(root_of.at(item.first)); });
-}
-
 void MoveItems(const LocalMapJoining& joining, GlobalLayer& global, Map& map) {
   const Rigid3d part_from_whole = joining.whole_from_part.Inverse();
   std::vector<KeyframeId> keyframes;
@@ -86,9 +47,9 @@ void Append(std::vector<T>& from, std::vector<T>& to) {
 void NotePart(const LocalMapState& part, LocalMapState& whole) {
   const uint64_t frames = whole.frames.size();
   const uint64_t lost = whole.lost_frames_ns.size();
-  whole.joined.push_back({part.id, part.last_batch, frames, lost});
+  whole.AddPart({part.id, part.last_batch, frames, lost});
   for (const JoinedLocalMap& inner : part.joined) {
-    whole.joined.push_back(
+    whole.AddPart(
         {inner.id, inner.last_batch, frames + inner.first_frame, lost + inner.first_lost_frame});
   }
 }
@@ -154,6 +115,43 @@ void ForgetPart(const LocalMapState& part, LocalMapId whole, MissionState& state
 
 }  // namespace
 
+bool HaveSameCameras(const LocalMapState& a, const LocalMapState& b) {
+  const auto same = [](const auto& x, const auto& y) { return *x == *y; };
+  return std::ranges::equal(a.cameras, b.cameras, same) && a.recorded_cameras == b.recorded_cameras;
+}
+
+bool IsKeptApart(const LocalMapState& local_map, const GlobalLayer& global) {
+  return std::ranges::any_of(global.kept_apart, [&local_map](const auto& pair) {
+    return local_map.IsNamed(pair.first) || local_map.IsNamed(pair.second);
+  });
+}
+
+bool StandsByItself(const LocalMapState& local_map, const GlobalLayer& global) {
+  const auto& keyframes = local_map.map.keyframes();
+  absl::flat_hash_map<KeyframeId, KeyframeId> root_of;
+  const auto find_root = [&](const Keyframe& from) {
+    std::vector<KeyframeId> way;
+    const Keyframe* at = &from;
+    while (!root_of.contains(at->id())) {
+      way.push_back(at->id());
+      const Keyframe* parent = local_map.map.FindKeyframe(at->parent);
+      if (parent == nullptr) break;
+      at = parent;
+    }
+    const auto known = root_of.find(at->id());
+    const KeyframeId root = known == root_of.end() ? at->id() : known->second;
+    for (const KeyframeId& id : way) root_of[id] = root;
+    return root;
+  };
+  std::set<KeyframeId> placed_roots;
+  for (const auto& [id, keyframe] : keyframes) {
+    const KeyframeId root = find_root(keyframe);
+    if (global.keyframes.contains(id)) placed_roots.insert(root);
+  }
+  return std::ranges::all_of(
+      keyframes, [&](const auto& item) { return placed_roots.contains(root_of.at(item.first)); });
+}
+
 absl::Status CheckJoining(const LocalMapJoining& joining, const MissionState& state) {
   const auto part = state.local_maps.find(joining.part);
   const auto whole = state.local_maps.find(joining.whole);
@@ -173,13 +171,23 @@ absl::Status CheckJoining(const LocalMapJoining& joining, const MissionState& st
   return Refused(joining, "their cameras differ");
 }
 
+absl::Status MayBecomePart(const LocalMapState& local_map, const MissionState& state) {
+  const auto refused = [&local_map](absl::string_view why) {
+    return absl::FailedPreconditionError(
+        absl::StrCat("local map ", ToString(local_map.id), " becomes no part: ", why));
+  };
+  const Island& island = *state.FindIslandOf(local_map.id);
+  if (island.id == local_map.id) return refused("its island has its name");
+  if (local_map.CountParked() > 0) return refused("something that it refers to has not arrived");
+  if (island.relaxed.contains(local_map.id)) return refused("a loop of it is to be welded");
+  return absl::OkStatus();
+}
+
 absl::Status CheckMayJoin(const LocalMapJoining& joining, const MissionState& state) {
   RETURN_IF_ERROR(CheckJoining(joining, state));
   const LocalMapState& a = state.local_maps.at(joining.part);
   const LocalMapState& b = state.local_maps.at(joining.whole);
-  const Island& island = *state.FindIslandOf(b.id);
-  if (a.CountParked() > 0) return Refused(joining, "something that it refers to has not arrived");
-  if (island.relaxed.contains(a.id)) return Refused(joining, "a loop of it is to be welded");
+  RETURN_IF_ERROR(MayBecomePart(a, state));
   if (IsKeptApart(a, state.global) || IsKeptApart(b, state.global)) {
     return Refused(joining, "somebody keeps one of them apart from others");
   }

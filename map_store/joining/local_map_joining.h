@@ -24,6 +24,15 @@ absl::Status CheckJoining(const LocalMapJoining& joining, const MissionState& st
 // are. What it looks at need not be the same in a replay.
 absl::Status CheckMayJoin(const LocalMapJoining& joining, const MissionState& state);
 
+// These are what that asks of one local map. Whether the cameras are the same; whether somebody
+// keeps it apart from others; what stands against it as a part, of any whole.
+bool HaveSameCameras(const LocalMapState& a, const LocalMapState& b);
+bool IsKeptApart(const LocalMapState& local_map, const GlobalLayer& global);
+absl::Status MayBecomePart(const LocalMapState& local_map, const MissionState& state);
+// Returns whether each keyframe has its global pose by itself or through its own tree. What follows
+// a neighbour in the order of ids would follow another one in a larger local map. Walks all trees.
+bool StandsByItself(const LocalMapState& local_map, const GlobalLayer& global);
+
 // Applies a joining that passed the check. All items keep their ids, and all keyframes their global
 // poses. Costs as much as the part has items.
 void ApplyJoining(const LocalMapJoining& joining, MissionState& state);

@@ -130,6 +130,8 @@ TEST(LocalMapJoiningTest, ATrajectoryGoesThroughOneSessionAfterTheOther) {
   for (size_t i = 0; i < trajectory->poses.size(); ++i) {
     EXPECT_EQ(trajectory->poses[i].timestamp_ns, static_cast<int64_t>(1000 + i % 3));
     EXPECT_EQ(trajectory->poses[i].after_gap, i > 0 && i % 3 == 0) << i;
+    // Whoever sorts poses by time keeps sessions apart by this.
+    EXPECT_EQ(trajectory->poses[i].local_map, (LocalMapId{1 + i / kKeyframesOfStart})) << i;
   }
 }
 
@@ -179,6 +181,51 @@ TEST(LocalMapJoiningTest, StaysAsItIs) {
   MissionState not_joined = MakeManyStarts(1);
   testing::AddStart(2, false, not_joined);
   expect_none(not_joined);
+}
+
+// Takes away where the session's keyframes stand, which then follow others of no relation.
+void Unplace(uint64_t session, MissionState& state) {
+  for (uint32_t i = 0; i < kKeyframesOfStart; ++i) state.global.keyframes.erase({{session}, i});
+}
+
+TEST(LocalMapJoiningTest, WhatCanNotBecomeOneIsLookedAtOnceUntilItChanges) {
+  constexpr uint64_t kSessions = 60;
+  MissionState state = MakeManyStarts(kSessions);
+  for (uint64_t session = 1; session <= kSessions; ++session) Unplace(session, state);
+  JoiningMemory memory;
+  EXPECT_FALSE(ChooseJoining(state, 1, memory).has_value());
+  EXPECT_LE(memory.walked, kSessions) << "not each pair of them";
+  const uint64_t walked = memory.walked;
+  ++state.version;  // A batch came.
+  EXPECT_FALSE(ChooseJoining(state, 1, memory).has_value());
+  EXPECT_EQ(memory.walked, walked);
+  state.global.keyframes[{{7}, 0}].camera_from_island = testing::IslandFromStart(7).Inverse();
+  state.global.keyframes[{{9}, 0}].camera_from_island = testing::IslandFromStart(9).Inverse();
+  ++state.global.revision;  // Fusion placed two of them.
+  const auto joining = ChooseJoining(state, 1, memory);
+  ASSERT_TRUE(joining.has_value());
+  EXPECT_EQ(joining->part, LocalMapId{9});
+  EXPECT_EQ(joining->whole, LocalMapId{7});
+  ApplyJoining(*joining, state);
+  EXPECT_FALSE(ChooseJoining(state, 1, memory).has_value());
+  EXPECT_EQ(memory.trees.count({9}), 0u) << "it is no local map any more";
+}
+
+TEST(LocalMapJoiningTest, SessionsOfTwoCamerasBecomeTwo) {
+  MissionState state = MakeManyStarts(9);
+  for (const uint64_t session : {2, 4, 5}) {
+    state.FindLocalMap({session})->cameras = {
+        std::make_shared<const Camera>(Camera{501, 500, 320, 240, 640, 480, 0.1, 4})};
+  }
+  // Alike at first sight only.
+  state.FindLocalMap({8})->cameras = {
+      std::make_shared<const Camera>(Camera{500, 500, 320, 240, 640, 480, 0.2, 4})};
+  EXPECT_EQ(JoinAll(state, 1), 5u);
+  EXPECT_EQ(state.FindLocalMap({7})->id, LocalMapId{1});
+  EXPECT_EQ(state.FindLocalMap({5})->id, LocalMapId{2});
+  EXPECT_EQ(state.FindLocalMap({8})->id, LocalMapId{8});
+  EXPECT_TRUE(state.FindLocalMap({1})->IsNamed({7}));
+  EXPECT_FALSE(state.FindLocalMap({1})->IsNamed({5}));
 }
 
 }  // namespace

@@ -15,6 +15,7 @@ MissionLoad MeasureLoad(const MissionState& state) {
   for (const auto& [name, agent] : state.agents) load.connected_agents += agent.session != 0;
   load.local_maps = state.local_maps.size();
   load.joined_local_maps = state.joined_into.size();
+  load.forgotten_local_maps = state.forgotten.size();
   load.islands = state.global.islands.size();
   for (const auto& [id, local_map] : state.local_maps) {
     load.keyframes += local_map.map.keyframes().size();

@@ -2,21 +2,23 @@
 
 #include <glog/logging.h>
 
-#include <optional>
-
 #include "absl/strings/str_cat.h"
-#include "map_store/joining/joining_choice.h"
 #include "map_store/records/record_application.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::map_store {
+
+std::optional<LocalMapJoining> MissionJoining::Choose(const MissionState& state) const {
+  absl::MutexLock lock(&memory_mutex_);
+  return ChooseJoining(state, strand_.options().keep_local_maps, memory_);
+}
 
 bool MissionJoining::IsDue() const {
   if (!IsWanted()) return false;
   absl::ReaderMutexLock lock(&strand_.mutex());
   const MissionState& state = strand_.state();
   if (strand_.deleted() || rests_at_.load() == state.version + 1) return false;
-  if (ChooseJoining(state, strand_.options().keep_local_maps).has_value()) return true;
+  if (Choose(state).has_value()) return true;
   rests_at_.store(state.version + 1);
   return false;
 }
@@ -28,8 +30,7 @@ bool MissionJoining::RunOne() {
     absl::MutexLock turn(&strand_.turn());
     // Another thread may have begun to fuse since.
     if (strand_.IsDeleted() || !fusion_.IsIdle()) return false;
-    const std::optional<LocalMapJoining> joining =
-        ChooseJoining(strand_.state_in_turn(), strand_.options().keep_local_maps);
+    const std::optional<LocalMapJoining> joining = Choose(strand_.state_in_turn());
     if (!joining.has_value()) return false;
     const JoinRecord record{*joining};
     if (!strand_.Append(record).ok()) return false;

@@ -6,10 +6,13 @@
 #include <atomic>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <utility>
 
 #include "absl/status/statusor.h"
+#include "absl/synchronization/mutex.h"
 #include "map_store/joining/forgetting.h"
+#include "map_store/joining/joining_choice.h"
 #include "map_store/mission/fusion_coordinator.h"
 #include "map_store/mission/mission_retiring.h"
 #include "map_store/mission/mission_strand.h"
@@ -42,12 +45,17 @@ class MissionJoining {
     return strand_.options().join_local_maps && strand_.environment().has_worker;
   }
 
+  // Returns what is to be joined next.
+  std::optional<LocalMapJoining> Choose(const MissionState& state) const;
+
   MissionStrand& strand_;
   const FusionCoordinator& fusion_;
   const MissionRetiring& retiring_;
   const std::function<void()> notify_;
   // The version of the state in which nothing was to be done, plus one: looking takes a while.
   mutable std::atomic<uint64_t> rests_at_ = 0;
+  mutable absl::Mutex memory_mutex_;
+  mutable JoiningMemory memory_ ABSL_GUARDED_BY(memory_mutex_);
 };
 
 }  // namespace corbslam::map_store

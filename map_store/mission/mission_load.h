@@ -26,7 +26,8 @@ struct MissionLoad {
   size_t agents = 0;
   size_t connected_agents = 0;
   size_t local_maps = 0;
-  size_t joined_local_maps = 0;  // Those that have become parts of these.
+  size_t joined_local_maps = 0;     // Those that have become parts of these.
+  size_t forgotten_local_maps = 0;  // Those that somebody deleted.
   size_t islands = 0;
   size_t keyframes = 0;
   // Number of points of all local maps: a landmark counts as often as there are points of it.

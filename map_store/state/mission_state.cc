@@ -78,8 +78,16 @@ void SetIslandOf(const LocalMapState& local_map, IslandId island, MissionState& 
 
 void IndexJoined(MissionState& state) {
   state.joined_into.clear();
-  for (const auto& [id, local_map] : state.local_maps) {
-    for (const JoinedLocalMap& part : local_map.joined) state.joined_into[part.id] = id;
+  for (auto& [id, local_map] : state.local_maps) {
+    local_map.part_names.clear();
+    for (const JoinedLocalMap& part : local_map.joined) {
+      state.joined_into[part.id] = id;
+      local_map.part_names.insert(part.id);
+    }
+  }
+  state.arrivals = ArrivalBook(state.joined_into.size() + state.forgotten.size());
+  for (const LocalMapId& id : state.order) {
+    for (const LocalMapId& name : state.local_maps.at(id).Names()) state.arrivals.Add(name);
   }
 }
 
@@ -120,6 +128,7 @@ LocalMapState& AddLocalMap(MissionState& state, LocalMapId id, const std::string
   local_map.agent = agent;
   local_map.order = state.order.size();
   state.order.push_back(id);
+  state.arrivals.Add(id);
   state.agents[agent].local_maps.push_back(id);
   state.global.island_of[id] = id;
   Island& island = state.global.islands[id];

@@ -17,7 +17,9 @@
 #include <vector>
 
 #include "absl/container/btree_map.h"
+#include "absl/container/flat_hash_set.h"
 #include "absl/time/time.h"
+#include "map_store/state/arrival_book.h"
 #include "map_store/state/change_log.h"
 #include "map_store/state/landmarks.h"
 #include "map_store/state/lookups.h"
@@ -70,8 +72,10 @@ struct LocalMapState {
   size_t order = 0;  // Its place in the order of arrival in the mission.
   uint64_t last_batch = 0;
   bool closed = false;
-  // Other local maps that have become parts of this one, in the order in which they did.
+  // Other local maps that have become parts of this one, in the order in which they did; and their
+  // ids, derived from these. AddPart adds to both.
   std::vector<JoinedLocalMap> joined;
+  absl::flat_hash_set<LocalMapId> part_names;
 
   std::vector<std::shared_ptr<const Camera>> cameras;
   // One for each camera; nullopt where the owner never said it.
@@ -130,8 +134,10 @@ struct LocalMapState {
     for (const JoinedLocalMap& part : joined) names.push_back(part.id);
     return names;
   }
-  bool IsNamed(LocalMapId name) const {
-    return name == id || std::ranges::find(joined, name, &JoinedLocalMap::id) != joined.end();
+  bool IsNamed(LocalMapId name) const { return name == id || part_names.contains(name); }
+  void AddPart(const JoinedLocalMap& part) {
+    joined.push_back(part);
+    part_names.insert(part.id);
   }
   size_t CountParked() const { return parked.size() + parked_parents.size(); }
   bool IsSettled(KeyframeId keyframe) const {
@@ -263,6 +269,7 @@ struct MissionState {
   // Local maps that are parts of others by now, by their old ids; derived from `joined` of these.
   // Ids go through it wherever a local map is looked up.
   std::map<LocalMapId, LocalMapId> joined_into;
+  ArrivalBook arrivals;
   // The last batch of each local map that somebody deleted. Their ids never come back.
   std::map<LocalMapId, uint64_t> forgotten;
   GlobalLayer global;
@@ -330,7 +337,8 @@ size_t CountKeyframes(const MissionState& state, const Island& island);
 uint64_t LastBatchOf(const MissionState& state, LocalMapId id);
 // Says that the local map, with all its parts, lies in the island.
 void SetIslandOf(const LocalMapState& local_map, IslandId island, MissionState& state);
-// Makes `joined_into` anew.
+// Makes `joined_into`, the names of parts and `arrivals` anew. The caller, who has read a state
+// from somewhere, does so once.
 void IndexJoined(MissionState& state);
 
 // Makes `points` anew. The caller, who has read a state from somewhere, does so once.

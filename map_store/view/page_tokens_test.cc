@@ -80,18 +80,23 @@ TEST_F(PageTokensTest, KeysThatAreMadeUpAreRefusedOrEmpty) {
   const auto token = [](const std::string& list, const std::string& key) {
     return map_store::MakePageToken({.list = list, .after = "", .size = 1}, key);
   };
-  for (const char* key : {"x", "-1", "0", "/", "1/", "0/x", "1/2/3", "99999999999999999999"}) {
+  for (const char* key : {"x", "-1", "0", "/", "1/", "0/x", "1/2/3/4", "99999999999999999999"}) {
     EXPECT_FALSE(store_.ListKeyframes("m", {}, {1, token("m/keyframes/", key)}).ok()) << key;
   }
   for (const char* key : {"x", "-1", "99999999999999999999", "1/2"}) {
+    // One of them is a place that another book gave out.
     EXPECT_FALSE(store_.ListLocalMaps("m", {1, token("m/localMaps", key)}).ok()) << key;
     EXPECT_FALSE(store_.ListOverlaps("m", {}, {1, token("m/overlaps//", key)}).ok()) << key;
   }
   const std::string last = absl::StrCat(~uint64_t{0});
-  // Of a local map that is not there, or not any more.
-  EXPECT_FALSE(store_.ListKeyframes("m", {}, {1, token("m/keyframes/", last + "/1")}).ok());
+  // Of a local map that is not there, or of one that was read anew after others had gone.
+  EXPECT_THAT(store_.ListKeyframes("m", {}, {1, token("m/keyframes/", last + "/0/1")})->items,
+              SizeIs(0));
+  EXPECT_TRUE(
+      absl::IsAborted(store_.ListKeyframes("m", {}, {1, token("m/keyframes/", "0/1/1")}).status()));
+  EXPECT_FALSE(store_.ListKeyframes("m", {}, {1, token("m/keyframes/", "0/0/" + last)}).ok());
   EXPECT_THAT(store_.ListOverlaps("m", {}, {1, token("m/overlaps//", last)})->items, SizeIs(0));
-  EXPECT_THAT(store_.ListLocalMaps("m", {1, token("m/localMaps", last)})->items, SizeIs(0));
+  EXPECT_THAT(store_.ListLocalMaps("m", {1, token("m/localMaps", last + "/0")})->items, SizeIs(0));
 }
 
 }  // namespace

@@ -71,6 +71,7 @@ bool HasTimeBetween(const std::vector<int64_t>& times, int64_t begin, int64_t en
 // The frames of one session, whose clock says nothing of another's: the first of each kind, and the
 // one after the last.
 struct SessionFrames {
+  LocalMapId id;  // The local map's name, or that of the part that the session was.
   size_t first = 0;
   size_t first_lost = 0;
   size_t end = 0;
@@ -78,11 +79,12 @@ struct SessionFrames {
 };
 
 std::vector<SessionFrames> SessionsOf(const LocalMapState& local_map) {
-  std::vector<SessionFrames> sessions = {{}};
+  std::vector<SessionFrames> sessions(1);
+  sessions.back().id = local_map.id;
   for (const JoinedLocalMap& part : local_map.joined) {
     sessions.back().end = part.first_frame;
     sessions.back().end_lost = part.first_lost_frame;
-    sessions.push_back({part.first_frame, part.first_lost_frame, 0, 0});
+    sessions.push_back({part.id, part.first_frame, part.first_lost_frame, 0, 0});
   }
   sessions.back().end = local_map.frames.size();
   sessions.back().end_lost = local_map.lost_frames_ns.size();
@@ -113,7 +115,7 @@ void AppendSession(const MissionState& state, const LocalMapState& local_map,
     }
     gap = gap || (before.has_value() && HasTimeBetween(lost, *before, tracked.timestamp_ns));
     trajectory.poses.push_back(
-        {tracked.timestamp_ns, local_map.id, *pose, state.global.island_of.at(local_map.id), gap});
+        {tracked.timestamp_ns, session.id, *pose, state.global.island_of.at(local_map.id), gap});
     before = tracked.timestamp_ns;
     gap = false;
   }

@@ -227,6 +227,25 @@ TEST_F(SecureServiceTest, OnlyAnOperatorDeletes) {
   EXPECT_EQ(GetMission(ConnectAs("viewer")).code(), absl::StatusCode::kNotFound);
 }
 
+TEST_F(SecureServiceTest, OnlyAnOperatorDeletesSessions) {
+  ASSERT_TRUE(Upload(ConnectAs("alpha"), "lab", "alpha").ok());
+  const auto forget = [](const std::shared_ptr<grpc::Channel>& channel) {
+    grpc::ClientContext context;
+    v1::ForgetLocalMapsRequest request;
+    request.set_parent("missions/lab/agents/alpha");
+    request.set_keep(0);
+    v1::ForgetLocalMapsResponse response;
+    return FromGrpcStatus(
+        v1::MapStore::NewStub(channel)->ForgetLocalMaps(&context, request, &response));
+  };
+  for (const char* name : {"viewer", "alpha", "store"}) {
+    EXPECT_THAT(forget(ConnectAs(name)), IsStatus(kDenied, "may not administer")) << name;
+  }
+  const auto of_field = Connect(WithToken("missions/field/operators/olga", absl::Hours(1)));
+  EXPECT_THAT(forget(of_field), IsStatus(kDenied, "may not administer"));
+  EXPECT_TRUE(forget(ConnectAs("operator")).ok());
+}
+
 TEST_F(SecureServiceTest, OnlyAnOperatorMakesAndChangesMissions) {
   for (const char* name : {"viewer", "alpha", "store"}) {
     EXPECT_THAT(CreateMission(ConnectAs(name), "lab"), IsStatus(kDenied, "may not administer"));

@@ -39,9 +39,29 @@ def job():
     return pod, claims
 
 
+def check_image(image, program):
+    """build.sh makes it, under this name, and it runs this program."""
+    build = (DEPLOY / "containers/build.sh").read_text(encoding="utf-8")
+    target = image.rpartition("/")[2].partition(":")[0]
+    prefix = re.search(r"\bprefix=(\S+) tag=(\S+)$", build, re.MULTILINE)
+    assert image == f"{prefix[1]}/{target}:{prefix[2]}", f"cron_job.yaml: image: {image}"
+    assert re.search(rf"[| ]{target}\) programs=", build), f"build.sh makes no {target}"
+    stages = (DEPLOY / "containers/Containerfile").read_text(encoding="utf-8").split("\nFROM ")
+    stage = next(text for text in stages if text.startswith(f"scratch AS {target}\n"))
+    assert f'ENTRYPOINT ["{program}"]' in stage, f"{target} does not run {program}"
+    assert "USER 10001:10001" in stage
+    assert re.search(rf"for program in [^;]*\b{target}\b", stages[1]), f"{target} is not collected"
+
+
 def check_job(known):
     pod, claims = job()
     container = pod["containers"][0]
+    check_image(container["image"], container["command"][0])
+    assert pod["securityContext"]["runAsUser"] == 10001
+    folder = next(argument.partition("=")[2] for argument in container["args"]
+                  if argument.startswith("--out-dir="))
+    backups = next(mount for mount in container["volumeMounts"] if mount["name"] == "backups")
+    assert backups["mountPath"] == folder and not backups.get("readOnly"), backups
     assert container["command"] == ["/usr/bin/corbslam", "mission", "backup-all"]
     for argument in container["args"]:
         assert argument.partition("=")[0] in known, f"cron_job.yaml: {argument}"

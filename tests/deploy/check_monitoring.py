@@ -75,10 +75,20 @@ def check_alerts(monitoring):
             monitoring.problem("docs/alerts.md", name, f"there are {names.count(name)} such alerts")
 
 
+# What people look for who keep missions for long.
+ON_DASHBOARD = (
+    "corbslam_mission_memory_bytes", "corbslam_mission_disk_bytes", "corbslam_missions_asleep",
+    "corbslam_missions_damaged", "corbslam_backups_safe_time_seconds",
+    "corbslam_mission_joined_local_maps", "corbslam_mission_forgotten_local_maps",
+    "corbslam_robot_uplink_held_bytes",
+)
+
+
 def check_dashboard(monitoring):
     file = "deploy/monitoring/grafana/dashboards/corbslam.json"
     dashboard = json.loads(monitoring.text(file))
     seen = set()
+    shown = set()
     for panel in dashboard["panels"]:
         if panel["id"] in seen:
             monitoring.problem(file, panel["title"], "id: is another panel's")
@@ -87,6 +97,10 @@ def check_dashboard(monitoring):
             monitoring.problem(file, panel["title"], "targets: has none")
         for target in panel.get("targets", []):
             monitoring.check_expression(file, panel["title"], target["expr"])
+            shown |= metric_table.named_in(target["expr"])
+    for name in ON_DASHBOARD:
+        if name not in shown:
+            monitoring.problem(file, name, "no panel shows it")
     for variable in dashboard["templating"]["list"]:
         if variable["type"] == "query":
             monitoring.check_expression(file, variable["name"], variable["definition"])

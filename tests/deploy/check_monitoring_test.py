@@ -36,6 +36,8 @@ FAULTS = [
      "Waiting: docs/metrics.md has no corbslam_batches_waiting"),
     (DASHBOARD, "corbslam_streams_open", "corbslam_streams", "docs/metrics.md has no corbslam_streams"),
     (DASHBOARD, "{mission=~", "{missions=~", "has no label missions"),
+    (DASHBOARD, "sum(corbslam_missions_damaged)", "sum(corbslam_missions)",
+     "corbslam_missions_damaged: no panel shows it"),
     (DASHBOARD, "\"id\": 3,", "\"id\": 2,", "id: is another panel's"),
     ("deploy/monitoring/adapter_rules.yaml", "as: corbslam_fusion_requests_waiting", "as: waiting",
      "corbslam_fusion_requests_waiting: deploy/monitoring/adapter_rules.yaml does not give it"),

@@ -93,6 +93,46 @@ TEST(ToolTest, SaysThatThereIsNoSuchMission) {
               AllOf(HasSubstr("NOT_FOUND"), HasSubstr("there is no mission nowhere")));
 }
 
+// Returns the document on standard output, behind warnings of the log.
+json ReadDocument(const std::string& said) { return json::parse(said.substr(said.find('{'))); }
+
+TEST(ToolTest, ForgetsSessionsAndSaysWhatItDoesNotKnow) {
+  RunningServers servers;
+  ASSERT_FALSE(servers.store_address().empty());
+  const auto forget = [&servers](const std::vector<std::string>& more) {
+    std::vector<std::string> command = {
+        "mission", "forget", "--insecure", "--server", servers.store_address(), "--mission", "lab"};
+    command.insert(command.end(), more.begin(), more.end());
+    return command;
+  };
+  const auto complaint = [&forget](const std::vector<std::string>& more, int exit_code = 1) {
+    return Complaint("corbslam", forget(more), absl::Seconds(10), exit_code);
+  };
+  EXPECT_THAT(complaint({"--agent", "alpha", "--keep", "1"}),
+              AllOf(HasSubstr("NOT_FOUND"), HasSubstr("there is no mission lab")));
+  RunTool({"run", "--server", servers.store_address(), "--insecure", "--source",
+           DemoSource() + "?frames=0:19", "--robots", "1", "--mission", "lab", "--pace", "step",
+           "--out", ::testing::TempDir() + "/corbslam_tool_forget"});
+  EXPECT_THAT(complaint({"--agent", "nobody", "--keep", "1"}),
+              AllOf(HasSubstr("NOT_FOUND"), HasSubstr("has no agent nobody")));
+  EXPECT_THAT(complaint({"--agent", "alpha"}), HasSubstr("give either --before or --keep"));
+  EXPECT_THAT(complaint({"--agent", "alpha", "--before", "1", "--keep", "1"}),
+              HasSubstr("give either --before or --keep"));
+  EXPECT_THAT(complaint({"--agent", "alpha", "--before", "yesterday"}),
+              HasSubstr("--before yesterday"));
+  EXPECT_THAT(complaint({"--agent", "alpha", "--keep", "-1"}, 2), HasSubstr("--keep"));
+  EXPECT_THAT(complaint({"--keep", "1"}, 2), HasSubstr("--agent"));
+  const json would =
+      ReadDocument(RunTool(forget({"--agent", "alpha", "--keep", "0", "--dry-run", "--json"})));
+  EXPECT_TRUE(would["dry_run"]);
+  EXPECT_EQ(would["local_maps"].size(), 1u);
+  EXPECT_GT(would["keyframes"], 0);
+  EXPECT_THAT(RunTool(forget({"--agent", "alpha", "--keep", "0"})),
+              HasSubstr("deleted 1 local maps of alpha"));
+  const json again = ReadDocument(RunTool(forget({"--agent", "alpha", "--keep", "0", "--json"})));
+  EXPECT_EQ(again["local_maps"].size(), 0u) << "nothing is left, and that is no error";
+}
+
 // Recognises lines that say what a source is: its name, and what is known of it, indented.
 bool IsOfSource(const std::string& line) {
   return absl::StartsWith(line, "  ") || absl::StartsWith(line, "tum:");

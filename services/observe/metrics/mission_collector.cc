@@ -31,6 +31,9 @@ void AddContents(const MissionLoad& load, Families& families) {
   families.Gauge("corbslam_mission_joined_local_maps",
                  "Closed local maps that have become parts of others of their robots.",
                  Number(load.joined_local_maps), mission);
+  families.Gauge("corbslam_mission_forgotten_local_maps",
+                 "Local maps that somebody deleted, with those that were parts of them.",
+                 Number(load.forgotten_local_maps), mission);
   families.Gauge("corbslam_mission_local_maps", "Local maps.", Number(load.local_maps), mission);
   families.Gauge("corbslam_mission_islands", "Islands: sets of local maps fused into one frame.",
                  Number(load.islands), mission);
