@@ -11,6 +11,7 @@
 #include "absl/synchronization/notification.h"
 #include "map_store/journal_check.h"
 #include "map_store/mission/mission_load.h"
+#include "map_store/testing/one_robots_store.h"
 #include "map_store/testing/sleeping_store.h"
 #include "map_store/testing/store_dump.h"
 #include "map_store/view/asleep_words.h"
@@ -23,7 +24,9 @@ using testing::DumpGlobal;
 using testing::DumpLocal;
 using testing::FirstDifference;
 using ::testing::HasSubstr;
+using testing::SyntheticMap;
 using testing::TestAgent;
+using testing::TruthfulWorker;
 
 class SleepTest : public testing::SleepingStore {
  protected:
@@ -417,6 +420,30 @@ TEST_F(JoinedMissionTest, SleepsAndWakesAsItWas) {
   ExpectTheSame();
   EXPECT_TRUE(*store_->IsFusionIdle(kMission)) << "nothing is left to become one";
   EXPECT_TRUE(ChecksOut());
+}
+
+// Another robot's session came between two that become one: keyframes of the whole have names on
+// both sides of it. A snapshot gives back what it doesn't need, and must know what it does.
+TEST_F(SleepTest, ASnapshotAfterJoiningKeepsAllFeatures) {
+  const std::vector<SyntheticMap> drives = testing::MakeDrives();
+  TruthfulWorker worker({&drives[0], &drives[1], &drives[2]});
+  options_.join_local_maps = true;
+  options_.keep_local_maps = 0;
+  worker_ = &worker;
+  Open();
+  for (const size_t drive : {0, 1, 2}) {
+    TestAgent robot(*store_, kMission, drive == 1 ? "other" : "robot", drives[drive]);
+    ASSERT_TRUE(robot.Stream().ok());
+    ASSERT_TRUE(robot.Close().ok());
+    store_->CloseSession(robot.session());
+  }
+  ASSERT_TRUE(store_->RunFusionUntilIdle(kMission).ok());
+  ASSERT_EQ(store_->GetLocalMap(kMission, {3})->id, LocalMapId{1}) << "3 became a part of 1";
+  const std::string local = DumpLocal(kMission, *store_);
+  FallAsleep();
+  EXPECT_EQ(FirstDifference(DumpLocal(kMission, *store_), local), "");
+  EXPECT_TRUE(ChecksOut());
+  Open();
 }
 
 TEST_F(JoinedMissionTest, IsBackedUpAndRestored) {

@@ -22,7 +22,8 @@ namespace corbslam::map_store {
 struct JournalSnapshot {
   uint64_t position = 0;
   std::string state;  // As EncodeState makes it.
-  // Keyframes whose features are still needed, by id.
+  // Keyframes whose features are still needed, each once, in any order: a local map that others
+  // became parts of has keyframes of several names.
   std::vector<KeyframeId> keyframes;
 };
 

@@ -132,7 +132,7 @@ TEST(MissionContentsTest, KeepsCountOfWhatIsStillNeeded) {
   EXPECT_TRUE(contents.WantsSnapshot(32 * kMiB));
   JournalSnapshot snapshot;
   snapshot.position = 5;
-  snapshot.keyframes = {{LocalMapId{1}, 1}, {LocalMapId{1}, 2}};
+  snapshot.keyframes = {{LocalMapId{1}, 2}, {LocalMapId{1}, 1}};
   const std::vector<KeyframeId> unneeded = contents.FindUnneeded(snapshot);
   ASSERT_EQ(unneeded.size(), 2u);
   contents.NoteSnapshot(5, 10, unneeded);

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "absl/container/flat_hash_set.h"
+
 namespace corbslam::map_store {
 namespace {
 
@@ -55,12 +57,11 @@ void MissionContents::NoteSnapshot(Position position, uint64_t bytes,
 }
 
 std::vector<KeyframeId> MissionContents::FindUnneeded(const JournalSnapshot& snapshot) const {
+  const absl::flat_hash_set<KeyframeId> needed(snapshot.keyframes.begin(),
+                                               snapshot.keyframes.end());
   std::vector<KeyframeId> unneeded;
   for (const auto& [id, stored] : features_) {
-    if (stored.position > snapshot.position) continue;
-    if (!std::binary_search(snapshot.keyframes.begin(), snapshot.keyframes.end(), id)) {
-      unneeded.push_back(id);
-    }
+    if (stored.position <= snapshot.position && !needed.contains(id)) unneeded.push_back(id);
   }
   return unneeded;
 }
