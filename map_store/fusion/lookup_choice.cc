@@ -11,7 +11,7 @@ namespace {
 
 // So many local maps are looked in because they hold what looks most like the keyframe. Of 327
 // overlaps that were accepted among 12 local maps, 311 were with one of the best two that had none
-// close by (docs/lab/2026-11-28-lookups.md).
+// close by (docs/lab/2026-11-28-look-ups.md).
 constexpr size_t kMostAlike = 2;
 
 struct Prospect {

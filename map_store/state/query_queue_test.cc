@@ -83,6 +83,9 @@ TEST(QueryQueueTest, LooksUpAKeyframeWhereItWasChosenTo) {
   EXPECT_THAT(Tasks(queue),
               ElementsAre(Task{1, 0xc, 0}, Task{2, 0xa, 0}, Task{2, 0xb, 0}, Task{2, 0xc, 0},
                           Task{3, 0xa, 0}, Task{3, 0xb, 0}, Task{3, 0xc, 0}));
+  QueryQueue answered = queue;
+  answered.TakeUntil({Ka(1), kC, 0});
+  EXPECT_FALSE(answered.IsFrontChosen());
   queue.PopFront();
   EXPECT_FALSE(queue.IsFrontChosen());
   queue.ChooseOfFront({});
