@@ -139,15 +139,16 @@ bool BothMetric(const LocalMapState& a, const LocalMapState& b) {
          std::all_of(b.cameras.begin(), b.cameras.end(), is_metric);
 }
 
-std::vector<VerifyOverlapRequest::Candidate> FindCandidates(const MissionState& state,
-                                                            const QueryTask& task,
-                                                            const MapStoreOptions& options) {
+FoundPlaces FindCandidates(const MissionState& state, const QueryTask& task,
+                           const MapStoreOptions& options) {
   const Keyframe* query = state.FindKeyframe(task.query);
   const LocalMapState* against = state.FindLocalMap(task.against);
   if (query == nullptr || query->words == nullptr || against == nullptr) return {};
   if (HasOverlapNearby(state, task, options.overlap_spacing)) return {};
   const std::vector<PlaceCandidate> found = FindSharingWords(state, task, *query, options);
-  std::vector<VerifyOverlapRequest::Candidate> candidates;
+  FoundPlaces places;
+  std::vector<Candidate>& candidates = places.candidates;
+  if (!found.empty()) places.likeness = found.front().score;
   for (const CandidateGroup& group :
        GroupByCovisibility(against->map, found, options.max_candidate_groups)) {
     const KeyframeId best = group.best.id;
@@ -164,14 +165,15 @@ std::vector<VerifyOverlapRequest::Candidate> FindCandidates(const MissionState& 
     const auto words = std::ranges::find(found, *end, &PlaceCandidate::id);
     candidates.insert(candidates.begin(), {*end, words == found.end() ? 0 : words->shared_words});
   }
-  return candidates;
+  places.is_seam = end.has_value() && !candidates.empty();
+  return places;
 }
 
 absl::StatusOr<std::optional<VerifyOverlapRequest>> BuildVerifyRequest(
     const MissionState& state, const QueryTask& task, const MapStoreOptions& options,
     LongRead& read, QueryViews& views) {
   VerifyOverlapRequest request;
-  request.candidates = FindCandidates(state, task, options);
+  request.candidates = FindCandidates(state, task, options).candidates;
   if (request.candidates.empty()) return std::nullopt;
   request.base_revision = state.global.revision;
   request.query = task.query;

@@ -16,15 +16,21 @@
 
 namespace corbslam::map_store {
 
-// Returns keyframes of `task.against` that may show the query's place, best first: settled ones
+// What a keyframe finds in one local map.
+struct FoundPlaces {
+  std::vector<VerifyOverlapRequest::Candidate> candidates;  // Best first.
+  double likeness = 0;   // Of the keyframe that looks most like the query: 0 to 1, by words.
+  bool is_seam = false;  // True: the robot may go on here where its local map before ended.
+};
+
+// Finds keyframes of `task.against` that may show the query's place, best first: settled ones
 // that share enough words, the best of each of the best groups of covisible keyframes; first of
 // all, for the first keyframes of a robot's local map, the last one of its local map before. There
 // are none where the two are linked already (an accepted overlap close by, or landmarks that both
 // see where the global layer has them), or where nobody would call it a loop (near the query in its
 // own local map).
-std::vector<VerifyOverlapRequest::Candidate> FindCandidates(const MissionState& state,
-                                                            const QueryTask& task,
-                                                            const MapStoreOptions& options);
+FoundPlaces FindCandidates(const MissionState& state, const QueryTask& task,
+                           const MapStoreOptions& options);
 
 // Keeps the view around the query that was built last: a keyframe is held against one local map
 // after the other, and its view is the same as long as nothing changes. Of one mission; not

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "map_store/fusion/lookup_choice.h"
 #include "map_store/mission/pausing_read.h"
 #include "map_store/records/record_application.h"
 #include "map_store/records/retraction.h"
@@ -98,6 +99,11 @@ std::optional<FusionJob> FusionCoordinator::StartJob(FusionLane lane) {
 FusionCoordinator::Started FusionCoordinator::TryStart(FusionLane lane) {
   const std::optional<Claim> claim = ClaimLane(lane);
   if (!claim.has_value()) return {};
+  if (claim->chooses_lookups) {
+    const Attempt attempt = Choose(*claim);
+    ReleaseLane(lane);
+    return {attempt, std::nullopt};
+  }
   const absl::Time begin = strand_.environment().clock();
   absl::StatusOr<std::optional<FusionRequest>> request = Prepare(*claim);
   if (request.ok() && request->has_value()) {
@@ -121,7 +127,22 @@ std::optional<FusionCoordinator::Claim> FusionCoordinator::ClaimLane(FusionLane 
     lane_released_.SignalAll();
     return std::nullopt;
   }
-  return Claim{*action, lanes_.Claim(*action)};
+  const bool chooses_lookups =
+      action->kind == FusionAction::Kind::kQuery && !strand_.state().queries.IsFrontChosen();
+  return Claim{*action, lanes_.Claim(*action), chooses_lookups};
+}
+
+FusionCoordinator::Attempt FusionCoordinator::Choose(const Claim& claim) {
+  absl::StatusOr<std::vector<LocalMapId>> against;
+  {
+    absl::ReaderMutexLock lock(&strand_.mutex());
+    PausingRead read(strand_, GoesOnUntilRevised(*claim.cancelled));
+    against = ChooseLookups(strand_.state(), strand_.options(), read);
+  }
+  if (!against.ok()) return Attempt::kInterrupted;
+  StateWriteLock lock(strand_);
+  if (!claim.cancelled->load()) strand_.mutable_state().queries.ChooseOfFront(*against);
+  return Attempt::kSkipped;
 }
 
 std::function<absl::Status()> FusionCoordinator::GoesOnUntilRevised(

@@ -80,6 +80,7 @@ class FusionCoordinator {
   struct Claim {
     FusionAction action;
     CancelFlag cancelled;
+    bool chooses_lookups = false;  // True: it is not yet said where the keyframe is looked up.
   };
 
   PolicyLimits Limits() const;
@@ -92,6 +93,8 @@ class FusionCoordinator {
   std::optional<Claim> ClaimLane(FusionLane lane);
   void ReleaseLane(FusionLane lane);
   absl::StatusOr<std::optional<FusionRequest>> Prepare(const Claim& claim);
+  // Chooses where the queue's first keyframe is looked up.
+  Attempt Choose(const Claim& claim);
   // Says in the state that the action needs no worker.
   void SkipAction(const FusionAction& action) ABSL_EXCLUSIVE_LOCKS_REQUIRED(strand_.mutex());
   // Writes a record that changes what jobs began with, and applies it.

@@ -23,6 +23,11 @@ QueryTask QueryQueue::front() const {
   return {entry.query, (*entry.against)[entry.next], attempts_of_front_};
 }
 
+std::vector<LocalMapId> QueryQueue::AgainstOfFront() const {
+  const Entry& entry = entries_.front();
+  return {entry.against->begin() + static_cast<std::ptrdiff_t>(entry.next), entry.against->end()};
+}
+
 void QueryQueue::Push(KeyframeId query, const std::vector<LocalMapId>& against) {
   if (against.empty()) return;
   const bool as_before = !entries_.empty() && *entries_.back().against == against;
@@ -35,9 +40,26 @@ void QueryQueue::Push(KeyframeId query, const std::vector<LocalMapId>& against) 
 
 void QueryQueue::PopFront() {
   Entry& entry = entries_.front();
-  if (++entry.next == entry.against->size()) entries_.pop_front();
+  if (++entry.next == entry.against->size()) {
+    entries_.pop_front();
+    front_chosen_ = false;
+  }
   --size_;
   attempts_of_front_ = 0;
+}
+
+void QueryQueue::ChooseOfFront(const std::vector<LocalMapId>& against) {
+  Entry& entry = entries_.front();
+  size_ -= entry.against->size() - entry.next;
+  size_ += against.size();
+  attempts_of_front_ = 0;
+  front_chosen_ = false;
+  if (against.empty()) {
+    entries_.pop_front();
+    return;
+  }
+  entry = {entry.query, std::make_shared<const std::vector<LocalMapId>>(against), 0};
+  front_chosen_ = true;
 }
 
 void QueryQueue::TakeUntil(const QueryTask& task) {
@@ -52,6 +74,7 @@ void QueryQueue::TakeUntil(const QueryTask& task) {
   const auto behind = static_cast<size_t>(find(*asked) - asked->against->begin()) + 1;
   for (auto it = entries_.begin(); it != asked; ++it) size_ -= it->against->size() - it->next;
   size_ -= behind - asked->next;
+  if (asked != entries_.begin() || behind == asked->against->size()) front_chosen_ = false;
   asked->next = behind;
   entries_.erase(entries_.begin(), behind == asked->against->size() ? asked + 1 : asked);
   attempts_of_front_ = 0;

@@ -34,10 +34,18 @@ class QueryQueue {
   size_t size() const { return size_; }
   // The queue must not be empty.
   QueryTask front() const;
+  // Returns whether ChooseOfFront has said where the first keyframe is to be looked up.
+  bool IsFrontChosen() const { return front_chosen_; }
+  // Returns the local maps that the first keyframe has still to be looked up in.
+  std::vector<LocalMapId> AgainstOfFront() const;
 
   // Adds a task for each of the local maps.
   void Push(KeyframeId query, const std::vector<LocalMapId>& against);
   void PopFront();
+  // Keeps of the first keyframe's tasks those in these local maps, in this order; none: the
+  // keyframe leaves the queue. It is not listed by ToTasks that they are chosen: who restores
+  // chooses anew.
+  void ChooseOfFront(const std::vector<LocalMapId>& against);
   // Counts one more failed attempt at the first task; returns how many those were.
   int CountFailureOfFront() { return ++attempts_of_front_; }
   // Takes out this task, and all before it, which needed no answer. Does nothing if it isn't there.
@@ -60,6 +68,7 @@ class QueryQueue {
   std::deque<Entry> entries_;
   size_t size_ = 0;
   int attempts_of_front_ = 0;
+  bool front_chosen_ = false;
 };
 
 }  // namespace corbslam::map_store

@@ -70,6 +70,29 @@ TEST(QueryQueueTest, TakesATaskOutWithThoseBeforeIt) {
   EXPECT_EQ(queue.size(), 0u);
 }
 
+TEST(QueryQueueTest, LooksUpAKeyframeWhereItWasChosenTo) {
+  QueryQueue queue;
+  constexpr LocalMapId kC{0xc};
+  for (uint32_t i = 1; i <= 3; ++i) queue.Push(Ka(i), {kA, kB, kC});
+  queue.PopFront();
+  EXPECT_FALSE(queue.IsFrontChosen());
+  EXPECT_THAT(queue.AgainstOfFront(), ElementsAre(kB, kC));
+  queue.ChooseOfFront({kC});
+  EXPECT_TRUE(queue.IsFrontChosen());
+  EXPECT_EQ(queue.size(), 7u);
+  EXPECT_THAT(Tasks(queue),
+              ElementsAre(Task{1, 0xc, 0}, Task{2, 0xa, 0}, Task{2, 0xb, 0}, Task{2, 0xc, 0},
+                          Task{3, 0xa, 0}, Task{3, 0xb, 0}, Task{3, 0xc, 0}));
+  QueryQueue answered = queue;
+  answered.TakeUntil({Ka(1), kC, 0});
+  EXPECT_FALSE(answered.IsFrontChosen());
+  queue.PopFront();
+  EXPECT_FALSE(queue.IsFrontChosen());
+  queue.ChooseOfFront({});
+  EXPECT_THAT(Tasks(queue), ElementsAre(Task{3, 0xa, 0}, Task{3, 0xb, 0}, Task{3, 0xc, 0}));
+  EXPECT_EQ(queue.size(), 3u);
+}
+
 TEST(QueryQueueTest, CountsByLocalMaps) {
   QueryQueue queue;
   for (uint32_t i = 1; i <= 3; ++i) queue.Push(Ka(i), {kA, kB});

@@ -1,0 +1,66 @@
+#include "map_store/fusion/lookup_choice.h"
+
+#include <algorithm>
+#include <tuple>
+
+#include "map_store/fusion/overlap_query.h"
+#include "slam/util/status_macros.h"
+
+namespace corbslam::map_store {
+namespace {
+
+// So many local maps are looked in because they hold what looks most like the keyframe. Of 327
+// overlaps that were accepted among 12 local maps, 311 were with one of the best two that had none
+// close by (docs/lab/2026-11-28-look-ups.md).
+constexpr size_t kMostAlike = 2;
+
+struct Prospect {
+  LocalMapId local_map;
+  size_t place_in_queue = 0;
+  double likeness = 0;
+  bool is_seam = false;
+  bool is_joined = false;  // With the query's local map, in one island.
+};
+
+// Lists the local maps in which something is to be verified, the most alike first.
+absl::StatusOr<std::vector<Prospect>> ListProspects(const MissionState& state,
+                                                    const MapStoreOptions& options,
+                                                    LongRead& read) {
+  const KeyframeId query = state.queries.front().query;
+  const std::vector<LocalMapId> against = state.queries.AgainstOfFront();
+  std::vector<Prospect> prospects;
+  for (size_t i = 0; i < against.size(); ++i) {
+    RETURN_IF_ERROR(read.Pause());
+    const FoundPlaces found = FindCandidates(state, {query, against[i], 0}, options);
+    if (found.candidates.empty()) continue;
+    const bool is_joined = state.FindIslandOf(query.local_map) == state.FindIslandOf(against[i]);
+    prospects.push_back({against[i], i, found.likeness, found.is_seam, is_joined});
+  }
+  std::ranges::sort(prospects, {}, [](const Prospect& prospect) {
+    return std::make_tuple(-prospect.likeness, prospect.place_in_queue);
+  });
+  return prospects;
+}
+
+}  // namespace
+
+absl::StatusOr<std::vector<LocalMapId>> ChooseLookups(const MissionState& state,
+                                                      const MapStoreOptions& options,
+                                                      LongRead& read) {
+  ASSIGN_OR_RETURN(const std::vector<Prospect> prospects, ListProspects(state, options, read));
+  std::vector<Prospect> chosen;
+  bool looks_elsewhere = false;
+  for (size_t i = 0; i < prospects.size(); ++i) {
+    const Prospect& prospect = prospects[i];
+    const bool is_news = !prospect.is_joined && !looks_elsewhere;
+    if (i >= kMostAlike && !is_news && !prospect.is_seam) continue;
+    chosen.push_back(prospect);
+    looks_elsewhere = looks_elsewhere || !prospect.is_joined;
+  }
+  std::ranges::sort(chosen, {}, &Prospect::place_in_queue);
+  std::vector<LocalMapId> local_maps;
+  for (const Prospect& prospect : chosen) local_maps.push_back(prospect.local_map);
+  return local_maps;
+}
+
+}  // namespace corbslam::map_store

@@ -1,0 +1,26 @@
+// Chooses in which local maps a keyframe is looked up.
+#ifndef CORBSLAM_MAP_STORE_FUSION_LOOKUP_CHOICE_H_
+#define CORBSLAM_MAP_STORE_FUSION_LOOKUP_CHOICE_H_
+
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "map_store/options.h"
+#include "map_store/state/mission_state.h"
+#include "map_store/view/long_read.h"
+
+namespace corbslam::map_store {
+
+// Returns, of the local maps that the queue's first keyframe has still to be looked up in, those
+// that are worth a worker's time, in the queue's order: the two that hold what looks most like it;
+// the one of an island it is not joined with that does, if those two are of its own; and the one
+// that ended where its own local map begins. So a keyframe costs at most four look-ups, however
+// many local maps there are (docs/adr/0037-look-ups-by-keyframe.md). The queue must not be empty.
+// ABORTED: as `read` says.
+absl::StatusOr<std::vector<LocalMapId>> ChooseLookups(const MissionState& state,
+                                                      const MapStoreOptions& options,
+                                                      LongRead& read);
+
+}  // namespace corbslam::map_store
+
+#endif  // CORBSLAM_MAP_STORE_FUSION_LOOKUP_CHOICE_H_
