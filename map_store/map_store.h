@@ -262,8 +262,8 @@ class MapStore {
   std::vector<MissionLoad> ListLoads() const;
   // Returns the trajectory of one agent, or of all (empty name) in the order of names. A global
   // trajectory has only what lies in the reference island, unless `all_islands`. Returns
-  // FAILED_PRECONDITION if an agent never said where the frame is that `poses_of` asks for, or the
-  // named one only localised and is asked for in a local frame.
+  // FAILED_PRECONDITION if an agent never said where the frame is that `poses_of` asks for. What an
+  // agent only localised is in no local frame, and so in no local trajectory.
   absl::StatusOr<std::vector<AgentTrajectory>> GetTrajectory(
       absl::string_view mission, absl::string_view agent, TrajectoryFrame frame,
       bool all_islands = false, PosesOf poses_of = PosesOf::kRecordedCamera) const;

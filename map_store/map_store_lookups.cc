@@ -58,13 +58,6 @@ absl::StatusOr<std::vector<AgentTrajectory>> MapStore::GetTrajectory(absl::strin
   RETURN_IF_ERROR(mission->WithState([&](const MissionState& state) -> absl::Status {
     for (const auto& [name, agent_state] : state.agents) {
       if (!agent.empty() && agent != name) continue;
-      const bool has_local = !agent_state.local_maps.empty() || agent_state.track.runs.empty();
-      if (frame == TrajectoryFrame::kLocal && agent == name && !has_local) {
-        return absl::FailedPreconditionError(
-            absl::StrCat("agent ", name,
-                         " only localised, in others' local maps, and has no local frame: ask for "
-                         "the global one"));
-      }
       ASSIGN_OR_RETURN(trajectories.emplace_back(),
                        map_store::ComputeTrajectory(state, name, frame, all_islands, poses_of));
     }
