@@ -121,8 +121,8 @@ std::vector<LocalisedFrame> LocalisedOutbox::TakePlaces() {
   bool has_pose = false;
   bool has_lost = false;
   for (auto place = places.rbegin(); place != places.rend(); ++place) {
-    const bool is_newest = !std::exchange(
-        place->camera_from_global.has_value() ? has_pose : has_lost, true);
+    const bool is_newest =
+        !std::exchange(place->camera_from_global.has_value() ? has_pose : has_lost, true);
     // Of a trajectory that is kept the newest places are enough.
     if (is_newest || keeps_ != true) taken.push_back(*place);
   }
