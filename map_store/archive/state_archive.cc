@@ -80,8 +80,8 @@ namespace {
 // Format 3 has no recorded cameras, which follow everything else; in format 4 points are placed in
 // their islands and not in an anchor; in format 5 lenses have five numbers (value_fields.h); up to
 // format 6 missions have no profile, and the store lets go of nothing; in format 7 profiles have no
-// revision and no settings of robots, local maps stay as they are, and none is deleted; up to format
-// 8 what agents that only localise say is not kept.
+// revision and no settings of robots, local maps stay as they are, and none is deleted; up to
+// format 8 what agents that only localise say is not kept.
 constexpr uint32_t kOldestStateFormat = 3;
 constexpr uint32_t kFirstWithAnchors = 5;
 constexpr uint32_t kFirstWithProfile = 7;

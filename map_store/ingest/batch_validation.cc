@@ -284,8 +284,8 @@ absl::Status ValidateValues(const LocalMapState* local_map, const MapUpdateBatch
 
 absl::Status ValidateLocalised(const LocalisedFrames& part) {
   if (part.run == 0 || part.number == 0) {
-    return absl::InvalidArgumentError(absl::StrCat("run is ", part.run, " and number ", part.number,
-                                                   ", both must be 1 or more"));
+    return absl::InvalidArgumentError(
+        absl::StrCat("run is ", part.run, " and number ", part.number, ", both must be 1 or more"));
   }
   if (part.recorded_camera.has_value()) RETURN_IF_ERROR(Validate(*part.recorded_camera));
   return ValidateFrames(part.tracked_frames, part.lost_frames_ns);

@@ -2,6 +2,8 @@
 
 #include <glog/logging.h>
 
+#include <cstdint>
+#include <string>
 #include <utility>
 
 #include "absl/strings/str_cat.h"

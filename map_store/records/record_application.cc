@@ -284,12 +284,11 @@ absl::Status CheckLocalised(const LocalisedRecord& record, const MissionState& s
   absl::Status status = ValidateName("agent", record.agent);
   status.Update(ValidateLocalised(part));
   if (!status.ok()) {
-    return absl::DataLossError(absl::StrCat("what an agent that localises said: ",
-                                            status.message()));
+    return absl::DataLossError(
+        absl::StrCat("what an agent that localises said: ", status.message()));
   }
   if (part.number == last + 1) return absl::OkStatus();
-  return Missing(absl::StrCat("part ", last + 1, " of run ", part.run, " of agent ",
-                              record.agent));
+  return Missing(absl::StrCat("part ", last + 1, " of run ", part.run, " of agent ", record.agent));
 }
 
 }  // namespace

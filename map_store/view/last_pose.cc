@@ -45,9 +45,9 @@ std::optional<LastPose> FindIn(const MissionState& state, const LocalMapState& l
 std::optional<LastPose> OfTrack(const MissionState& state, const AgentState& agent) {
   bool lost_later = false;
   for (auto run = agent.track.runs.rbegin(); run != agent.track.runs.rend(); ++run) {
-    lost_later |= !run->lost_frames_ns.empty() &&
-                  (run->frames.empty() ||
-                   run->lost_frames_ns.back() > run->frames.back().timestamp_ns);
+    lost_later |=
+        !run->lost_frames_ns.empty() &&
+        (run->frames.empty() || run->lost_frames_ns.back() > run->frames.back().timestamp_ns);
     if (run->frames.empty()) continue;
     const TrackedFrame& frame = run->frames.back();
     const std::optional<PlaceInIsland> place = PlaceLocalised(state, frame);

@@ -36,9 +36,9 @@ void AppendRun(const MissionState& state, const LocalisedRun& run, bool all_isla
       gap = true;
       continue;
     }
-    gap = gap || (before != nullptr &&
-                  (before->island != place->island ||
-                   sorted.IsLostBetween(before->timestamp_ns, frame.timestamp_ns)));
+    gap = gap ||
+          (before != nullptr && (before->island != place->island ||
+                                 sorted.IsLostBetween(before->timestamp_ns, frame.timestamp_ns)));
     StoredPose& pose = trajectory.poses.emplace_back();
     pose.timestamp_ns = frame.timestamp_ns;
     pose.frame_from_camera = place->island_from_camera;
@@ -75,9 +75,9 @@ absl::Status AppendLocalised(const MissionState& state, const AgentState& agent,
   for (const LocalisedRun& run : agent.track.runs) {
     const auto camera_from_wanted = CameraFromWanted(run.recorded_camera, poses_of);
     if (!camera_from_wanted.ok()) {
-      return absl::FailedPreconditionError(
-          absl::StrCat("agent ", trajectory.agent, ", run ", ToString(LocalMapId{run.id}), ": ",
-                       camera_from_wanted.status().message()));
+      return absl::FailedPreconditionError(absl::StrCat("agent ", trajectory.agent, ", run ",
+                                                        ToString(LocalMapId{run.id}), ": ",
+                                                        camera_from_wanted.status().message()));
     }
     AppendRun(state, run, all_islands, *camera_from_wanted, trajectory);
   }

@@ -113,8 +113,8 @@ void AppendSession(const MissionState& state, const LocalMapState& local_map,
       continue;
     }
     gap = gap || (before.has_value() && HasTimeBetween(lost, *before, tracked.timestamp_ns));
-    trajectory.poses.push_back(
-        {tracked.timestamp_ns, local_map.id, *pose, state.global.island_of.at(local_map.id), gap, 0});
+    trajectory.poses.push_back({tracked.timestamp_ns, local_map.id, *pose,
+                                state.global.island_of.at(local_map.id), gap, 0});
     before = tracked.timestamp_ns;
     gap = false;
   }
