@@ -184,10 +184,11 @@ absl::StatusOr<Acknowledgement> MapStore::Apply(uint64_t session_id, const MapUp
   return session.mission->batches().Apply(session_id, session.agent, batch, measured);
 }
 
-absl::Status MapStore::NoteLocalised(uint64_t session_id,
-                                     const std::vector<LocalisedFrame>& frames) {
+absl::StatusOr<std::optional<LocalisedKept>> MapStore::NoteLocalised(
+    uint64_t session_id, const LocalisedFrames& localised) {
   ASSIGN_OR_RETURN(const Session session, FindSession(session_id));
-  return session.mission->sessions().NoteLocalised(session_id, session.agent, frames);
+  session.mission->profile().NoteUse();
+  return session.mission->localised().Note(session_id, session.agent, localised);
 }
 
 void MapStore::CloseSession(uint64_t session_id) {

@@ -117,10 +117,13 @@ class MapStore {
   // Returns the next step of what the agent lacks, or none when it has all; about `byte_budget`
   // bytes at most, but at least one item. Returns ABORTED when the session is fenced.
   absl::StatusOr<std::optional<SharedUpdate>> NextShared(uint64_t session_id, size_t byte_budget);
-  // Notes where frames were of an agent that changes nothing (SessionRequest::localise_only), by
-  // time: what is near it follows, and look-ups say it; it is not recorded. Returns
-  // PERMISSION_DENIED if the session is of another agent, else as Apply.
-  absl::Status NoteLocalised(uint64_t session_id, const std::vector<LocalisedFrame>& frames);
+  // Notes where frames were of an agent that changes nothing (SessionRequest::localise_only): what
+  // is near it follows, and look-ups say it. A part of its trajectory is kept; returns up to which
+  // part of its run everything is durable, or nullopt if there is none or it can't be kept now (the
+  // journal, memory or a limit): the agent is to send it again. A part that leaves a gap is not
+  // kept. Returns PERMISSION_DENIED if the session is of another agent, else as Apply.
+  absl::StatusOr<std::optional<LocalisedKept>> NoteLocalised(uint64_t session_id,
+                                                             const LocalisedFrames& localised);
   // Has the agent tell exactly where its points are (MapUpdateBatch::points_follow). Returns
   // NOT_FOUND if there is no such agent, FAILED_PRECONDITION if it is not connected.
   absl::Status AskForExactPlaces(absl::string_view mission, const std::string& agent);
@@ -259,7 +262,8 @@ class MapStore {
   std::vector<MissionLoad> ListLoads() const;
   // Returns the trajectory of one agent, or of all (empty name) in the order of names. A global
   // trajectory has only what lies in the reference island, unless `all_islands`. Returns
-  // FAILED_PRECONDITION if an agent never said where the frame is that `poses_of` asks for.
+  // FAILED_PRECONDITION if an agent never said where the frame is that `poses_of` asks for. What an
+  // agent only localised is in no local frame, and so in no local trajectory.
   absl::StatusOr<std::vector<AgentTrajectory>> GetTrajectory(
       absl::string_view mission, absl::string_view agent, TrajectoryFrame frame,
       bool all_islands = false, PosesOf poses_of = PosesOf::kRecordedCamera) const;

@@ -56,6 +56,7 @@ absl::Status MapStoreOptions::Validate() const {
            {"max_frames_per_batch", max_frames_per_batch},
            {"max_pair_steps_per_batch", max_pair_steps_per_batch},
            {"max_parked_references", max_parked_references},
+           {"max_localised_frames_per_agent", max_localised_frames_per_agent},
            {"max_bytes_per_agent", max_bytes_per_agent},
            {"max_bytes_per_mission", max_bytes_per_mission},
            {"max_backup_bytes", max_backup_bytes}}) {

@@ -110,6 +110,8 @@ struct MapStoreOptions {
   // How many references of one local map wait for what has not arrived, and how long.
   size_t max_parked_references = 65000;
   double max_parked_s = 3600;
+  // Frames kept of an agent that only localises; beyond, each second one goes (LocalisedTrack).
+  size_t max_localised_frames_per_agent = 200000;
   // Bytes kept of what one agent, and all agents of a mission, sent.
   uint64_t max_bytes_per_agent = uint64_t{16} << 30;
   uint64_t max_bytes_per_mission = uint64_t{64} << 30;

@@ -38,6 +38,10 @@ StoreLink::StoreLink(const StoreLinkOptions& options, Uplink* uplink, ComputeWor
       compute_words_(std::move(compute_words)),
       queue_(MakeQueueOptions(options, goes_on), std::move(spool)),
       budget_(options.uplink_bytes_per_second),
+      // A process that is started again with the same seed has another run.
+      localised_(options.max_outbox_bytes,
+                 options.seed ^ static_cast<uint64_t>(absl::ToUnixNanos(options.clock())),
+                 options.recorded_camera),
       share_(options.share),
       random_(options.seed) {}
 
@@ -134,16 +138,18 @@ void StoreLink::OnCorrected(LocalMapId local_map, const OwnCorrection& correctio
 }
 
 void StoreLink::AddTrackedFrame(const TrackedFrame& frame) {
-  if (uplink_ != nullptr && !options_.localise_only) frames_.Add(frame, options_.clock());
+  if (uplink_ == nullptr) return;
+  options_.localise_only ? localised_.AddTracked(frame) : frames_.Add(frame, options_.clock());
 }
 
 void StoreLink::AddLostFrame(int64_t timestamp_ns) {
-  if (uplink_ == nullptr || options_.localise_only) return;
+  if (uplink_ == nullptr) return;
+  if (options_.localise_only) return localised_.AddLost(timestamp_ns);
   frames_.Add(FrameInbox::LostFrame{timestamp_ns}, options_.clock());
 }
 
 void StoreLink::AddLocalised(const LocalisedFrame& frame) {
-  if (uplink_ != nullptr && options_.localise_only) localised_.Add(frame);
+  if (uplink_ != nullptr && options_.localise_only) localised_.AddPlace(frame);
 }
 
 void StoreLink::DeliverFrames() {
@@ -205,6 +211,9 @@ absl::Status StoreLink::Finish(absl::Duration timeout) {
 }
 
 std::string StoreLink::DescribeWhatIsLeft() const {
+  if (options_.localise_only) {
+    return absl::StrCat(" (", localised_.CountUnkept(), " frames of the trajectory)");
+  }
   if (!budget_.is_bounded()) return "";
   return absl::StrCat(" (", queue_.status().batches, " batches; held back by a budget of ",
                       budget_.bytes_per_second(),
@@ -222,6 +231,7 @@ bool StoreLink::IsToldWithoutLink() const {
 
 bool StoreLink::IsDone() const {
   if (has_link_ ? !queue_.IsEmpty() : !queue_.IsOnDisk()) return false;
+  if (localised_.CountUnkept() > 0) return false;
   return std::all_of(recordings_.begin(), recordings_.end(),
                      [](const auto& recording) { return recording->closed; });
 }
@@ -529,6 +539,7 @@ void StoreLink::OnSessionOpened(const SessionGrant& grant) {
     return;
   }
   NoteCapabilities(grant.capabilities);
+  if (options_.localise_only) BeginLocalised(grant.capabilities);
   GiveUp(queue_.Resume(grant));
   session_ = Session::kOpen;
   closed_ = absl::OkStatus();
@@ -545,6 +556,21 @@ void StoreLink::NoteCapabilities(const Capabilities& store) {
                     "their keyframes move: every place is told, which takes more bytes; in local "
                     "maps that ended before, points may stand where they were first told";
   }
+}
+
+void StoreLink::BeginLocalised(const Capabilities& store) {
+  if (!store.keeps_localised && !std::exchange(told_not_kept_, true)) {
+    LOG(WARNING) << "the map store is of an older version, which keeps no trajectory of a robot "
+                    "that only localises: it can't be asked for it later";
+  }
+  localised_.BeginSession(store.keeps_localised);
+}
+
+void StoreLink::OnLocalisedKept(const LocalisedKept& kept) {
+  localised_.NoteKept(kept);
+  absl::MutexLock lock(&mutex_);
+  attempts_ = 0;
+  wake_ = true;
 }
 
 void StoreLink::OnExactPlacesWanted() {

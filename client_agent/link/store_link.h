@@ -118,7 +118,8 @@ class StoreLink : private UplinkListener {
   void AskAnew(double radius_m);
   // Does what UploadQueue::ReadLocalMap does, for a local map that Reads says is told.
   absl::StatusOr<KeptMap> ReadTold(LocalMapId local_map) { return queue_.ReadLocalMap(local_map); }
-  // Takes where a frame was of a robot that localises only, for which the two above do nothing.
+  // Takes where a frame was of a robot that localises only; what AddTrackedFrame and AddLostFrame
+  // take is its trajectory.
   void AddLocalised(const LocalisedFrame& frame);
 
   // Changes StoreLinkOptions::uplink_bytes_per_second.
@@ -161,6 +162,7 @@ class StoreLink : private UplinkListener {
   };
   void OnSessionOpened(const SessionGrant& grant) override;
   void OnAcknowledged(const Acknowledgement& acknowledgement) override;
+  void OnLocalisedKept(const LocalisedKept& kept) override;
   void OnShared(SharedUpdate update) override;
   void OnExactPlacesWanted() override;
   void OnSessionClosed(const absl::Status& reason) override;
@@ -200,6 +202,7 @@ class StoreLink : private UplinkListener {
   std::string DescribeWhatIsLeft() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void SendUnsent();
   void SendLocalised(bool all);
+  void BeginLocalised(const Capabilities& store) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   // Gives up local maps. Those of this process get no more batches.
   void GiveUp(const std::vector<LostLocalMap>& lost) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   // Returns true if no local map goes on.
@@ -243,6 +246,7 @@ class StoreLink : private UplinkListener {
   uint64_t shared_updates_ ABSL_GUARDED_BY(mutex_) = 0;  // Of this session.
   // Whether the last session's store moves points with their keyframes.
   bool store_moves_points_ ABSL_GUARDED_BY(mutex_) = true;
+  bool told_not_kept_ ABSL_GUARDED_BY(mutex_) = false;
   bool reopen_ ABSL_GUARDED_BY(mutex_) = false;
   HeldBackWatch held_back_ ABSL_GUARDED_BY(mutex_);
   // Under a budget, counts whose turn it is among the local maps that are told.

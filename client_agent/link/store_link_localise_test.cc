@@ -1,7 +1,11 @@
 // Tests the link of a robot that only localises.
 #include <gmock/gmock.h>
 
+#include <algorithm>
+#include <cstdint>
+#include <map>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "client_agent/link/store_link.h"
@@ -13,19 +17,41 @@
 namespace corbslam::client_agent {
 namespace {
 
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::UnorderedElementsAre;
 
 constexpr LocalMapId kGuestsMap{1};
 
 // A map store that takes the frames of such robots.
 class LocalisingUplink : public FakeUplink {
  public:
-  bool SendLocalised(const std::vector<LocalisedFrame>& frames) override {
+  bool SendLocalised(const LocalisedFrames& said) override {
     if (!open || !takes) return false;
-    localised.insert(localised.end(), frames.begin(), frames.end());
+    localised.insert(localised.end(), said.frames.begin(), said.frames.end());
     ++messages;
+    if (said.run == 0) return true;
+    parts.push_back(said);
+    if (!keeps_now) return true;
+    std::vector<LocalisedFrames>& kept = runs[said.run];
+    if (said.number == kept.size() + 1) kept.push_back(said);
+    Keep({said.run, kept.size()});
     return true;
   }
+  // Returns the times of the frames that are kept, lost ones below 0.
+  std::vector<int64_t> Kept() const {
+    std::vector<int64_t> times;
+    for (const auto& [run, parts_of_run] : runs) {
+      for (const LocalisedFrames& part : parts_of_run) {
+        for (const TrackedFrame& frame : part.tracked_frames) times.push_back(frame.timestamp_ns);
+        for (const int64_t time_ns : part.lost_frames_ns) times.push_back(-time_ns);
+      }
+    }
+    return times;
+  }
+  std::map<uint64_t, std::vector<LocalisedFrames>> runs;
+  std::vector<LocalisedFrames> parts;  // That came.
+  bool keeps_now = true;
   bool takes = true;
   int messages = 0;
   std::vector<LocalisedFrame> localised;
@@ -87,7 +113,7 @@ TEST_F(StoreLinkLocaliseTest, FramesWaitForTheLinkTheNewestOfThem) {
   uplink_.reachable = false;
   const auto link = MakeLink();
   link->Step();
-  const int64_t frames = LocalisedOutbox::kMaxFrames + 10;
+  const int64_t frames = LocalisedOutbox::kMaxPlaces + 10;
   for (int64_t i = 0; i < frames; ++i) link->AddLocalised({i, Rigid3d::Identity()});
   uplink_.reachable = true;
   uplink_.takes = false;
@@ -95,8 +121,142 @@ TEST_F(StoreLinkLocaliseTest, FramesWaitForTheLinkTheNewestOfThem) {
   EXPECT_TRUE(uplink_.localised.empty());
   uplink_.takes = true;
   link->Step();
-  ASSERT_EQ(uplink_.localised.size(), LocalisedOutbox::kMaxFrames);
+  ASSERT_EQ(uplink_.localised.size(), LocalisedOutbox::kMaxPlaces);
   EXPECT_EQ(uplink_.localised.back().timestamp_ns, frames - 1);
+}
+
+class StoreLinkTrajectoryTest : public StoreLinkLocaliseTest {
+ protected:
+  StoreLinkTrajectoryTest() { uplink_.capabilities.keeps_localised = true; }
+  static TrackedFrame Frame(int64_t time_ns) { return {time_ns, {{2}, 0}, Rigid3d::Identity()}; }
+  // Lets the link send, and hears its answers.
+  void Pass(StoreLink& link, absl::Duration time = absl::Seconds(2)) {
+    now_ += time;
+    link.Step();
+  }
+};
+
+TEST_F(StoreLinkTrajectoryTest, ItGoesUpInPartsAndOnlyTheNewestPlaceBesides) {
+  const auto link = MakeLink();
+  link->Step();
+  for (int64_t i = 1; i <= 3; ++i) {
+    link->AddTrackedFrame(Frame(i));
+    link->AddLocalised({i, Rigid3d::Identity()});
+  }
+  link->AddLostFrame(4);
+  link->AddLocalised({4, std::nullopt});
+  Pass(*link);
+  EXPECT_THAT(uplink_.Kept(), ElementsAre(1, 2, 3, -4));
+  EXPECT_EQ(uplink_.localised.size(), 2u);
+  link->AddTrackedFrame(Frame(5));
+  EXPECT_TRUE(link->Finish(absl::Seconds(1)).ok());
+  EXPECT_THAT(uplink_.Kept(), ElementsAre(1, 2, 3, -4, 5));
+  EXPECT_EQ(uplink_.runs.size(), 1u);
+}
+
+TEST_F(StoreLinkTrajectoryTest, WhatWasNotAnsweredGoesAgainAfterABreakWithTheSameNumber) {
+  const auto link = MakeLink();
+  link->Step();
+  uplink_.keeps_now = false;
+  link->AddTrackedFrame(Frame(1));
+  Pass(*link);
+  uplink_.Break(absl::UnavailableError("cut"));
+  link->AddTrackedFrame(Frame(2));
+  uplink_.keeps_now = true;
+  Pass(*link);
+  ASSERT_EQ(uplink_.parts.size(), 3u);
+  EXPECT_EQ(uplink_.parts[0].number, 1u);
+  EXPECT_EQ(uplink_.parts[1].number, 1u);
+  EXPECT_EQ(uplink_.parts[1].run, uplink_.parts[0].run);
+  EXPECT_THAT(uplink_.Kept(), ElementsAre(1, 2));
+}
+
+TEST_F(StoreLinkTrajectoryTest, AStoreWithoutRoomIsAskedAgainInTheSameSession) {
+  const auto link = MakeLink();
+  link->Step();
+  uplink_.keeps_now = false;
+  link->AddTrackedFrame(Frame(1));
+  Pass(*link);
+  Pass(*link, absl::Seconds(5));
+  EXPECT_EQ(uplink_.parts.size(), 1u) << "it has patience";
+  const absl::Status unkept = link->Finish(absl::ZeroDuration());
+  EXPECT_TRUE(absl::IsDeadlineExceeded(unkept)) << unkept;
+  EXPECT_THAT(std::string(unkept.message()), HasSubstr("1 frames of the trajectory"));
+  uplink_.keeps_now = true;
+  Pass(*link, LocalisedOutbox::kPatience + absl::Seconds(1));
+  EXPECT_THAT(uplink_.Kept(), ElementsAre(1));
+  EXPECT_EQ(uplink_.requests.size(), 1u);
+  EXPECT_TRUE(link->Finish(absl::Seconds(1)).ok());
+}
+
+TEST_F(StoreLinkTrajectoryTest, SoManyPartsWaitAtMost) {
+  const auto link = MakeLink();
+  link->Step();
+  uplink_.keeps_now = false;
+  const auto parts = static_cast<int64_t>(LocalisedOutbox::kMaxParts);
+  for (int64_t i = 1; i <= parts + 5; ++i) {
+    link->AddTrackedFrame(Frame(i));
+    now_ += absl::Milliseconds(1);
+    Pass(*link, absl::Seconds(1));
+    uplink_.Break(absl::UnavailableError("cut"));
+    link->Step();
+  }
+  uint64_t highest = 0;
+  for (const LocalisedFrames& part : uplink_.parts) highest = std::max(highest, part.number);
+  EXPECT_EQ(highest, LocalisedOutbox::kMaxParts);
+  uplink_.keeps_now = true;
+  Pass(*link);
+  Pass(*link);
+  EXPECT_EQ(uplink_.Kept().size(), static_cast<size_t>(parts) + 5);
+}
+
+TEST_F(StoreLinkTrajectoryTest, AStoreThatHasLostWhatItKeptGetsTheRestInAnotherRun) {
+  const auto link = MakeLink();
+  link->Step();
+  for (int64_t i = 1; i <= 3; ++i) {
+    link->AddTrackedFrame(Frame(i));
+    Pass(*link);
+  }
+  ASSERT_EQ(uplink_.runs.size(), 1u);
+  uplink_.runs.begin()->second.resize(1);
+  link->AddTrackedFrame(Frame(4));
+  Pass(*link);
+  Pass(*link);
+  EXPECT_EQ(uplink_.runs.size(), 2u);
+  EXPECT_THAT(uplink_.Kept(), UnorderedElementsAre(1, 4));
+}
+
+TEST_F(StoreLinkTrajectoryTest, AnOlderStoreKeepsNoneAndNothingWaitsForIt) {
+  uplink_.capabilities.keeps_localised = false;
+  const auto link = MakeLink();
+  link->Step();
+  link->AddTrackedFrame(Frame(1));
+  link->AddLocalised({1, Rigid3d::Identity()});
+  Pass(*link);
+  EXPECT_TRUE(uplink_.parts.empty());
+  EXPECT_EQ(uplink_.localised.size(), 1u);
+  EXPECT_TRUE(link->Finish(absl::Seconds(1)).ok());
+}
+
+TEST(LocalisedOutboxTest, WithoutRoomTheOldestGoesAndTheGapIsTold) {
+  LocalisedOutbox outbox(/*max_bytes=*/0, /*seed=*/1, std::nullopt);
+  LocalisingUplink uplink;
+  uplink.open = true;
+  // A camera that is lost for long takes no room from what was tracked.
+  outbox.AddTracked({1, {{2}, 0}, {}});
+  for (int64_t i = 2; i < 5000; ++i) outbox.AddLost(i);
+  EXPECT_EQ(outbox.dropped(), 0u);
+  for (int64_t i = 5000; i < 6000; ++i) outbox.AddTracked({i, {{2}, 0}, {}});
+  EXPECT_GT(outbox.dropped(), 0u);
+  EXPECT_EQ(outbox.CountUnkept() + outbox.dropped(), 1001u);
+  outbox.BeginSession(/*keeps=*/true);
+  uplink.keeps_now = false;
+  outbox.SendTo(uplink, absl::ZeroDuration(), absl::UnixEpoch());
+  ASSERT_EQ(uplink.parts.size(), 1u);
+  ASSERT_FALSE(uplink.parts[0].lost_frames_ns.empty());
+  EXPECT_LT(uplink.parts[0].lost_frames_ns.back(),
+            uplink.parts[0].tracked_frames.front().timestamp_ns);
+  EXPECT_EQ(uplink.parts[0].tracked_frames.back().timestamp_ns, 5999);
 }
 
 TEST_F(StoreLinkLocaliseTest, AnOlderStoreIsRefusedWithWhatToDo) {

@@ -173,7 +173,9 @@ std::string AsFormat6(const MissionState& of) {
   map_store::NewerFields(profile, of.profile);
   // That nothing has retired takes eight bytes, and sixteen for each local map.
   // That none was deleted takes eight, and that nothing has become a part of a local map as many.
-  state.resize(state.size() - profile.Take().size() - 16 - 24 * of.order.size());
+  // That an agent has no trajectory of its own takes sixteen.
+  state.resize(state.size() - profile.Take().size() - 16 - 24 * of.order.size() -
+               16 * of.agents.size());
   return state;
 }
 
@@ -311,8 +313,10 @@ TEST_F(MissionArchiveTest, AStateFromBeforeSettingsIsReadAndHasNone) {
   std::memcpy(bytes.data(), &format, sizeof(format));
   ArchiveWriter newer;
   map_store::NewerFields(newer, state.profile);
-  // That no local map was deleted takes eight bytes, and that none is a part as many for each.
-  bytes.resize(bytes.size() - newer.Take().size() - 8 - 8 * state.order.size());
+  // That no local map was deleted takes eight bytes, and that none is a part as many for each; that
+  // an agent has no trajectory of its own takes sixteen.
+  bytes.resize(bytes.size() - newer.Take().size() - 8 - 8 * state.order.size() -
+               16 * state.agents.size());
   const auto read = map_store::DecodeState(bytes, nullptr);
   ASSERT_TRUE(read.ok()) << read.status();
   EXPECT_EQ(read->profile.description, "kept");

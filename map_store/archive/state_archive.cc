@@ -80,13 +80,15 @@ namespace {
 // Format 3 has no recorded cameras, which follow everything else; in format 4 points are placed in
 // their islands and not in an anchor; in format 5 lenses have five numbers (value_fields.h); up to
 // format 6 missions have no profile, and the store lets go of nothing; in format 7 profiles have no
-// revision and no settings of robots, local maps stay as they are, and none is deleted.
+// revision and no settings of robots, local maps stay as they are, and none is deleted; up to
+// format 8 what agents that only localise say is not kept.
 constexpr uint32_t kOldestStateFormat = 3;
 constexpr uint32_t kFirstWithAnchors = 5;
 constexpr uint32_t kFirstWithProfile = 7;
 constexpr uint32_t kFirstWithSettings = 8;
 constexpr uint32_t kFirstWithJoined = 8;
-constexpr uint32_t kStateFormat = 8;
+constexpr uint32_t kFirstWithTracks = 9;
+constexpr uint32_t kStateFormat = 9;
 
 absl::Status Unreadable(absl::string_view what) {
   return absl::DataLossError(absl::StrCat(what, " can't be read: its bytes are damaged"));
@@ -297,6 +299,12 @@ void JoinedFields(Archive& archive, State& state) {
   for (const LocalMapId& id : state.order) archive(state.local_maps.at(id).joined);
 }
 
+// Lists what follows that since agents that only localise have trajectories.
+template <typename Archive, typename State>
+void TrackFields(Archive& archive, State& state) {
+  for (auto& [name, agent] : state.agents) archive(agent.track);
+}
+
 // Anchors points of an older format, which are placed in their islands. Where no keyframe is placed
 // that sees a point, the point is not placed any more.
 void AnchorPoints(MissionState& state) {
@@ -474,6 +482,7 @@ std::string EncodeState(const MissionState& state) {
   RetiredFields(writer, state);
   NewerFields(writer, state.profile);
   JoinedFields(writer, state);
+  TrackFields(writer, state);
   return writer.Take();
 }
 
@@ -528,6 +537,7 @@ absl::StatusOr<MissionState> DecodeState(std::string_view bytes, const FeatureLo
   }
   if (format >= kFirstWithSettings) NewerFields(reader, state.profile);
   if (format >= kFirstWithJoined) JoinedFields(reader, state);
+  if (format >= kFirstWithTracks) TrackFields(reader, state);
   IndexJoined(state);
   if (!reader.done()) return Unreadable("a mission's snapshot");
   RETURN_IF_ERROR(ValidateState(state));

@@ -220,6 +220,20 @@ template <typename Archive, MayBeConst<ProfileRecord> T>
 void Fields(Archive& archive, T& record) {
   archive(record.profile);
 }
+template <typename Archive, MayBeConst<LocalisedRecord> T>
+void Fields(Archive& archive, T& record) {
+  archive(record.agent, record.part.run, record.part.number, record.part.recorded_camera,
+          record.part.tracked_frames, record.part.lost_frames_ns);
+  Time(archive, record.received_at);
+}
+template <typename Archive, MayBeConst<LocalisedRun> T>
+void Fields(Archive& archive, T& run) {
+  archive(run.id, run.last_number, run.recorded_camera, run.frames, run.lost_frames_ns);
+}
+template <typename Archive, MayBeConst<LocalisedTrack> T>
+void Fields(Archive& archive, T& track) {
+  archive(track.runs, track.dropped);
+}
 template <typename Archive, MayBeConst<AdjustRecord> T>
 void Fields(Archive& archive, T& record) {
   if constexpr (Archive::kReads) {

@@ -217,14 +217,15 @@ absl::Status ValidateLoopEdges(const MapUpdateBatch& batch) {
   return absl::OkStatus();
 }
 
-absl::Status ValidateFrames(const MapUpdateBatch& batch) {
-  for (const TrackedFrame& frame : batch.tracked_frames) {
+absl::Status ValidateFrames(const std::vector<TrackedFrame>& tracked_frames,
+                            const std::vector<int64_t>& lost_frames_ns) {
+  for (const TrackedFrame& frame : tracked_frames) {
     RETURN_IF_ERROR(ValidateAny("reference of a tracked frame", frame.reference));
     RETURN_IF_ERROR(ValidateTime("tracked frame", frame.timestamp_ns));
     RETURN_IF_ERROR(ValidatePose("tracked frame of", frame.reference, "reference_from_camera",
                                  frame.reference_from_camera));
   }
-  for (const int64_t time_ns : batch.lost_frames_ns) {
+  for (const int64_t time_ns : lost_frames_ns) {
     RETURN_IF_ERROR(ValidateTime("lost frame", time_ns));
   }
   return absl::OkStatus();
@@ -275,11 +276,20 @@ absl::Status ValidateValues(const LocalMapState* local_map, const MapUpdateBatch
   const References references(local_map, batch);
   RETURN_IF_ERROR(ValidateObservations(references, batch, options));
   RETURN_IF_ERROR(ValidateLoopEdges(batch));
-  RETURN_IF_ERROR(ValidateFrames(batch));
+  RETURN_IF_ERROR(ValidateFrames(batch.tracked_frames, batch.lost_frames_ns));
   return ValidateParked(local_map, references, batch, options);
 }
 
 }  // namespace
+
+absl::Status ValidateLocalised(const LocalisedFrames& part) {
+  if (part.run == 0 || part.number == 0) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("run is ", part.run, " and number ", part.number, ", both must be 1 or more"));
+  }
+  if (part.recorded_camera.has_value()) RETURN_IF_ERROR(Validate(*part.recorded_camera));
+  return ValidateFrames(part.tracked_frames, part.lost_frames_ns);
+}
 
 absl::Status ValidateName(const std::string& what, const std::string& name) {
   constexpr size_t kMaxLength = 128;

@@ -9,6 +9,7 @@
 #include "map_store/options.h"
 #include "map_store/state/mission_state.h"
 #include "slam/exchange/map_update.h"
+#include "slam/exchange/uplink.h"
 
 namespace corbslam::map_store {
 
@@ -25,6 +26,10 @@ absl::Status ValidateBatch(const LocalMapState* local_map, const MapUpdateBatch&
 // Checks a batch that a store has taken in before, with other limits or none, and when a batch
 // could still name a light item more than once.
 absl::Status ValidateRecordedBatch(const LocalMapState* local_map, const MapUpdateBatch& batch);
+
+// Checks a part of a trajectory (LocalisedFrames::run). INVALID_ARGUMENT for values that mean
+// nothing.
+absl::Status ValidateLocalised(const LocalisedFrames& part);
 
 }  // namespace corbslam::map_store
 

@@ -9,6 +9,7 @@
 #include "map_store/mission/batch_intake.h"
 #include "map_store/mission/event_book.h"
 #include "map_store/mission/fusion_coordinator.h"
+#include "map_store/mission/localised_intake.h"
 #include "map_store/mission/mission_joining.h"
 #include "map_store/mission/mission_load.h"
 #include "map_store/mission/mission_retiring.h"
@@ -31,6 +32,7 @@ class Mission {
 
   MissionSessions& sessions() { return sessions_; }
   BatchIntake& batches() { return batches_; }
+  LocalisedIntake& localised() { return localised_; }
   FusionCoordinator& fusion() { return fusion_; }
   const FusionCoordinator& fusion() const { return fusion_; }
   MissionRetiring& retiring() { return retiring_; }
@@ -82,6 +84,7 @@ class Mission {
   EventBook events_;
   MissionSessions sessions_;
   BatchIntake batches_;
+  LocalisedIntake localised_;
   FusionCoordinator fusion_;
   MissionRetiring retiring_;
   MissionJoining joining_;

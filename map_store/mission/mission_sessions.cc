@@ -59,8 +59,10 @@ absl::StatusOr<MissionSessions::Opened> MissionSessions::Enter(uint64_t session_
   MissionState& state = strand_.mutable_state();
   const absl::Time now = strand_.environment().clock();
   Opened opened;
-  opened.grant.capabilities = {
-      .points_follow = true, .coded_features = true, .localise_only = true};
+  opened.grant.capabilities = {.points_follow = true,
+                               .coded_features = true,
+                               .localise_only = true,
+                               .keeps_localised = true};
   for (const LocalMapId& id : request.local_maps) {
     LocalMapState* local_map = state.FindLocalMap(id);
     if (local_map != nullptr) ExpireParked(now, strand_.options(), *local_map);
@@ -77,27 +79,6 @@ absl::StatusOr<MissionSessions::Opened> MissionSessions::Enter(uint64_t session_
   opened.told = &told_[request.agent];
   ++state.version;
   return opened;
-}
-
-absl::Status MissionSessions::NoteLocalised(uint64_t session_id, const std::string& agent_name,
-                                            const std::vector<LocalisedFrame>& frames) {
-  StateWriteLock lock(strand_);
-  RETURN_IF_ERROR(CheckSession(strand_, session_id, agent_name));
-  AgentState& agent = strand_.mutable_state().agents.at(agent_name);
-  if (!agent.localise_only) {
-    return absl::PermissionDeniedError(
-        absl::StrCat("agent ", agent_name,
-                     " says where it is in the global frame, but opened its session "
-                     "without localise_only: its frames belong into batches"));
-  }
-  for (const LocalisedFrame& frame : frames) {
-    if (frame.camera_from_global.has_value()) {
-      agent.localised = frame;
-    } else {
-      agent.localised_lost_ns = frame.timestamp_ns;
-    }
-  }
-  return absl::OkStatus();
 }
 
 absl::StatusOr<SessionGrant> MissionSessions::Open(uint64_t session_id,

@@ -40,9 +40,6 @@ class MissionSessions {
   absl::StatusOr<std::optional<SharedUpdate>> NextShared(uint64_t session_id,
                                                          const std::string& agent,
                                                          size_t byte_budget);
-  // Does what MapStore::NoteLocalised says.
-  absl::Status NoteLocalised(uint64_t session_id, const std::string& agent,
-                             const std::vector<LocalisedFrame>& frames);
   // These do what MapStore::AskForExactPlaces and MapStore::TakeExactPlacesWanted say.
   absl::Status AskForExactPlaces(const std::string& agent);
   bool TakeExactPlacesWanted(const std::string& agent);

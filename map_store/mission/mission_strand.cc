@@ -38,6 +38,7 @@ struct ApplyAgain {
   void operator()(const RetireRecord& record) { Apply(record, state); }
   void operator()(const JoinRecord& record) { Apply(record, state); }
   void operator()(const ForgetRecord& record) { Apply(record, state); }
+  void operator()(const LocalisedRecord& record) { Apply(record, options, state); }
 };
 
 BatchWords WordsOf(const JournalRecord& record, const Vocabulary* vocabulary) {

@@ -18,6 +18,7 @@
 #include "map_store/state/mission_state.h"
 #include "slam/exchange/map_update.h"
 #include "slam/exchange/overlap.h"
+#include "slam/exchange/uplink.h"
 
 namespace corbslam::map_store {
 
@@ -103,11 +104,18 @@ struct ForgetRecord {
   std::vector<LocalMapId> local_maps;
 };
 
+// A part of the trajectory of an agent that only localises came.
+struct LocalisedRecord {
+  std::string agent;
+  LocalisedFrames part;  // Without `frames`, which are not kept.
+  absl::Time received_at;
+};
+
 // Events that are no records (queries without candidates, workers' failures) are decided again
 // after a restart.
 using JournalRecord = std::variant<BatchRecord, QueryRecord, FuseRecord, FuseRefusedRecord,
                                    AdjustRecord, RederiveRecord, RetractRecord, ProfileRecord,
-                                   RetireRecord, JoinRecord, ForgetRecord>;
+                                   RetireRecord, JoinRecord, ForgetRecord, LocalisedRecord>;
 
 }  // namespace corbslam::map_store
 

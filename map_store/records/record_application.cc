@@ -172,6 +172,11 @@ void Apply(const ForgetRecord& record, MissionState& state) {
 
 void Apply(const ProfileRecord& record, MissionState& state) { state.profile = record.profile; }
 
+void Apply(const LocalisedRecord& record, const MapStoreOptions& options, MissionState& state) {
+  NoteUse(record.received_at, state);
+  AddPart(record.part, options.max_localised_frames_per_agent, state.agents[record.agent].track);
+}
+
 void LeaveToAdjustment(const std::vector<LocalMapId>& relaxed, MissionState& state,
                        Island& island) {
   // An adjustment that runs already does not know of the relaxed local maps.
@@ -270,6 +275,22 @@ absl::Status CheckBatch(const BatchRecord& record, const MissionState& state) {
                                           ToString(batch.local_map), ": ", status.message()));
 }
 
+absl::Status CheckLocalised(const LocalisedRecord& record, const MissionState& state) {
+  const LocalisedFrames& part = record.part;
+  const auto agent = state.agents.find(record.agent);
+  const LocalisedRun* run =
+      agent == state.agents.end() ? nullptr : FindRun(agent->second.track, part.run);
+  const uint64_t last = run == nullptr ? 0 : run->last_number;
+  absl::Status status = ValidateName("agent", record.agent);
+  status.Update(ValidateLocalised(part));
+  if (!status.ok()) {
+    return absl::DataLossError(
+        absl::StrCat("what an agent that localises said: ", status.message()));
+  }
+  if (part.number == last + 1) return absl::OkStatus();
+  return Missing(absl::StrCat("part ", last + 1, " of run ", part.run, " of agent ", record.agent));
+}
+
 }  // namespace
 
 absl::Status CheckReplay(const JournalRecord& record, const MissionState& state) {
@@ -297,6 +318,9 @@ absl::Status CheckReplay(const JournalRecord& record, const MissionState& state)
   if (const auto* profile = std::get_if<ProfileRecord>(&record)) {
     const absl::Status valid = ValidateProfile(profile->profile);
     return valid.ok() ? valid : absl::DataLossError(valid.message());
+  }
+  if (const auto* localised = std::get_if<LocalisedRecord>(&record)) {
+    return CheckLocalised(*localised, state);
   }
   return CheckRefusal(std::get<FuseRefusedRecord>(record), state);
 }

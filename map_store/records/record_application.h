@@ -35,6 +35,7 @@ void Apply(const RetireRecord& record, MissionState& state);
 void Apply(const JoinRecord& record, MissionState& state);
 void Apply(const ForgetRecord& record, MissionState& state);
 void Apply(const ProfileRecord& record, MissionState& state);
+void Apply(const LocalisedRecord& record, const MapStoreOptions& options, MissionState& state);
 
 // Leaves local maps whose loops could not be welded to bundle adjustment, which alone has to bring
 // the loops in.

@@ -71,6 +71,22 @@ absl::Status ValidateFrames(const LocalMapState& local_map) {
   return absl::OkStatus();
 }
 
+absl::Status ValidateTrack(const std::string& agent, const LocalisedTrack& track) {
+  for (const LocalisedRun& run : track.runs) {
+    const absl::Status sound = ValidateLocalised({.frames = {},
+                                                  .run = run.id,
+                                                  .number = run.last_number,
+                                                  .recorded_camera = run.recorded_camera,
+                                                  .tracked_frames = run.frames,
+                                                  .lost_frames_ns = run.lost_frames_ns});
+    if (!sound.ok()) {
+      return absl::InvalidArgumentError(
+          absl::StrCat("where agent ", agent, " localised: ", sound.message()));
+    }
+  }
+  return absl::OkStatus();
+}
+
 absl::Status ValidateGlobal(const GlobalLayer& global) {
   for (const auto& [id, placed] : global.keyframes) {
     RETURN_IF_ERROR(ValidateSimilarity("placed keyframe", id, placed.camera_from_island));
@@ -98,7 +114,10 @@ absl::Status ValidateGlobal(const GlobalLayer& global) {
 
 absl::Status ValidateRestored(const MissionState& state, const MapStoreOptions& options) {
   RETURN_IF_ERROR(ValidateAmounts(state, options));
-  for (const auto& [name, agent] : state.agents) RETURN_IF_ERROR(ValidateName("agent", name));
+  for (const auto& [name, agent] : state.agents) {
+    RETURN_IF_ERROR(ValidateName("agent", name));
+    RETURN_IF_ERROR(ValidateTrack(name, agent.track));
+  }
   for (const auto& [id, local_map] : state.local_maps) {
     RETURN_IF_ERROR(ValidateKeyframes(local_map, options));
     RETURN_IF_ERROR(ValidatePoints(local_map));

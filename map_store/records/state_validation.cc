@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
+#include <set>
 
 #include "absl/strings/str_cat.h"
 #include "map_store/ingest/batch_validation.h"
@@ -54,11 +56,22 @@ absl::Status ValidateLocalMap(const LocalMapState& local_map) {
   return Check(own_points, absl::StrCat(what, ": whose points it has"));
 }
 
+bool IsTrackSound(const LocalisedTrack& track) {
+  std::set<uint64_t> ids;
+  return std::ranges::all_of(track.runs, [&ids](const LocalisedRun& run) {
+    return run.id != 0 && run.last_number != 0 && ids.insert(run.id).second &&
+           std::ranges::all_of(run.frames,
+                               [](const TrackedFrame& frame) { return frame.reference.IsValid(); });
+  });
+}
+
 // Checks that each local map is one agent's, and that each agent's local maps are there.
 absl::Status ValidateAgents(const MissionState& state) {
   size_t owned = 0;
   for (const auto& [name, agent] : state.agents) {
     RETURN_IF_ERROR(Check(ValidateName("agent", name).ok(), "an agent's name"));
+    RETURN_IF_ERROR(
+        Check(IsTrackSound(agent.track), absl::StrCat("agent ", name, ": where it localised")));
     for (const LocalMapId& id : agent.local_maps) {
       const LocalMapState* local_map = state.FindLocalMap(id);
       RETURN_IF_ERROR(Check(local_map != nullptr && local_map->agent == name,

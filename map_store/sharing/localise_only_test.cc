@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "map_store/testing/sharing_mission.h"
@@ -28,6 +29,12 @@ class LocaliseOnlyTest : public testing::SharingMission {
     request.share = scope;
     request.localise_only = true;
     return request;
+  }
+
+  static LocalisedFrames Places(std::vector<LocalisedFrame> frames) {
+    LocalisedFrames localised;
+    localised.frames = std::move(frames);
+    return localised;
   }
 
   // Returns the session.
@@ -106,7 +113,7 @@ TEST_F(LocaliseOnlyTest, WhatIsNearFollowsWhereItSaysThatItIs) {
   TakeAll(session);
   EXPECT_TRUE(mirror_.keyframes.empty()) << "it has not said where it is";
   const Rigid3d first = PoseOf(a_.Id(2));
-  ASSERT_TRUE(store_.NoteLocalised(session, {{1, first}}).ok());
+  ASSERT_TRUE(store_.NoteLocalised(session, Places({{1, first}})).ok());
   TakeAll(session);
   std::set<KeyframeId> wanted = SettledWithin(CameraCentre(first), kNear.radius_m);
   ASSERT_GT(wanted.size(), 1u);
@@ -114,7 +121,7 @@ TEST_F(LocaliseOnlyTest, WhatIsNearFollowsWhereItSaysThatItIs) {
   EXPECT_EQ(Held(), wanted);
   // What was told stays when the robot moves on.
   const Rigid3d second = PoseOf(a_.Id(7));
-  ASSERT_TRUE(store_.NoteLocalised(session, {{2, std::nullopt}, {3, second}}).ok());
+  ASSERT_TRUE(store_.NoteLocalised(session, Places({{2, std::nullopt}, {3, second}})).ok());
   TakeAll(session);
   wanted.merge(SettledWithin(CameraCentre(second), kNear.radius_m));
   EXPECT_EQ(Held(), wanted);
@@ -126,7 +133,7 @@ TEST_F(LocaliseOnlyTest, ListAgentsHasWhatItSaid) {
   const uint64_t session = Open(kNear);
   EXPECT_TRUE(Guest().localise_only);
   EXPECT_FALSE(Guest().last_pose.has_value());
-  ASSERT_TRUE(store_.NoteLocalised(session, {{5, PoseOf(a_.Id(4))}}).ok());
+  ASSERT_TRUE(store_.NoteLocalised(session, Places({{5, PoseOf(a_.Id(4))}})).ok());
   const auto pose = Guest().last_pose;
   ASSERT_TRUE(pose.has_value());
   EXPECT_EQ(pose->timestamp_ns, 5);
@@ -134,7 +141,7 @@ TEST_F(LocaliseOnlyTest, ListAgentsHasWhatItSaid) {
   EXPECT_TRUE(pose->in_reference_island);
   EXPECT_FALSE(pose->lost_since);
   EXPECT_LT((CameraCentre(pose->camera_from_island) - CameraCentre(PoseOf(a_.Id(4)))).norm(), 1e-9);
-  ASSERT_TRUE(store_.NoteLocalised(session, {{6, std::nullopt}}).ok());
+  ASSERT_TRUE(store_.NoteLocalised(session, Places({{6, std::nullopt}})).ok());
   EXPECT_TRUE(Guest().last_pose->lost_since);
 }
 
@@ -146,7 +153,8 @@ TEST_F(LocaliseOnlyTest, ItMayNotChangeTheMapAndOthersMayNotSayWhereTheyAre) {
   const auto refused = store_.Apply(Open(kNear), batch);
   EXPECT_TRUE(absl::IsPermissionDenied(refused.status())) << refused.status();
   EXPECT_THAT(std::string(refused.status().message()), HasSubstr("localise_only"));
-  const absl::Status noted = store_.NoteLocalised(a_.session(), {{1, Rigid3d::Identity()}});
+  const absl::Status noted =
+      store_.NoteLocalised(a_.session(), Places({{1, Rigid3d::Identity()}})).status();
   EXPECT_TRUE(absl::IsPermissionDenied(noted)) << noted;
 }
 

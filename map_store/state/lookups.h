@@ -189,13 +189,17 @@ struct StoredPose {
   // The island whose frame it is; for the global frame only.
   IslandId island;
   // Whether this pose is not connected to the one before it in time: tracking was lost in between,
-  // or another local map began.
+  // or another local map or run began.
   bool after_gap = false;
+  // Of an agent that localised only; `local_map` is then invalid. 0: the frame is a local map's.
+  uint64_t run = 0;
 };
 
 struct AgentTrajectory {
   std::string agent;
-  std::vector<StoredPose> poses;  // All tracked frames, by local map, then by time.
+  // All tracked frames, by local map, then by time; then those of runs that localised only.
+  std::vector<StoredPose> poses;
+  uint64_t dropped = 0;  // Frames of such runs that the store has no more (LocalisedTrack).
 };
 
 struct OverlapInfo {

@@ -22,6 +22,7 @@
 #include "map_store/state/arrival_book.h"
 #include "map_store/state/change_log.h"
 #include "map_store/state/landmarks.h"
+#include "map_store/state/localised_track.h"
 #include "map_store/state/lookups.h"
 #include "map_store/state/mission_profile.h"
 #include "map_store/state/overlap_ledger.h"
@@ -253,8 +254,10 @@ struct AgentState {
   uint64_t instance = 0;
   absl::Time session_begin;
   std::string peer;
-  // True: that session changes nothing (SessionRequest::localise_only). What it said of itself is
-  // not recorded: the newest frame with a pose, and the time of the newest one without.
+  // What it said of itself in sessions that change nothing.
+  LocalisedTrack track;
+  // True: that session changes nothing (SessionRequest::localise_only). Where it said last that it
+  // is is not recorded: the newest frame with a pose, and the time of the newest one without.
   bool localise_only = false;
   std::optional<LocalisedFrame> localised;
   int64_t localised_lost_ns = -1;

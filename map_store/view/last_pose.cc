@@ -2,6 +2,7 @@
 
 #include <cstddef>
 
+#include "map_store/view/localised_trajectory.h"
 #include "map_store/view/placement.h"
 
 namespace corbslam::map_store {
@@ -40,9 +41,30 @@ std::optional<LastPose> FindIn(const MissionState& state, const LocalMapState& l
   return std::nullopt;
 }
 
-// Of an agent that localises only.
+// As the store keeps it of an agent that localised only.
+std::optional<LastPose> OfTrack(const MissionState& state, const AgentState& agent) {
+  bool lost_later = false;
+  for (auto run = agent.track.runs.rbegin(); run != agent.track.runs.rend(); ++run) {
+    lost_later |=
+        !run->lost_frames_ns.empty() &&
+        (run->frames.empty() || run->lost_frames_ns.back() > run->frames.back().timestamp_ns);
+    if (run->frames.empty()) continue;
+    const TrackedFrame& frame = run->frames.back();
+    const std::optional<PlaceInIsland> place = PlaceLocalised(state, frame);
+    if (!place.has_value()) return std::nullopt;
+    return LastPose{.timestamp_ns = frame.timestamp_ns,
+                    .local_map = {},
+                    .island = place->island,
+                    .in_reference_island = place->island == state.ReferenceIsland(),
+                    .camera_from_island = place->island_from_camera.Inverse(),
+                    .lost_since = lost_later};
+  }
+  return std::nullopt;
+}
+
+// As the session says that localises only.
 std::optional<LastPose> SaidByItself(const MissionState& state, const AgentState& agent) {
-  if (!agent.localised.has_value()) return std::nullopt;
+  if (!agent.localised.has_value()) return OfTrack(state, agent);
   const LocalisedFrame& frame = *agent.localised;
   return LastPose{.timestamp_ns = frame.timestamp_ns,
                   .local_map = {},
@@ -65,7 +87,7 @@ std::optional<LastPose> FindLastPose(const MissionState& state, const AgentState
     }
     lost_later |= !local_map.lost_frames_ns.empty();
   }
-  return std::nullopt;
+  return OfTrack(state, agent);
 }
 
 }  // namespace corbslam::map_store

@@ -55,6 +55,12 @@ uint64_t BytesOf(const LocalMapState& local_map) {
 uint64_t EstimateMemory(const MissionState& state) {
   uint64_t bytes = sizeof(MissionState);
   for (const auto& [id, local_map] : state.local_maps) bytes += BytesOf(local_map);
+  for (const auto& [name, agent] : state.agents) {
+    for (const LocalisedRun& run : agent.track.runs) {
+      bytes += sizeof(run) + run.frames.size() * sizeof(TrackedFrame) +
+               run.lost_frames_ns.size() * sizeof(int64_t);
+    }
+  }
   const GlobalLayer& global = state.global;
   bytes += global.keyframes.size() * (sizeof(PlacedKeyframe) + kNode);
   bytes += global.stand_ins.size() * (sizeof(StandIn) + kNode);

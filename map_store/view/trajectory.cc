@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "map_store/view/localised_trajectory.h"
 #include "map_store/view/placement.h"
 
 namespace corbslam::map_store {
@@ -114,8 +115,8 @@ void AppendSession(const MissionState& state, const LocalMapState& local_map,
       continue;
     }
     gap = gap || (before.has_value() && HasTimeBetween(lost, *before, tracked.timestamp_ns));
-    trajectory.poses.push_back(
-        {tracked.timestamp_ns, session.id, *pose, state.global.island_of.at(local_map.id), gap});
+    trajectory.poses.push_back({tracked.timestamp_ns, session.id, *pose,
+                                state.global.island_of.at(local_map.id), gap, 0});
     before = tracked.timestamp_ns;
     gap = false;
   }
@@ -129,7 +130,8 @@ absl::StatusOr<AgentTrajectory> ComputeTrajectory(const MissionState& state,
   AgentTrajectory trajectory;
   trajectory.agent = agent;
   const IslandId reference = state.ReferenceIsland();
-  for (const LocalMapId& id : state.agents.at(agent).local_maps) {
+  const AgentState& agent_state = state.agents.at(agent);
+  for (const LocalMapId& id : agent_state.local_maps) {
     const bool wanted = frame == TrajectoryFrame::kLocal || all_islands ||
                         state.global.island_of.at(id) == reference;
     if (!wanted) continue;
@@ -145,6 +147,11 @@ absl::StatusOr<AgentTrajectory> ComputeTrajectory(const MissionState& state,
       AppendSession(state, local_map, session, chain, trajectory);
     }
   }
+  // What an agent localised has no local frame.
+  if (frame == TrajectoryFrame::kLocal) return trajectory;
+  const absl::Status appended =
+      AppendLocalised(state, agent_state, all_islands, poses_of, trajectory);
+  if (!appended.ok()) return appended;
   return trajectory;
 }
 

@@ -14,8 +14,10 @@ namespace corbslam::map_store {
 // Returns an agent's poses by local map in the order in which the agent opened them, each in time.
 // A frame whose reference keyframe was removed follows the relative that its owner named; one whose
 // reference nobody knows is left out, and marks a gap. Global poses are in the frame of the local
-// map's island; they are of the reference island's local maps only, unless `all_islands`. Returns
-// FAILED_PRECONDITION, naming the local map, if its owner never said where the wanted frame is.
+// map's island; they are of the reference island's local maps only, unless `all_islands`. What an
+// agent localised in others' local maps follows (AppendLocalised); it has global poses alone.
+// Returns FAILED_PRECONDITION, naming the local map, if its owner never said where the wanted frame
+// is.
 absl::StatusOr<AgentTrajectory> ComputeTrajectory(const MissionState& state,
                                                   const std::string& agent, TrajectoryFrame frame,
                                                   bool all_islands, PosesOf poses_of);

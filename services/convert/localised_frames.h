@@ -1,9 +1,6 @@
-// Converts where frames were of an agent that changes nothing, to and from the wire.
+// Converts what an agent says that changes nothing, to and from the wire.
 #ifndef CORBSLAM_SERVICES_CONVERT_LOCALISED_FRAMES_H_
 #define CORBSLAM_SERVICES_CONVERT_LOCALISED_FRAMES_H_
-
-#include <span>
-#include <vector>
 
 #include "absl/status/statusor.h"
 #include "corbslam/v1/map_update.pb.h"
@@ -11,9 +8,9 @@
 
 namespace corbslam::services {
 
-void ToProto(std::span<const LocalisedFrame> frames, v1::LocalisedFrames* proto);
+void ToProto(const LocalisedFrames& localised, v1::LocalisedFrames* proto);
 // INVALID_ARGUMENT names the frame, the field and its limits.
-absl::StatusOr<std::vector<LocalisedFrame>> FromProto(const v1::LocalisedFrames& proto);
+absl::StatusOr<LocalisedFrames> FromProto(const v1::LocalisedFrames& proto);
 
 }  // namespace corbslam::services
 

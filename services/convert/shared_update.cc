@@ -306,6 +306,7 @@ void AddCapabilities(const Capabilities& capabilities, Message* proto) {
   if (capabilities.points_follow) proto->add_capabilities(v1::CAPABILITY_POINTS_FOLLOW);
   if (capabilities.coded_features) proto->add_capabilities(v1::CAPABILITY_CODED_FEATURES);
   if (capabilities.localise_only) proto->add_capabilities(v1::CAPABILITY_LOCALISE_ONLY);
+  if (capabilities.keeps_localised) proto->add_capabilities(v1::CAPABILITY_LOCALISED_KEPT);
 }
 
 // Ignores capabilities that it does not know: they are of a newer version.
@@ -316,6 +317,7 @@ Capabilities ReadCapabilities(const Message& proto) {
     capabilities.points_follow |= capability == v1::CAPABILITY_POINTS_FOLLOW;
     capabilities.coded_features |= capability == v1::CAPABILITY_CODED_FEATURES;
     capabilities.localise_only |= capability == v1::CAPABILITY_LOCALISE_ONLY;
+    capabilities.keeps_localised |= capability == v1::CAPABILITY_LOCALISED_KEPT;
   }
   return capabilities;
 }

@@ -44,15 +44,19 @@ void PoseToProto(const Walk& walk, const std::string& agent, const Pose& pose,
   proto->set_agent(AgentName(walk.mission, agent));
   proto->set_timestamp_ns(pose.timestamp_ns);
   ToProto(pose.frame_from_camera, proto->mutable_frame_from_camera());
-  proto->set_local_map(LocalMapName(walk.mission, pose.local_map));
+  if (pose.run == 0) proto->set_local_map(LocalMapName(walk.mission, pose.local_map));
   if (walk.global) proto->set_island(LocalMapName(walk.mission, pose.island));
   proto->set_after_gap(pose.after_gap);
+  proto->set_run(pose.run);
 }
 
 bool FillNext(Walk& walk, v1::GetTrajectoryResponse& response) {
   if (walk.AtEnd()) return false;
   response.set_revision(walk.revision);
   response.set_poses_of(walk.poses_of);
+  uint64_t dropped = 0;
+  for (const AgentTrajectory& trajectory : walk.trajectories) dropped += trajectory.dropped;
+  response.set_localised_frames_dropped(dropped);
   while (!walk.AtEnd() && static_cast<size_t>(response.poses_size()) < kPosesPerMessage) {
     const AgentTrajectory& trajectory = walk.trajectories[walk.agent];
     PoseToProto(walk, trajectory.agent, trajectory.poses[walk.pose++], response.add_poses());

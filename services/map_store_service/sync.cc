@@ -328,8 +328,15 @@ absl::StatusOr<Acknowledgement> SyncReactor::ApplyWhole(const MapUpdateBatch& ba
 }
 
 absl::Status SyncReactor::NoteLocalised(const v1::LocalisedFrames& localised) {
-  ASSIGN_OR_RETURN(const std::vector<LocalisedFrame> frames, FromProto(localised));
-  RETURN_IF_ERROR(store_.NoteLocalised(*session_id_, frames));
+  ASSIGN_OR_RETURN(const LocalisedFrames said, FromProto(localised));
+  ASSIGN_OR_RETURN(const std::optional<LocalisedKept> kept,
+                   store_.NoteLocalised(*session_id_, said));
+  if (kept.has_value()) {
+    v1::SyncResponse response;
+    response.mutable_localised_kept()->set_run(kept->run);
+    response.mutable_localised_kept()->set_number(kept->number);
+    Reply(response);
+  }
   if (moves_what_is_shared_) OnShareable();
   return absl::OkStatus();
 }

@@ -28,8 +28,8 @@ class ObservedUplink : public Uplink, private UplinkListener {
     return true;
   }
 
-  bool SendLocalised(const std::vector<LocalisedFrame>& frames) override {
-    return uplink_.SendLocalised(frames);
+  bool SendLocalised(const LocalisedFrames& localised) override {
+    return uplink_.SendLocalised(localised);
   }
 
   void PauseReading() override { uplink_.PauseReading(); }
@@ -48,6 +48,9 @@ class ObservedUplink : public Uplink, private UplinkListener {
   void OnAcknowledged(const Acknowledgement& acknowledgement) override {
     NoteAcknowledged(acknowledgement);
     listener_.load()->OnAcknowledged(acknowledgement);
+  }
+  void OnLocalisedKept(const LocalisedKept& kept) override {
+    listener_.load()->OnLocalisedKept(kept);
   }
   void OnShared(SharedUpdate update) override {
     for (UplinkObserver* observer : observers_) observer->OnShared(update);

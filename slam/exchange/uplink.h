@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "absl/status/status.h"
+#include "slam/camera/recorded_camera.h"
 #include "slam/exchange/map_update.h"
 #include "slam/exchange/shared_update.h"
 #include "slam/geometry/rigid3.h"
@@ -23,6 +24,8 @@ struct Capabilities {
   bool coded_features = false;
   // A store that has it understands SessionRequest::localise_only.
   bool localise_only = false;
+  // A store that has it keeps what LocalisedFrames say of an agent's trajectory.
+  bool keeps_localised = false;
 };
 
 // What of the global layer an agent is told.
@@ -85,6 +88,28 @@ struct LocalisedFrame {
   std::optional<Rigid3d> camera_from_global;
 };
 
+// What an agent says that changes nothing.
+struct LocalisedFrames {
+  // Where it is, by time, so that what is near follows. The store forgets it.
+  std::vector<LocalisedFrame> frames;
+  // The rest is a part of its trajectory. Parts are numbered 1, 2, 3, ... within a run, which is a
+  // random number of the agent's process; 0: there is no part.
+  uint64_t run = 0;
+  uint64_t number = 0;
+  // What recorded the pictures; that of a run's first part counts. Nullopt: nobody said it.
+  std::optional<RecordedCamera> recorded_camera;
+  // Relative to others' keyframes, in units of the global frame.
+  std::vector<TrackedFrame> tracked_frames;
+  // Times at which there is no pose: the trajectory has a gap there.
+  std::vector<int64_t> lost_frames_ns;
+};
+
+// Says up to which part of a run everything is durably kept; 0: nothing is.
+struct LocalisedKept {
+  uint64_t run = 0;
+  uint64_t number = 0;
+};
+
 // Hears what comes from the store. One thread at a time calls it, and never from inside a call of
 // Uplink, but for the direct implementation.
 class UplinkListener {
@@ -93,6 +118,8 @@ class UplinkListener {
   // A session stands: the agent sends everything after what `grant` acknowledges.
   virtual void OnSessionOpened(const SessionGrant& grant) = 0;
   virtual void OnAcknowledged(const Acknowledgement& acknowledgement) = 0;
+  // Likewise of an agent that changes nothing. The default is for those that change something.
+  virtual void OnLocalisedKept(const LocalisedKept& /*kept*/) {}
   virtual void OnShared(SharedUpdate update) = 0;
   // The store wants to be told where the points of the newest local map are, exactly.
   virtual void OnExactPlacesWanted() = 0;
@@ -112,9 +139,9 @@ class Uplink {
   // Returns false when no session stands, or the transport's queue is full: keep the batch, try
   // again.
   virtual bool Send(const MapUpdateBatch& batch) = 0;
-  // Does the same with the frames of an agent that changes nothing, by time. The default is for an
-  // uplink that carries batches only.
-  virtual bool SendLocalised(const std::vector<LocalisedFrame>& /*frames*/) { return false; }
+  // Does the same with what an agent says that changes nothing. The default is for an uplink that
+  // carries batches only.
+  virtual bool SendLocalised(const LocalisedFrames& /*localised*/) { return false; }
   // Reads nothing more from the store until ResumeReading, but for what is being read: the listener
   // has no room. Acknowledgements wait, too. May be called by the listener. A transport that brings
   // only what its owner asks for needs neither.

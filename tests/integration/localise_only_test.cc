@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -9,6 +10,7 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_split.h"
 #include "services/runtime/child_process.h"
 #include "tests/integration/mission_fixture.h"
 
@@ -61,6 +63,14 @@ class LocaliseOnlyTest : public ::testing::Test {
     // Warnings of the log come first.
     return json::parse(said.substr(said.find('{')));
   }
+  // Writes the trajectory that the store has of a robot; returns the number of its poses.
+  int Export(const std::string& robot, const std::string& file) {
+    RunTool({"mission", "export", "--insecure", "--mission", "default", "--server",
+             servers_.store_address(), "--format", "tum", "--agent", robot, "--out", FileOf(file)});
+    const std::vector<std::string> lines = absl::StrSplit(ReadText(FileOf(file)), '\n');
+    return static_cast<int>(std::ranges::count_if(
+        lines, [](const std::string& line) { return !line.empty() && line.front() != '#'; }));
+  }
   // Returns the root mean square error of one robot's trajectory, or of all under one alignment.
   double ErrorOf(const std::vector<std::string>& names) {
     std::vector<std::string> command = {
@@ -98,6 +108,10 @@ TEST_F(LocaliseOnlyTest, ItIsTrackedInOthersMapAndChangesNothing) {
   EXPECT_EQ(after["local_maps"], before["local_maps"]);
   EXPECT_EQ(after["mission"]["keyframes"], before["mission"]["keyframes"]);
   EXPECT_EQ(after["mission"]["map_points"], before["mission"]["map_points"]);
+  // The store has its trajectory now, as it lies in the map.
+  EXPECT_EQ(Export("guest", "kept.tum"), stats["tracked"].get<int>());
+  EXPECT_LE(ErrorOf({"kept"}), 0.3);
+  EXPECT_LE(ErrorOf({"mapper", "kept"}), 0.3);
 }
 
 TEST_F(LocaliseOnlyTest, ItSaysThatItIsLostWhereNobodyHasBeen) {

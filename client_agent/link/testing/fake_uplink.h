@@ -70,6 +70,9 @@ class FakeUplink : public Uplink {
   std::vector<SessionRequest> requests;
   std::map<LocalMapId, std::vector<MapUpdateBatch>> stored;
 
+ protected:
+  void Keep(const LocalisedKept& kept) { listener_->OnLocalisedKept(kept); }
+
  private:
   UplinkListener* listener_ = nullptr;
 };

@@ -57,9 +57,9 @@ class RemoteUplink : public Uplink {
     return session != nullptr && session->Send(batch);
   }
 
-  bool SendLocalised(const std::vector<LocalisedFrame>& frames) override {
+  bool SendLocalised(const LocalisedFrames& localised) override {
     const std::shared_ptr<SyncSession> session = Current();
-    return session != nullptr && session->SendLocalised(frames);
+    return session != nullptr && session->SendLocalised(localised);
   }
 
   void PauseReading() override {

@@ -54,12 +54,12 @@ bool SyncSession::Send(const MapUpdateBatch& batch) {
   return true;
 }
 
-bool SyncSession::SendLocalised(const std::vector<LocalisedFrame>& frames) {
+bool SyncSession::SendLocalised(const LocalisedFrames& localised) {
   {
     absl::MutexLock lock(&mutex_);
     if (!HasRoom()) return false;
     v1::SyncRequest request;
-    ToProto(frames, request.mutable_localised());
+    ToProto(localised, request.mutable_localised());
     Push(std::move(request));
   }
   WriteNext();
@@ -219,6 +219,10 @@ absl::Status SyncSession::Handle(const v1::SyncResponse& response) {
       return absl::OkStatus();
     case v1::SyncResponse::kSettings:
       if (transport_->on_settings != nullptr) transport_->on_settings(response.settings());
+      return absl::OkStatus();
+    case v1::SyncResponse::kLocalisedKept:
+      listener_->OnLocalisedKept(
+          {response.localised_kept().run(), response.localised_kept().number()});
       return absl::OkStatus();
     case v1::SyncResponse::PART_NOT_SET:
       break;

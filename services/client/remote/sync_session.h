@@ -46,7 +46,7 @@ class SyncSession : private grpc::ClientBidiReactor<v1::SyncRequest, v1::SyncRes
   // Does what Uplink::Send does.
   bool Send(const MapUpdateBatch& batch);
   // Does what Uplink::SendLocalised does.
-  bool SendLocalised(const std::vector<LocalisedFrame>& frames);
+  bool SendLocalised(const LocalisedFrames& localised);
   // Returns what Uplink::bytes_waiting does; 0 once the call has broken.
   uint64_t bytes_waiting() const;
   // These do what those of Uplink do.

@@ -2,7 +2,13 @@
 
 #include <set>
 
+#include "absl/strings/str_cat.h"
+
 namespace corbslam::services {
+
+std::string NameOfRun(uint64_t run) {
+  return absl::StrCat("localised-", absl::Hex(run, absl::kZeroPad16));
+}
 
 Trajectory ToTrajectory(const ServedTrajectory& stored) {
   Trajectory trajectory;

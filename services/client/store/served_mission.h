@@ -18,13 +18,16 @@ struct ServedPose {
   int64_t timestamp_ns = 0;
   // The frame is that of `local_map` in a local trajectory, that of `island` in a global one.
   Rigid3d frame_from_camera;
-  std::string local_map;    // Name of the local map's resource.
+  std::string local_map;    // Name of the local map's resource, or NameOfRun.
   std::string island = {};  // Likewise, of the local map that names the island.
 };
 
 // Holds every tracked frame of one agent, by local map, in time. A global trajectory leaves out
 // local maps that are not connected to the global frame.
 using ServedTrajectory = std::vector<ServedPose>;
+
+// Returns "localised-00ab..." for a run of a robot that only localised, which has no local map.
+std::string NameOfRun(uint64_t run);
 
 Trajectory ToTrajectory(const ServedTrajectory& stored);
 size_t CountLocalMaps(const ServedTrajectory& stored);

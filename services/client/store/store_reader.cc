@@ -1,5 +1,7 @@
 #include "services/client/store/store_reader.h"
 
+#include <glog/logging.h>
+
 #include <algorithm>
 #include <utility>
 
@@ -141,16 +143,23 @@ absl::StatusOr<ServedTrajectory> StoreReader::ReadTrajectory(const std::string& 
   ServedTrajectory trajectory;
   const auto reader = stub_->GetTrajectory(&context, request);
   v1::GetTrajectoryResponse response;
+  uint64_t dropped = 0;
   bool is_wanted = true;
   while (reader->Read(&response)) {
     is_wanted = is_wanted && response.poses_of() == request.poses_of();
+    dropped = response.localised_frames_dropped();
     for (const v1::TrajectoryPose& pose : response.poses()) {
       ASSIGN_OR_RETURN(const Rigid3d frame_from_camera, FromProto(pose.frame_from_camera()));
-      trajectory.push_back(
-          {pose.timestamp_ns(), frame_from_camera, pose.local_map(), pose.island()});
+      trajectory.push_back({pose.timestamp_ns(), frame_from_camera,
+                            pose.run() == 0 ? pose.local_map() : NameOfRun(pose.run()),
+                            pose.island()});
     }
   }
   RETURN_IF_ERROR(ToStatus(reader->Finish(), absl::StrCat("GetTrajectory of ", agent)));
+  if (dropped > 0) {
+    LOG(WARNING) << "the trajectory of " << agent << " is coarser than it was: of a robot that "
+                 << "only localised the map store has dropped " << dropped << " frames";
+  }
   if (!is_wanted && poses_of != PosesOf::kRectifiedCamera) {
     return absl::FailedPreconditionError(
         absl::StrCat("the map store is older than this program and gives poses of ",

@@ -54,15 +54,17 @@ bool DirectUplink::Send(const MapUpdateBatch& batch) {
   return true;
 }
 
-bool DirectUplink::SendLocalised(const std::vector<LocalisedFrame>& frames) {
+bool DirectUplink::SendLocalised(const LocalisedFrames& localised) {
   if (!session_.has_value()) return false;
-  if (const absl::Status noted = store_->NoteLocalised(*session_, frames); !noted.ok()) {
-    End(noted);
+  const auto kept = store_->NoteLocalised(*session_, localised);
+  if (!kept.ok()) {
+    End(kept.status());
     return false;
   }
   v1::LocalisedFrames message;
-  ToProto(frames, &message);
+  ToProto(localised, &message);
   bytes_up_ += message.ByteSizeLong();
+  if (kept->has_value()) listener_->OnLocalisedKept(**kept);
   return true;
 }
 
