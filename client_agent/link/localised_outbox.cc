@@ -130,10 +130,12 @@ std::vector<LocalisedFrame> LocalisedOutbox::TakePlaces() {
   return taken;
 }
 
-std::optional<LocalisedFrames> LocalisedOutbox::Next(absl::Time now) {
+std::optional<LocalisedFrames> LocalisedOutbox::Next(absl::Time now, bool is_under_way) {
   absl::MutexLock lock(&mutex_);
   LocalisedFrames message;
   if (keeps_ == true) {
+    // What a slow link has not carried can't be answered, and twice it takes twice as long.
+    if (is_under_way) waits_since_.reset();
     if (sent_ > 0 && now - waits_since_.value_or(now) > kPatience) {
       sent_ = 0;
       waits_since_.reset();
@@ -157,7 +159,7 @@ void LocalisedOutbox::TakeBack(LocalisedFrames unsent) {
 void LocalisedOutbox::SendTo(Uplink& uplink, absl::Duration interval, absl::Time now) {
   absl::MutexLock sending(&sending_);
   if (now - last_ < interval) return;
-  while (std::optional<LocalisedFrames> message = Next(now)) {
+  while (std::optional<LocalisedFrames> message = Next(now, uplink.bytes_waiting() > 0)) {
     if (!uplink.SendLocalised(*message)) return TakeBack(*std::move(message));
     last_ = now;
   }

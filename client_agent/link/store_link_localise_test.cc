@@ -189,6 +189,24 @@ TEST_F(StoreLinkTrajectoryTest, AStoreWithoutRoomIsAskedAgainInTheSameSession) {
   EXPECT_TRUE(link->Finish(absl::Seconds(1)).ok());
 }
 
+TEST_F(StoreLinkTrajectoryTest, WhatASlowLinkHasNotCarriedYetDoesNotGoTwice) {
+  const auto link = MakeLink();
+  link->Step();
+  uplink_.keeps_now = false;
+  link->AddTrackedFrame(Frame(1));
+  uplink_.waiting = 1000;
+  Pass(*link);
+  Pass(*link, LocalisedOutbox::kPatience + absl::Seconds(1));
+  Pass(*link, LocalisedOutbox::kPatience + absl::Seconds(1));
+  EXPECT_EQ(uplink_.parts.size(), 1u);
+  uplink_.waiting = 0;
+  Pass(*link);
+  uplink_.keeps_now = true;
+  Pass(*link, LocalisedOutbox::kPatience + absl::Seconds(1));
+  EXPECT_EQ(uplink_.parts.size(), 2u);
+  EXPECT_THAT(uplink_.Kept(), ElementsAre(1));
+}
+
 TEST_F(StoreLinkTrajectoryTest, SoManyPartsWaitAtMost) {
   const auto link = MakeLink();
   link->Step();
