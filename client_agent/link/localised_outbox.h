@@ -34,8 +34,8 @@ class LocalisedOutbox {
   LocalisedOutbox(size_t max_bytes, uint64_t seed, std::optional<RecordedCamera> recorded_camera);
 
   void AddPlace(const LocalisedFrame& place) ABSL_LOCKS_EXCLUDED(mutex_);
-  // The frame is of a camera that was tracked in others' keyframes; without a reference it is as
-  // one that was lost.
+  // The frame is of a camera that was tracked in others' keyframes; without a reference, or with a
+  // pose that a store refuses, it is as one that was lost.
   void AddTracked(const TrackedFrame& frame) ABSL_LOCKS_EXCLUDED(mutex_);
   void AddLost(int64_t timestamp_ns) ABSL_LOCKS_EXCLUDED(mutex_);
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <limits>
 #include <map>
 #include <memory>
 #include <string>
@@ -205,6 +206,22 @@ TEST_F(StoreLinkTrajectoryTest, WhatASlowLinkHasNotCarriedYetDoesNotGoTwice) {
   Pass(*link, LocalisedOutbox::kPatience + absl::Seconds(1));
   EXPECT_EQ(uplink_.parts.size(), 2u);
   EXPECT_THAT(uplink_.Kept(), ElementsAre(1));
+}
+
+// A store would end the session for it, for good.
+TEST_F(StoreLinkTrajectoryTest, APoseThatMeansNothingIsALoss) {
+  const auto link = MakeLink();
+  link->Step();
+  Rigid3d nowhere;
+  nowhere.translation.x() = std::numeric_limits<double>::quiet_NaN();
+  link->AddTrackedFrame({1, {{2}, 0}, nowhere});
+  link->AddLocalised({1, nowhere});
+  link->AddLostFrame(-1);
+  link->AddTrackedFrame(Frame(2));
+  Pass(*link);
+  EXPECT_THAT(uplink_.Kept(), ElementsAre(2, -1));
+  ASSERT_EQ(uplink_.localised.size(), 1u);
+  EXPECT_FALSE(uplink_.localised[0].camera_from_global.has_value());
 }
 
 TEST_F(StoreLinkTrajectoryTest, SoManyPartsWaitAtMost) {
