@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "slam/exchange/item_checks.h"
+
 namespace corbslam::client_agent {
 namespace {
 
@@ -19,6 +21,13 @@ uint64_t Mix(uint64_t number) {
   return number == 0 ? 1 : number;
 }
 
+// Returns false, and says why, for what a store would end the session for.
+bool Admit(const absl::Status& check) {
+  if (check.ok()) return true;
+  LOG_FIRST_N(ERROR, 20) << "not told to the map store, which would refuse it: " << check.message();
+  return false;
+}
+
 }  // namespace
 
 LocalisedOutbox::LocalisedOutbox(size_t max_bytes, uint64_t seed,
@@ -28,17 +37,26 @@ LocalisedOutbox::LocalisedOutbox(size_t max_bytes, uint64_t seed,
       run_(Mix(seed)) {}
 
 void LocalisedOutbox::AddPlace(const LocalisedFrame& place) {
+  if (!Admit(ValidateTime("frame", place.timestamp_ns))) return;
   absl::MutexLock lock(&mutex_);
-  places_.push_back(place);
+  std::optional<Rigid3d>& pose = places_.emplace_back(place).camera_from_global;
+  if (pose.has_value() && !Admit(ValidatePose("frame in", {}, "camera_from_global", *pose))) {
+    pose.reset();
+  }
   if (places_.size() > kMaxPlaces) places_.pop_front();
 }
 
 void LocalisedOutbox::AddTracked(const TrackedFrame& frame) {
+  if (!Admit(ValidateTime("frame", frame.timestamp_ns))) return;
+  const bool has_pose = frame.reference.IsValid() &&
+                        Admit(ValidatePose("frame of", frame.reference, "reference_from_camera",
+                                           frame.reference_from_camera));
   absl::MutexLock lock(&mutex_);
-  Add({frame, /*is_lost=*/!frame.reference.IsValid()});
+  Add({frame, /*is_lost=*/!has_pose});
 }
 
 void LocalisedOutbox::AddLost(int64_t timestamp_ns) {
+  if (!Admit(ValidateTime("lost frame", timestamp_ns))) return;
   absl::MutexLock lock(&mutex_);
   Add({{timestamp_ns, {}, {}}, /*is_lost=*/true});
 }
@@ -130,10 +148,12 @@ std::vector<LocalisedFrame> LocalisedOutbox::TakePlaces() {
   return taken;
 }
 
-std::optional<LocalisedFrames> LocalisedOutbox::Next(absl::Time now) {
+std::optional<LocalisedFrames> LocalisedOutbox::Next(absl::Time now, bool is_under_way) {
   absl::MutexLock lock(&mutex_);
   LocalisedFrames message;
   if (keeps_ == true) {
+    // What a slow link has not carried can't be answered, and twice it takes twice as long.
+    if (is_under_way) waits_since_.reset();
     if (sent_ > 0 && now - waits_since_.value_or(now) > kPatience) {
       sent_ = 0;
       waits_since_.reset();
@@ -157,7 +177,7 @@ void LocalisedOutbox::TakeBack(LocalisedFrames unsent) {
 void LocalisedOutbox::SendTo(Uplink& uplink, absl::Duration interval, absl::Time now) {
   absl::MutexLock sending(&sending_);
   if (now - last_ < interval) return;
-  while (std::optional<LocalisedFrames> message = Next(now)) {
+  while (std::optional<LocalisedFrames> message = Next(now, uplink.bytes_waiting() > 0)) {
     if (!uplink.SendLocalised(*message)) return TakeBack(*std::move(message));
     last_ = now;
   }

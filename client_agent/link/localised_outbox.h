@@ -25,7 +25,8 @@ class LocalisedOutbox {
   // A part has at most so many frames. So many parts at most wait for their answer.
   static constexpr size_t kMaxFramesOfAPart = 5000;
   static constexpr size_t kMaxParts = 16;
-  // A part without an answer goes again after so long.
+  // A part without an answer goes again after so long, counted from when the transport has sent
+  // all.
   static constexpr absl::Duration kPatience = absl::Seconds(10);
 
   // Of the trajectory at most about `max_bytes` are held; then the oldest frames that no part has
@@ -33,8 +34,8 @@ class LocalisedOutbox {
   LocalisedOutbox(size_t max_bytes, uint64_t seed, std::optional<RecordedCamera> recorded_camera);
 
   void AddPlace(const LocalisedFrame& place) ABSL_LOCKS_EXCLUDED(mutex_);
-  // The frame is of a camera that was tracked in others' keyframes; without a reference it is as
-  // one that was lost.
+  // The frame is of a camera that was tracked in others' keyframes; without a reference, or with a
+  // pose that a store refuses, it is as one that was lost.
   void AddTracked(const TrackedFrame& frame) ABSL_LOCKS_EXCLUDED(mutex_);
   void AddLost(int64_t timestamp_ns) ABSL_LOCKS_EXCLUDED(mutex_);
 
@@ -62,8 +63,10 @@ class LocalisedOutbox {
   void BeginRun() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void MakePart() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   std::vector<LocalisedFrame> TakePlaces() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
-  // Returns the next message; nullopt: there is nothing to send.
-  std::optional<LocalisedFrames> Next(absl::Time now) ABSL_LOCKS_EXCLUDED(mutex_);
+  // Returns the next message; nullopt: there is nothing to send. `is_under_way`: the transport has
+  // not sent all yet.
+  std::optional<LocalisedFrames> Next(absl::Time now, bool is_under_way)
+      ABSL_LOCKS_EXCLUDED(mutex_);
   // Takes back what was not sent.
   void TakeBack(LocalisedFrames unsent) ABSL_LOCKS_EXCLUDED(mutex_);
 

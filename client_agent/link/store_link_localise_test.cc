@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <limits>
 #include <map>
 #include <memory>
 #include <string>
@@ -187,6 +188,40 @@ TEST_F(StoreLinkTrajectoryTest, AStoreWithoutRoomIsAskedAgainInTheSameSession) {
   EXPECT_THAT(uplink_.Kept(), ElementsAre(1));
   EXPECT_EQ(uplink_.requests.size(), 1u);
   EXPECT_TRUE(link->Finish(absl::Seconds(1)).ok());
+}
+
+TEST_F(StoreLinkTrajectoryTest, WhatASlowLinkHasNotCarriedYetDoesNotGoTwice) {
+  const auto link = MakeLink();
+  link->Step();
+  uplink_.keeps_now = false;
+  link->AddTrackedFrame(Frame(1));
+  uplink_.waiting = 1000;
+  Pass(*link);
+  Pass(*link, LocalisedOutbox::kPatience + absl::Seconds(1));
+  Pass(*link, LocalisedOutbox::kPatience + absl::Seconds(1));
+  EXPECT_EQ(uplink_.parts.size(), 1u);
+  uplink_.waiting = 0;
+  Pass(*link);
+  uplink_.keeps_now = true;
+  Pass(*link, LocalisedOutbox::kPatience + absl::Seconds(1));
+  EXPECT_EQ(uplink_.parts.size(), 2u);
+  EXPECT_THAT(uplink_.Kept(), ElementsAre(1));
+}
+
+// A store would end the session for it, for good.
+TEST_F(StoreLinkTrajectoryTest, APoseThatMeansNothingIsALoss) {
+  const auto link = MakeLink();
+  link->Step();
+  Rigid3d nowhere;
+  nowhere.translation.x() = std::numeric_limits<double>::quiet_NaN();
+  link->AddTrackedFrame({1, {{2}, 0}, nowhere});
+  link->AddLocalised({1, nowhere});
+  link->AddLostFrame(-1);
+  link->AddTrackedFrame(Frame(2));
+  Pass(*link);
+  EXPECT_THAT(uplink_.Kept(), ElementsAre(2, -1));
+  ASSERT_EQ(uplink_.localised.size(), 1u);
+  EXPECT_FALSE(uplink_.localised[0].camera_from_global.has_value());
 }
 
 TEST_F(StoreLinkTrajectoryTest, SoManyPartsWaitAtMost) {

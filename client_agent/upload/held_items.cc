@@ -246,7 +246,9 @@ absl::Status TellHeld(Spool& spool) {
   std::vector<SpooledBatch> told;
   absl::Status first_error;
   for (const auto& [id, of_map] : SortFound(found)) {
-    const bool is_of_use = of_map.rest.has_value() && !of_map.is_closed && HasAllLater(of_map);
+    // The last batch of a local map stays until the map is closed and all of it acknowledged.
+    const bool is_there = of_map.last_batch > 0 && !of_map.is_closed;
+    const bool is_of_use = is_there && of_map.rest.has_value() && HasAllLater(of_map);
     if (is_of_use) first_error.Update(TellHeldOf(of_map, spool, told));
   }
   if (!told.empty()) first_error.Update(spool.Sync());

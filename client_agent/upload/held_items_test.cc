@@ -212,6 +212,25 @@ TEST_F(HeldItemsTest, ThingsThatAreNotThereAreSaid) {
   EXPECT_EQ(spool->found().size(), 1u) << "the batch is there";
 }
 
+// A process that is killed right after the store has acknowledged the end leaves what was put off.
+TEST(HeldWriterTest, OfALocalMapThatHasEndedNothingIsToldAgain) {
+  HeldDrive drive(uint64_t{1});
+  for (uint32_t i = 0; i < 5; ++i) drive.AddKeyframe(i);
+  drive.WriteBatch();
+  drive.WriteHeld();
+  drive.End();
+  {
+    const auto spool = *OpenFakeSpool(&drive.disk());
+    for (const SpooledBatch& found : spool->TakeFound()) {
+      if (found.record.kind == SpoolRecord::Kind::kBatch) spool->Release(found);
+    }
+  }
+  const auto spool = *OpenFakeSpool(&drive.disk());
+  ASSERT_FALSE(spool->found().empty()) << "the test can't tell";
+  EXPECT_TRUE(TellHeld(*spool).ok());
+  EXPECT_TRUE(spool->found().empty());
+}
+
 // A local map ends: what was held back is in its last batches, which the disk has not got yet.
 TEST(HeldWriterTest, ALossOfPowerTakesNothingWhenALocalMapEnds) {
   std::mt19937 random(5);

@@ -47,6 +47,7 @@ absl::StatusOr<std::vector<Prospect>> ListProspects(const MissionState& state,
 absl::StatusOr<std::vector<LocalMapId>> ChooseLookups(const MissionState& state,
                                                       const MapStoreOptions& options,
                                                       LongRead& read) {
+  if (state.queries.empty()) return std::vector<LocalMapId>();
   ASSIGN_OR_RETURN(const std::vector<Prospect> prospects, ListProspects(state, options, read));
   std::vector<Prospect> chosen;
   bool looks_elsewhere = false;

@@ -15,8 +15,8 @@ namespace corbslam::map_store {
 // that are worth a worker's time, in the queue's order: the two that hold what looks most like it;
 // the one of an island it is not joined with that does, if those two are of its own; and the one
 // that ended where its own local map begins. So a keyframe costs at most four look-ups, however
-// many local maps there are (docs/adr/0038-look-ups-by-keyframe.md). The queue must not be empty.
-// ABORTED: as `read` says.
+// many local maps there are (docs/adr/0038-look-ups-by-keyframe.md). Of an empty queue there are
+// none: a mission that is deleted meanwhile has one. ABORTED: as `read` says.
 absl::StatusOr<std::vector<LocalMapId>> ChooseLookups(const MissionState& state,
                                                       const MapStoreOptions& options,
                                                       LongRead& read);

@@ -81,5 +81,13 @@ TEST(LookupChoiceTest, ARobotsNextLocalMapIsHeldAgainstItsLastBesideTheBest) {
   EXPECT_LE(twelve.most_of_a_keyframe, 4u);
 }
 
+// A mission may be deleted, or derived anew, between the claim of a lane and the choice.
+TEST(LookupChoiceTest, OfAnEmptyQueueNothingIsChosen) {
+  UnbrokenRead read;
+  const auto chosen = ChooseLookups(MissionState(), DeterministicOptions(), read);
+  ASSERT_TRUE(chosen.ok()) << chosen.status();
+  EXPECT_TRUE(chosen->empty());
+}
+
 }  // namespace
 }  // namespace corbslam::map_store

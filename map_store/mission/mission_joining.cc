@@ -30,7 +30,9 @@ bool MissionJoining::RunOne() {
     absl::MutexLock turn(&strand_.turn());
     // Another thread may have begun to fuse since.
     if (strand_.IsDeleted() || !fusion_.IsIdle()) return false;
-    const std::optional<LocalMapJoining> joining = Choose(strand_.state_in_turn());
+    // Sessions open without the turn, and agents come with them.
+    const std::optional<LocalMapJoining> joining =
+        strand_.WithState([this](const MissionState& state) { return Choose(state); });
     if (!joining.has_value()) return false;
     const JoinRecord record{*joining};
     if (!strand_.Append(record).ok()) return false;

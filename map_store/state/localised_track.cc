@@ -7,14 +7,16 @@ namespace corbslam::map_store {
 namespace {
 
 // Adds a time without a pose. Of a stretch the two ends are enough to say that there is a gap, and
-// how long it is.
+// how long it is. However times fall back and forth, there are no more than two for each frame and
+// two besides.
 void AddLost(int64_t time_ns, LocalisedRun& run) {
   std::vector<int64_t>& lost = run.lost_frames_ns;
   const auto is_of_stretch = [&run](int64_t other_ns) {
     return run.frames.empty() || other_ns > run.frames.back().timestamp_ns;
   };
   const size_t count = lost.size();
-  if (count >= 2 && is_of_stretch(lost[count - 2]) && lost[count - 1] <= time_ns) {
+  const bool is_full = count >= 2 * (run.frames.size() + 1);
+  if (is_full || (count >= 2 && is_of_stretch(lost[count - 2]) && lost[count - 1] <= time_ns)) {
     lost.back() = time_ns;
   } else {
     lost.push_back(time_ns);

@@ -74,6 +74,18 @@ TEST(LocalisedTrackTest, LossesAreBoundedToo) {
   EXPECT_EQ(track.runs[0].frames.front().timestamp_ns, 0);
 }
 
+TEST(LocalisedTrackTest, TimesThatFallBackAreBoundedToo) {
+  LocalisedTrack track;
+  AddPart(Part(7, 1, {1'000'000}), 16, track);
+  for (uint64_t number = 2; number < 12; ++number) {
+    std::vector<int64_t> falling;
+    for (int64_t i = 1000; i > 0; --i) falling.push_back(i);
+    AddPart(Part(7, number, {}, falling), 16, track);
+  }
+  EXPECT_LE(track.runs[0].lost_frames_ns.size(), 4u);
+  EXPECT_FALSE(track.runs[0].lost_frames_ns.empty());
+}
+
 TEST(LocalisedTrackTest, RunsWithoutAPoseGoAndTheOldestBeyondTheLimit) {
   LocalisedTrack track;
   AddPart(Part(1, 1, {}, {5}), kMany * 10, track);

@@ -24,12 +24,12 @@ struct SortedRun {
   std::vector<int64_t> lost_ns;
 };
 
+// `trajectory` has room for all frames.
 void AppendRun(const MissionState& state, const LocalisedRun& run, bool all_islands,
                const std::optional<Rigid3d>& camera_from_wanted, AgentTrajectory& trajectory) {
   const SortedRun sorted(run);
   bool gap = !trajectory.poses.empty();
   const StoredPose* before = nullptr;
-  trajectory.poses.reserve(trajectory.poses.size() + sorted.frames.size());
   for (const TrackedFrame& frame : sorted.frames) {
     const std::optional<PlaceInIsland> place = PlaceLocalised(state, frame);
     if (!place.has_value() || (!all_islands && place->island != state.ReferenceIsland())) {
@@ -72,6 +72,8 @@ std::optional<PlaceInIsland> PlaceLocalised(const MissionState& state, const Tra
 absl::Status AppendLocalised(const MissionState& state, const AgentState& agent, bool all_islands,
                              PosesOf poses_of, AgentTrajectory& trajectory) {
   trajectory.dropped = agent.track.dropped;
+  // Once for all runs: each time takes a copy of all that is there.
+  trajectory.poses.reserve(trajectory.poses.size() + CountFrames(agent.track));
   for (const LocalisedRun& run : agent.track.runs) {
     const auto camera_from_wanted = CameraFromWanted(run.recorded_camera, poses_of);
     if (!camera_from_wanted.ok()) {

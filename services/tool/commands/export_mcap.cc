@@ -78,29 +78,17 @@ absl::StatusOr<ToldMap> RecordPast(const MissionArguments& arguments, StoreReade
   return map;
 }
 
-// Returns the island that each local map's poses are in, by the name of the local map.
-absl::StatusOr<std::map<std::string, LocalMapId>> FindIslands(const ServedTrajectory& served) {
-  std::map<std::string, LocalMapId> islands;
-  for (const ServedPose& pose : served) {
-    LocalMapId& island = islands[pose.local_map];
-    if (island.IsValid()) continue;
-    ASSIGN_OR_RETURN(const LocalMapPath path, ParseLocalMapName(pose.island, false));
-    island = path.local_map;
-  }
-  return islands;
-}
-
 // Adds a robot's drives, each island's part of them on its own.
 absl::Status AddDrives(const std::string& robot, const ServedTrajectory& served, const ToldMap& map,
                        std::vector<RecordedTrajectory>& trajectories) {
-  ASSIGN_OR_RETURN(const auto islands, FindIslands(served));
   size_t drive = 0;
   for (const TrajectoryFile& parts : ShareFiles(PartsOf(served))) {
     ++drive;
     std::map<LocalMapId, RecordedTrajectory> by_island;
     for (const TrajectoryPart& part : parts) {
       if (part.poses.empty()) continue;
-      const LocalMapId island = islands.at(part.local_map);
+      ASSIGN_OR_RETURN(const LocalMapPath path, ParseLocalMapName(part.island, false));
+      const LocalMapId island = path.local_map;
       const auto known = map.islands.find(island);
       RecordedTrajectory& trajectory = by_island[island];
       trajectory.robot = robot;

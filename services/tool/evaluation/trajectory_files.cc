@@ -33,10 +33,10 @@ std::vector<std::string> TumLines(const TrajectoryFile& file, const std::string&
 
 std::vector<TrajectoryPart> PartsOf(const ServedTrajectory& served) {
   std::vector<TrajectoryPart> parts;
-  std::map<std::string, size_t> numbers;
+  std::map<std::pair<std::string, std::string>, size_t> numbers;
   for (const ServedPose& pose : served) {
-    const auto [it, added] = numbers.try_emplace(pose.local_map, parts.size());
-    if (added) parts.push_back({pose.local_map, {}});
+    const auto [it, added] = numbers.try_emplace({pose.local_map, pose.island}, parts.size());
+    if (added) parts.push_back({pose.local_map, {}, pose.island});
     parts[it->second].poses.push_back({pose.timestamp_ns, pose.frame_from_camera});
   }
   // Merging leaves no time twice.

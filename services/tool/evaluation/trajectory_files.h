@@ -13,15 +13,18 @@
 
 namespace corbslam::services {
 
-// The poses of one local map, sorted by time, no time twice.
+// The poses of one local map, or of a run that only localised, in one island; sorted by time, no
+// time twice.
 struct TrajectoryPart {
   std::string local_map;
   Trajectory poses;
+  std::string island = {};  // As ServedPose has it.
 };
 // The content of one file: the parts follow each other in time.
 using TrajectoryFile = std::vector<TrajectoryPart>;
 
-// Returns a part for each local map, sorted by the time of its first pose.
+// Returns a part for each local map, sorted by the time of its first pose. A run that only
+// localised may lie in several islands, each with a frame of its own, and has a part for each.
 std::vector<TrajectoryPart> PartsOf(const ServedTrajectory& served);
 
 // Shares the parts among files. A part goes into a file in which all others have ended before it

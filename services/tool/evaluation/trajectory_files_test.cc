@@ -49,6 +49,20 @@ TEST(TrajectoryFilesTest, ARobotThatWasStartedAgainHasAnotherFile) {
               ElementsAre(ElementsAre(1, 2, 3, 9), ElementsAre(1, 2, 3), ElementsAre(3, 4)));
 }
 
+// A run that only localised; a local map's poses lie in one island.
+TEST(TrajectoryFilesTest, PosesInDifferentFramesAreApart) {
+  ServedTrajectory served;
+  AddPoses("localised-1", {1, 2, 5, 6}, served);
+  served[0].island = served[1].island = "a";
+  served[2].island = served[3].island = "b";
+  const std::vector<TrajectoryPart> parts = PartsOf(served);
+  ASSERT_EQ(parts.size(), 2u);
+  EXPECT_EQ(parts[0].island, "a");
+  EXPECT_EQ(parts[1].island, "b");
+  EXPECT_EQ(parts[1].poses.size(), 2u);
+  EXPECT_THAT(TimesOf(ShareFiles(parts)), ElementsAre(ElementsAre(1, 2, 5, 6)));
+}
+
 TEST(TrajectoryFilesTest, TimesAscendWithinALocalMap) {
   ServedTrajectory served;
   AddPoses("a", {3, 1, 3, 2}, served);
