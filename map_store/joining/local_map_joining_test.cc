@@ -14,6 +14,7 @@
 #include "map_store/records/record_application.h"
 #include "map_store/records/retraction.h"
 #include "map_store/records/state_validation.h"
+#include "map_store/retiring/retiring_view.h"
 #include "map_store/testing/many_starts.h"
 #include "map_store/view/map_replay.h"
 #include "map_store/view/placement.h"
@@ -161,6 +162,19 @@ TEST(LocalMapJoiningTest, AFrameAgainstOthersGoesBackThroughItsOwnSession) {
              before->poses.at(kKeyframesOfStart).frame_from_camera.translation)
                 .norm(),
             1e-9);
+}
+
+// What others missed before a session says nothing of what it saw.
+TEST(LocalMapJoiningTest, RetiringSeesSessionsInTheOrderInWhichTheyCame) {
+  MissionState state = MakeManyStarts(4);
+  ApplyJoining({{3}, {1}, Rigid3d()}, state);
+  UnbrokenRead read;
+  const auto view = TakeRetiringView(state, state.global.islands.at({1}), {}, {}, read);
+  ASSERT_TRUE(view.ok()) << view.status();
+  ASSERT_EQ(view->closed.size(), 4u);
+  EXPECT_LT(view->closed.at({1}).order, view->closed.at({2}).order);
+  EXPECT_LT(view->closed.at({2}).order, view->closed.at({3}).order);
+  EXPECT_LT(view->closed.at({3}).order, view->closed.at({4}).order);
 }
 
 TEST(LocalMapJoiningTest, AReplayCountsBatchesOfPartsAndOfTheDeleted) {
