@@ -3,14 +3,17 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <memory>
 #include <string>
 
 #include "map_store/map_store.h"
 #include "map_store/testing/byte_journal.h"
+#include "map_store/testing/map_mirror.h"
 #include "map_store/testing/one_robots_store.h"
 #include "map_store/testing/recover_whole.h"
 #include "map_store/testing/store_dump.h"
+#include "map_store/view/map_watcher.h"
 
 namespace corbslam::map_store {
 namespace {
@@ -53,6 +56,55 @@ TEST(JoiningTest, ARestartGivesTheSame) {
     ASSERT_TRUE(recovered.ok()) << recovered;
     EXPECT_EQ(testing::FirstDifference(testing::DumpLocal("m", again), local), "");
     EXPECT_EQ(testing::FirstDifference(testing::DumpGlobal("m", again), global), "");
+  }
+}
+
+void Follow(const MapStore& store, MapWatcher watcher, testing::MapMirror& mirror) {
+  while (const auto changes = *store.NextChanges("m", 1000, watcher)) mirror.Apply(*changes);
+}
+
+// Who comes back knows only up to which version it was told. Islands that it saw may have become
+// one, and their local maps parts of others, meanwhile.
+TEST(JoiningTest, WhoComesBackIsToldWhichIslandsAreNoMore) {
+  OneRobotsStore joined(true);
+  joined.Drive(0);
+  joined.Drive(1);
+  testing::MapMirror mirror(true);
+  Follow(joined.store(), MapWatcher(0, true), mirror);
+  ASSERT_EQ(joined.store().GlobalMapView("m")->size(), 2u);
+  joined.Start(2);
+  joined.Start(3);
+  ASSERT_EQ(joined.store().GetLocalMap("m", {2})->id, LocalMapId{1});
+  Follow(joined.store(), MapWatcher(mirror.version(), true), mirror);
+  mirror.ExpectEquals(*joined.store().GlobalMapView("m"));
+}
+
+TEST(JoiningTest, WatchersAreToldWhosePartsAre) {
+  OneRobotsStore joined(true);
+  joined.StartAll();
+  MapWatcher watcher(0, false);
+  const auto changes = *joined.store().NextChanges("m", 1000, watcher);
+  ASSERT_TRUE(changes.has_value());
+  ASSERT_EQ(changes->islands.size(), 1u);
+  EXPECT_THAT(changes->islands[0].parts,
+              ::testing::ElementsAre(::testing::Pair(LocalMapId{2}, kOneRobot),
+                                     ::testing::Pair(LocalMapId{3}, kOneRobot)));
+}
+
+TEST(JoiningTest, OverlapsOfPartsAreTheWholes) {
+  OneRobotsStore joined(true);
+  joined.StartAll();
+  const LocalMapId newest{4};
+  const auto all = joined.store().ListOverlaps("m", {}, {})->items;
+  const auto of_whole = std::ranges::count_if(all, [newest](const OverlapInfo& info) {
+    return info.overlap.query.local_map != newest || info.overlap.candidate.local_map != newest;
+  });
+  for (const LocalMapId name : {LocalMapId{1}, LocalMapId{3}}) {
+    OverlapFilter filter;
+    filter.local_map = name;
+    const auto listed = joined.store().ListOverlaps("m", filter, {});
+    ASSERT_TRUE(listed.ok()) << listed.status();
+    EXPECT_EQ(listed->items.size(), static_cast<size_t>(of_whole)) << ToString(name);
   }
 }
 

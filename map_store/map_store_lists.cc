@@ -227,7 +227,7 @@ absl::StatusOr<Page<OverlapInfo>> MapStore::ListOverlaps(absl::string_view missi
     const auto& overlaps = state.global.overlaps.entries();
     for (auto it = overlaps.upper_bound(after);
          it != overlaps.end() && page.items.size() <= start.size; ++it) {
-      if (!map_store::Matches(filter, it->second.overlap)) continue;
+      if (!map_store::Matches(filter, it->second.overlap, state)) continue;
       page.items.push_back(map_store::DescribeOverlap(state, it->second));
     }
     page.next_page_token = EndPage(

@@ -9,17 +9,21 @@
 #include "map_store/archive/state_archive.h"
 #include "map_store/fusion/rederivation.h"
 #include "map_store/ingest/gone_local_maps.h"
+#include "map_store/joining/forgetting.h"
 #include "map_store/joining/joining_choice.h"
 #include "map_store/records/record_application.h"
 #include "map_store/records/retraction.h"
 #include "map_store/records/state_validation.h"
+#include "map_store/retiring/retiring_view.h"
 #include "map_store/testing/many_starts.h"
+#include "map_store/view/map_replay.h"
 #include "map_store/view/placement.h"
 #include "map_store/view/trajectory.h"
 
 namespace corbslam::map_store {
 namespace {
 
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using testing::kKeyframesOfStart;
 using testing::MakeManyStarts;
@@ -135,17 +139,100 @@ TEST(LocalMapJoiningTest, ATrajectoryGoesThroughOneSessionAfterTheOther) {
   }
 }
 
+TEST(LocalMapJoiningTest, AFrameAgainstOthersGoesBackThroughItsOwnSession) {
+  MissionState state = MakeManyStarts(4);
+  state.FindLocalMap({1})->frames.push_back({1005, {{4}, 0}, {}});
+  JoinAll(state, 1);
+  const auto compute = [&state] {
+    return ComputeTrajectory(state, "r", TrajectoryFrame::kLocal, false, PosesOf::kRectifiedCamera);
+  };
+  const auto before = compute();
+  ASSERT_TRUE(before.ok()) << before.status();
+  ASSERT_EQ(before->poses.at(kKeyframesOfStart).timestamp_ns, 1005);
+  // Fusion puts another session elsewhere.
+  for (uint32_t i = 0; i < kKeyframesOfStart; ++i) {
+    const auto placed = state.global.keyframes.find({{2}, i});
+    if (placed == state.global.keyframes.end()) continue;
+    placed->second.camera_from_island.translation.x() += 0.5;
+  }
+  state.FindLocalMap({1})->places_version = ++state.version;
+  const auto after = compute();
+  ASSERT_TRUE(after.ok()) << after.status();
+  EXPECT_LT((after->poses.at(kKeyframesOfStart).frame_from_camera.translation -
+             before->poses.at(kKeyframesOfStart).frame_from_camera.translation)
+                .norm(),
+            1e-9);
+}
+
+// What others missed before a session says nothing of what it saw.
+TEST(LocalMapJoiningTest, RetiringSeesSessionsInTheOrderInWhichTheyCame) {
+  MissionState state = MakeManyStarts(4);
+  ApplyJoining({{3}, {1}, Rigid3d()}, state);
+  UnbrokenRead read;
+  const auto view = TakeRetiringView(state, state.global.islands.at({1}), {}, {}, read);
+  ASSERT_TRUE(view.ok()) << view.status();
+  ASSERT_EQ(view->closed.size(), 4u);
+  EXPECT_LT(view->closed.at({1}).order, view->closed.at({2}).order);
+  EXPECT_LT(view->closed.at({2}).order, view->closed.at({3}).order);
+  EXPECT_LT(view->closed.at({3}).order, view->closed.at({4}).order);
+}
+
+TEST(LocalMapJoiningTest, AReplayCountsBatchesOfPartsAndOfTheDeleted) {
+  MissionState state = MakeManyStarts(4);
+  const uint64_t batches = ProgressOf(state).batches;
+  JoinAll(state, 1);
+  EXPECT_EQ(ProgressOf(state).batches, batches);
+  ForgetLocalMaps({LocalMapId{1}}, state);
+  EXPECT_EQ(ProgressOf(state).batches, batches);
+}
+
+TEST(LocalMapJoiningTest, PartsThatCanNotBeAreDamage) {
+  MissionState state = MakeManyStarts(4);
+  JoinAll(state, 1);
+  ASSERT_TRUE(ValidateState(state).ok()) << ValidateState(state);
+  MissionState beyond = state;
+  beyond.FindLocalMap({1})->joined.back().first_frame = 99;
+  EXPECT_TRUE(absl::IsDataLoss(ValidateState(beyond)));
+  MissionState backwards = state;
+  backwards.FindLocalMap({1})->joined.back().first_frame = 0;
+  EXPECT_TRUE(absl::IsDataLoss(ValidateState(backwards)));
+  MissionState deleted = state;
+  deleted.forgotten[{2}] = 1;
+  EXPECT_TRUE(absl::IsDataLoss(ValidateState(deleted)));
+  MissionState twice = state;
+  twice.FindLocalMap({4})->AddPart({{2}, 1, 0, 0});
+  EXPECT_TRUE(absl::IsDataLoss(ValidateState(twice)));
+}
+
+void AddJoiningOverlap(KeyframeId query, KeyframeId candidate, MissionState& state) {
+  OverlapEntry entry;
+  entry.id = state.next_overlap++;
+  entry.overlap.query = query;
+  entry.overlap.candidate = candidate;
+  entry.overlap.verdict = OverlapVerdict::kAccepted;
+  entry.state = OverlapState::kInGraph;
+  state.global.overlaps.Add(entry);
+}
+
+TEST(LocalMapJoiningTest, WhatIsKeptApartIsKeptFromAllParts) {
+  MissionState state = MakeManyStarts(4);
+  JoinAll(state, 1);
+  AddJoiningOverlap({{4}, 0}, {{1}, 0}, state);
+  AddJoiningOverlap({{4}, 1}, {{2}, 0}, state);
+  const RetractRecord record{2, true};
+  ASSERT_TRUE(CheckRetraction(state, record).ok());
+  EXPECT_THAT(Retract(record, {}, state), ElementsAre(1u, 2u));
+  EXPECT_TRUE(state.global.overlaps.waiting().empty()) << "nothing would hold them together again";
+  Overlap later;
+  later.query = {{4}, 2};
+  later.candidate = {{3}, 0};
+  EXPECT_TRUE(IsTakenBack(later, state));
+  EXPECT_TRUE(ValidateState(state).ok()) << ValidateState(state);
+}
+
 TEST(LocalMapJoiningTest, TheOverlapThatJoinedThemIsNotTakenBackAnyMore) {
   MissionState state = MakeManyStarts(4);
-  for (const uint64_t other : {2, 4}) {
-    OverlapEntry entry;
-    entry.id = state.next_overlap++;
-    entry.overlap.query = {{other}, 0};
-    entry.overlap.candidate = {{1}, 0};
-    entry.overlap.verdict = OverlapVerdict::kAccepted;
-    entry.state = OverlapState::kInGraph;
-    state.global.overlaps.Add(entry);
-  }
+  for (const uint64_t other : {2, 4}) AddJoiningOverlap({{other}, 0}, {{1}, 0}, state);
   EXPECT_TRUE(CheckRetraction(state, {1, false}).ok());
   JoinAll(state, 1);
   const absl::Status status = CheckRetraction(state, {1, false});

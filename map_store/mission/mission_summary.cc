@@ -9,7 +9,7 @@ namespace {
 
 // Grows with each change of the fields below: a summary of another format is not used, and the
 // mission is read instead.
-constexpr uint32_t kSummaryFormat = 2;
+constexpr uint32_t kSummaryFormat = 3;
 
 }  // namespace
 
@@ -29,7 +29,9 @@ template <typename Archive, MayBeConst<MissionLoad> T>
 void Fields(Archive& archive, T& load) {
   archive(load.mission, load.revision, load.agents, load.local_maps, load.islands, load.keyframes,
           load.map_points, load.overlaps_queried, load.overlaps_verified, load.overlaps_accepted,
-          load.failed_requests, load.waiting, load.written_s, load.longest_write_s);
+          load.failed_requests, load.waiting, load.written_s, load.longest_write_s,
+          load.joined_local_maps, load.forgotten_local_maps, load.retired_keyframes,
+          load.faded_points);
 }
 
 template <typename Archive, MayBeConst<MissionSummary> T>

@@ -22,6 +22,10 @@ MissionSummary MakeMissionSummary() {
   summary.info.profile.last_used_ns = 1'700'000'000'000'000'000;
   summary.load.mission = "lab";
   summary.load.keyframes = 401;
+  summary.load.joined_local_maps = 21;
+  summary.load.forgotten_local_maps = 22;
+  summary.load.retired_keyframes = 23;
+  summary.load.faded_points = 24;
   summary.load.overlaps_queried = 11;
   summary.load.waiting = {.verify = 1, .fuse = 2, .adjust = 3};
   summary.load.longest_write_s = 0.25;
@@ -39,6 +43,10 @@ TEST(MissionSummaryTest, ComesBackAsItWas) {
   EXPECT_FALSE(read->info.fusion_idle);
   EXPECT_EQ(read->info.profile.last_used_ns, 1'700'000'000'000'000'000);
   EXPECT_EQ(read->load.keyframes, 401u);
+  EXPECT_EQ(read->load.joined_local_maps, 21u);
+  EXPECT_EQ(read->load.forgotten_local_maps, 22u);
+  EXPECT_EQ(read->load.retired_keyframes, 23u);
+  EXPECT_EQ(read->load.faded_points, 24u);
   EXPECT_EQ(read->load.waiting.adjust, 3u);
   EXPECT_EQ(read->load.longest_write_s, 0.25);
   EXPECT_TRUE(read->work_left);

@@ -79,7 +79,7 @@ void Apply(const QueryRecord& record, const MapStoreOptions& options, MissionSta
     OverlapEntry entry;
     entry.id = state.next_overlap++;
     entry.overlap = overlap;
-    if (overlap.IsAccepted() && IsTakenBack(overlap, state.global)) {
+    if (overlap.IsAccepted() && IsTakenBack(overlap, state)) {
       entry.overlap.verdict = OverlapVerdict::kTakenBack;
     }
     entry.state = entry.overlap.IsAccepted() ? OverlapState::kWaiting : OverlapState::kRefused;

@@ -17,19 +17,29 @@ bool IsAcceptedEntry(const OverlapEntry& entry) {
   return entry.state == OverlapState::kInGraph || entry.state == OverlapState::kWaiting;
 }
 
-std::pair<LocalMapId, LocalMapId> SidesOf(const Overlap& overlap) {
-  return std::minmax(overlap.query.local_map, overlap.candidate.local_map);
+// Returns the two local maps that have its keyframes by now: these may bear the names of parts.
+std::pair<LocalMapId, LocalMapId> SidesOf(const Overlap& overlap, const MissionState& state) {
+  const LocalMapId query = state.OwnerOf(overlap.query.local_map);
+  const LocalMapId candidate = state.OwnerOf(overlap.candidate.local_map);
+  return std::minmax(query, candidate);
 }
 
 std::pair<KeyframeId, KeyframeId> KeyframesOf(const Overlap& overlap) {
   return std::minmax(overlap.query, overlap.candidate);
 }
 
-std::vector<uint64_t> FindMeant(const RetractRecord& record, const GlobalLayer& global) {
+std::vector<uint64_t> FindMeant(const RetractRecord& record, const MissionState& state) {
   if (!record.keep_apart) return {record.overlap};
-  const auto sides = SidesOf(global.overlaps.at(record.overlap).overlap);
-  const OverlapLedger::Ids& live = global.overlaps.LiveBetween(sides.first, sides.second);
-  return {live.begin(), live.end()};
+  const OverlapLedger& overlaps = state.global.overlaps;
+  const auto sides = SidesOf(overlaps.at(record.overlap).overlap, state);
+  OverlapLedger::Ids meant;
+  for (const LocalMapId& a : state.FindLocalMap(sides.first)->Names()) {
+    for (const LocalMapId& b : state.FindLocalMap(sides.second)->Names()) {
+      const OverlapLedger::Ids& live = overlaps.LiveBetween(a, b);
+      meant.insert(live.begin(), live.end());
+    }
+  }
+  return {meant.begin(), meant.end()};
 }
 
 void TakeBack(OverlapEntry& entry) {
@@ -57,10 +67,10 @@ void ForgetPlaces(const std::set<LocalMapId>& members, GlobalLayer& global) {
 }
 
 // Returns whether the overlap was believed, or is now that it bends no graph any more.
-bool IsBelievedAgain(const OverlapEntry& entry, const GlobalLayer& global) {
+bool IsBelievedAgain(const OverlapEntry& entry, const MissionState& state) {
   const bool bent_the_graph =
       entry.state == OverlapState::kRefused && entry.overlap.verdict == OverlapVerdict::kBendsGraph;
-  return IsAcceptedEntry(entry) || (bent_the_graph && !IsTakenBack(entry.overlap, global));
+  return IsAcceptedEntry(entry) || (bent_the_graph && !IsTakenBack(entry.overlap, state));
 }
 
 // Lets overlaps among the members wait to be fused, as if they had just been verified.
@@ -70,7 +80,7 @@ void WaitAgain(const std::set<LocalMapId>& members, const MapStoreOptions& optio
   for (const auto& [id, entry] : state.global.overlaps.entries()) {
     const bool is_among_them = members.contains(entry.overlap.query.local_map) &&
                                members.contains(entry.overlap.candidate.local_map);
-    if (is_among_them && IsBelievedAgain(entry, state.global)) ids.push_back(id);
+    if (is_among_them && IsBelievedAgain(entry, state)) ids.push_back(id);
   }
   for (const uint64_t id : ids) {
     state.global.overlaps.Change(id, [&](OverlapEntry& entry) {
@@ -154,9 +164,9 @@ absl::Status CheckRetraction(const MissionState& state, const RetractRecord& rec
 std::vector<uint64_t> Retract(const RetractRecord& record, const MapStoreOptions& options,
                               MissionState& state) {
   GlobalLayer& global = state.global;
-  const std::vector<uint64_t> meant = FindMeant(record, global);
+  const std::vector<uint64_t> meant = FindMeant(record, state);
   const Overlap named = global.overlaps.at(record.overlap).overlap;
-  if (record.keep_apart) global.kept_apart.insert(SidesOf(named));
+  if (record.keep_apart) global.kept_apart.insert(SidesOf(named, state));
   bool held = false;
   for (const uint64_t id : meant) {
     const OverlapEntry& entry = global.overlaps.at(id);
@@ -170,14 +180,14 @@ std::vector<uint64_t> Retract(const RetractRecord& record, const MapStoreOptions
   if (!held) return meant;
   DissolveIsland(global.island_of.at(named.query.local_map), options, state);
   // While the overlap joined the two local maps, it hid what else they have in common.
-  const auto [earlier, later] = SidesOf(named);
+  const auto [earlier, later] = SidesOf(named, state);
   if (!record.keep_apart) QueueAgain(*state.FindLocalMap(later), {earlier}, state);
   return meant;
 }
 
-bool IsTakenBack(const Overlap& overlap, const GlobalLayer& global) {
-  return global.taken_back.contains(KeyframesOf(overlap)) ||
-         global.kept_apart.contains(SidesOf(overlap));
+bool IsTakenBack(const Overlap& overlap, const MissionState& state) {
+  return state.global.taken_back.contains(KeyframesOf(overlap)) ||
+         state.global.kept_apart.contains(SidesOf(overlap, state));
 }
 
 }  // namespace corbslam::map_store

@@ -30,7 +30,7 @@ std::vector<uint64_t> Retract(const RetractRecord& record, const MapStoreOptions
                               MissionState& state);
 
 // Returns whether somebody has taken back what the overlap says.
-bool IsTakenBack(const Overlap& overlap, const GlobalLayer& global);
+bool IsTakenBack(const Overlap& overlap, const MissionState& state);
 
 }  // namespace corbslam::map_store
 

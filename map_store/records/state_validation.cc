@@ -45,9 +45,37 @@ bool AreForeignObservationsSound(const LocalMapState& local_map) {
   });
 }
 
+// Returns whether the frames of the parts stand one behind the other.
+bool AreSessionsSound(const LocalMapState& local_map) {
+  uint64_t frame = 0;
+  uint64_t lost = 0;
+  for (const JoinedLocalMap& part : local_map.joined) {
+    if (part.first_frame < frame || part.first_lost_frame < lost) return false;
+    frame = part.first_frame;
+    lost = part.first_lost_frame;
+  }
+  return frame <= local_map.frames.size() && lost <= local_map.lost_frames_ns.size();
+}
+
+// Returns whether no two local maps, parts and deleted ones included, have one name.
+bool AreNamesSound(const MissionState& state) {
+  std::set<LocalMapId> names;
+  size_t named = 0;
+  for (const auto& [id, local_map] : state.local_maps) {
+    for (const LocalMapId& name : local_map.Names()) {
+      ++named;
+      names.insert(name);
+    }
+  }
+  return names.size() == named && std::ranges::none_of(names, [&state](LocalMapId name) {
+           return state.forgotten.contains(name);
+         });
+}
+
 absl::Status ValidateLocalMap(const LocalMapState& local_map) {
   const std::string what = absl::StrCat("local map ", ToString(local_map.id));
   RETURN_IF_ERROR(Check(IsArrivalSound(local_map), absl::StrCat(what, ": its order")));
+  RETURN_IF_ERROR(Check(AreSessionsSound(local_map), absl::StrCat(what, ": its parts")));
   RETURN_IF_ERROR(Check(AreForeignObservationsSound(local_map),
                         absl::StrCat(what, ": what it sees of others' points")));
   const bool own_points =
@@ -168,6 +196,7 @@ absl::Status ValidateState(const MissionState& state) {
     ordered = ordered && local_map != nullptr && local_map->order == i;
   }
   RETURN_IF_ERROR(Check(ordered, "the order of local maps"));
+  RETURN_IF_ERROR(Check(AreNamesSound(state), "what names local maps have"));
   if (const absl::Status profile = ValidateProfile(state.profile); !profile.ok()) {
     return absl::DataLossError(absl::StrCat("the mission's profile: ", profile.message()));
   }

@@ -139,14 +139,16 @@ absl::StatusOr<RetiringView> TakeRetiringView(const MissionState& state, const I
   RetiringView view;
   view.island = island.id;
   view.revision = state.global.revision;
-  size_t order = 0;
+  // Others' sessions may have come between those that have become one.
+  absl::flat_hash_map<LocalMapId, size_t> arrivals;
+  for (const auto& [number, name] : state.arrivals.names()) arrivals[name] = number;
   for (const LocalMapId& id : island.local_maps) {
     const LocalMapState& local_map = *state.FindLocalMap(id);
     const size_t keyframes = local_map.map.keyframes().size();
     // What has become a part of an earlier local map is a session of its own, as it was.
     for (const LocalMapId& name : local_map.Names()) {
-      ++order;
-      if (local_map.closed) view.closed[name] = {order, local_map.last_batch, keyframes};
+      if (!local_map.closed) continue;
+      view.closed[name] = {arrivals.at(name), local_map.last_batch, keyframes};
     }
   }
   ListOverlaps(state, island, view);

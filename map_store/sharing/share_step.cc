@@ -347,7 +347,8 @@ class ShareStep {
   }
 
   void TakeNewKeyframes() {
-    if (new_keyframes_.empty()) return;
+    // After the end of the budget what the state had may be gone.
+    if (new_keyframes_.empty() || !budget_.complete()) return;
     if (share_.keyframes.size() >= options_.max_shared_keyframes) return;
     if (!CountOwnLandmarks()) return;
     for (const KeyframeId& id : OrderNewKeyframes(state_, new_keyframes_, poses_, share_)) {

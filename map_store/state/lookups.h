@@ -248,6 +248,8 @@ struct MapChanges {
     bool is_reference = false;
     std::vector<LocalMapId> local_maps;
     std::vector<std::string> agents;  // The agent of each of `local_maps`.
+    // Local maps that have become parts of these, whose names items keep, and each one's agent.
+    std::vector<std::pair<LocalMapId, std::string>> parts;
     // All that the watcher knows of this island is void: all of it comes again.
     bool anew = false;
     std::vector<IslandView::KeyframePlace> keyframes;  // Keyframes that came, or stand elsewhere.

@@ -157,11 +157,12 @@ OverlapInfo DescribeOverlap(const MissionState& state, const OverlapEntry& entry
   return info;
 }
 
-bool Matches(const OverlapFilter& filter, const Overlap& overlap) {
+bool Matches(const OverlapFilter& filter, const Overlap& overlap, const MissionState& state) {
   if (filter.accepted.has_value() && *filter.accepted != overlap.IsAccepted()) return false;
   if (!filter.local_map.IsValid()) return true;
-  return overlap.query.local_map == filter.local_map ||
-         overlap.candidate.local_map == filter.local_map;
+  const LocalMapId wanted = state.OwnerOf(filter.local_map);
+  return state.OwnerOf(overlap.query.local_map) == wanted ||
+         state.OwnerOf(overlap.candidate.local_map) == wanted;
 }
 
 IslandView DescribeIsland(const MissionState& state, const Island& island) {

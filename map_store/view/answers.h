@@ -23,7 +23,8 @@ std::vector<KeyframeInfo> DescribeKeyframes(const MissionState& state,
                                             const std::vector<KeyframeId>& ids);
 MissionStatistics DescribeStatistics(const MissionState& state);
 OverlapInfo DescribeOverlap(const MissionState& state, const OverlapEntry& entry);
-bool Matches(const OverlapFilter& filter, const Overlap& overlap);
+// A local map's overlaps are also those of its parts, by whatever of their names it is asked for.
+bool Matches(const OverlapFilter& filter, const Overlap& overlap, const MissionState& state);
 IslandView DescribeIsland(const MissionState& state, const Island& island);
 // Returns the reference island first, the others by id.
 std::vector<const Island*> OrderedIslands(const MissionState& state);

@@ -19,7 +19,8 @@ uint64_t CountBytes(const MapChanges& piece) {
   uint64_t bytes = sizeof(piece) + piece.removed_islands.size() * sizeof(IslandId);
   for (const MapChanges::Island& island : piece.islands) {
     bytes += sizeof(island);
-    bytes += island.local_maps.size() * (sizeof(LocalMapId) + sizeof(std::string));
+    bytes += (island.local_maps.size() + island.parts.size()) *
+             (sizeof(LocalMapId) + sizeof(std::string));
     bytes += island.keyframes.size() * sizeof(IslandView::KeyframePlace);
     bytes += island.removed_keyframes.size() * sizeof(KeyframeId);
     bytes += island.points.size() * sizeof(island.points[0]);
@@ -38,7 +39,12 @@ absl::Status ReplayOptions::Validate() const {
 
 ReplayProgress ProgressOf(const MissionState& state) {
   ReplayProgress progress{.revision = state.global.revision, .batches = 0};
-  for (const auto& [id, local_map] : state.local_maps) progress.batches += local_map.last_batch;
+  // Those of parts and of deleted local maps still count: the number never falls.
+  for (const auto& [id, local_map] : state.local_maps) {
+    progress.batches += local_map.last_batch;
+    for (const JoinedLocalMap& part : local_map.joined) progress.batches += part.last_batch;
+  }
+  for (const auto& [id, last_batch] : state.forgotten) progress.batches += last_batch;
   return progress;
 }
 

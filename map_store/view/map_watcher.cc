@@ -32,6 +32,15 @@ bool IsShown(const MissionState& state, MapPointId id) {
   return state.FindPoint(id) != nullptr && state.global.landmarks.Survivor(id) == id;
 }
 
+// Returns all names that an island can ever have had, those of local maps included that are parts
+// of others or were deleted since.
+std::vector<IslandId> EverNamed(const MissionState& state) {
+  std::vector<IslandId> names = state.order;
+  for (const auto& [part, whole] : state.joined_into) names.push_back(part);
+  for (const auto& [deleted, last_batch] : state.forgotten) names.push_back(deleted);
+  return names;
+}
+
 // Returns the island's part of the piece, which is begun where there is none.
 MapChanges::Island& PieceOf(const MissionState& state, IslandId id, MapChanges& changes) {
   for (MapChanges::Island& island : changes.islands) {
@@ -41,8 +50,12 @@ MapChanges::Island& PieceOf(const MissionState& state, IslandId id, MapChanges& 
   island.id = id;
   island.is_reference = id == state.ReferenceIsland();
   island.local_maps = state.global.islands.at(id).local_maps;
-  for (const LocalMapId& local_map : island.local_maps) {
-    island.agents.push_back(state.FindLocalMap(local_map)->agent);
+  for (const LocalMapId& id_of_map : island.local_maps) {
+    const LocalMapState& local_map = *state.FindLocalMap(id_of_map);
+    island.agents.push_back(local_map.agent);
+    for (const JoinedLocalMap& part : local_map.joined) {
+      island.parts.emplace_back(part.id, local_map.agent);
+    }
   }
   return island;
 }
@@ -93,7 +106,7 @@ void MapWatcher::BeginIsland(const MissionState& state, const Island& island, Ma
 
 void MapWatcher::Begin(const MissionState& state, MapChanges& changes) {
   for (const IslandId& id :
-       begun_ ? std::vector<IslandId>(islands_.begin(), islands_.end()) : state.order) {
+       begun_ ? std::vector<IslandId>(islands_.begin(), islands_.end()) : EverNamed(state)) {
     if (!state.global.islands.contains(id)) changes.removed_islands.push_back(id);
   }
   for (const Island* island : map_store::OrderedIslands(state)) {

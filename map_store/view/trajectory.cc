@@ -24,7 +24,8 @@ class FrameChain {
         camera_from_wanted_(camera_from_wanted),
         poses_(state, all_placed_) {}
 
-  std::optional<Rigid3d> FrameFromWanted(const TrackedFrame& tracked) {
+  // `session` is the name under which the frame was tracked.
+  std::optional<Rigid3d> FrameFromWanted(const TrackedFrame& tracked, LocalMapId session) {
     LivingRelative relative;
     const RelativeIn layer =
         frame_ == TrajectoryFrame::kLocal ? RelativeIn::kLocalLayer : RelativeIn::kGlobalLayer;
@@ -45,15 +46,24 @@ class FrameChain {
     if (frame_ == TrajectoryFrame::kLocal) {
       // The frame was tracked against another local map's keyframe: its pose goes back from the
       // island's frame through the newest own keyframe.
-      const KeyframeId newest = {local_map_.id, KeyframeId::kNoIndex - 1};
+      const IslandPoses& own = Poses(local_map_.id);
       frame_from_camera =
-          IslandFromLocal(newest, local_map_, state_.global, Poses(local_map_.id)).Inverse() *
+          IslandFromLocal(NewestOf(session, own), local_map_, state_.global, own).Inverse() *
           frame_from_camera;
     }
     return Rigid3d{frame_from_camera.rotation, frame_from_camera.translation};
   }
 
  private:
+  // Returns the session's newest keyframe; an id behind all of them where none is left.
+  static KeyframeId NewestOf(LocalMapId session, const IslandPoses& own) {
+    const KeyframeId behind = {session, KeyframeId::kNoIndex - 1};
+    auto it = own.upper_bound(behind);
+    if (it == own.begin()) return behind;
+    --it;
+    return it->first.local_map == session ? it->first : behind;
+  }
+
   const IslandPoses& Poses(LocalMapId id) { return poses_.Of(*state_.FindLocalMap(id)); }
 
   const MissionState& state_;
@@ -109,14 +119,14 @@ void AppendSession(const MissionState& state, const LocalMapState& local_map,
   bool gap = !trajectory.poses.empty();
   std::optional<int64_t> before;
   for (const TrackedFrame& tracked : frames) {
-    const std::optional<Rigid3d> pose = chain.FrameFromWanted(tracked);
+    const std::optional<Rigid3d> pose = chain.FrameFromWanted(tracked, session.id);
     if (!pose.has_value()) {
       gap = true;
       continue;
     }
     gap = gap || (before.has_value() && HasTimeBetween(lost, *before, tracked.timestamp_ns));
-    trajectory.poses.push_back({tracked.timestamp_ns, session.id, *pose,
-                                state.global.island_of.at(local_map.id), gap, 0});
+    trajectory.poses.push_back(
+        {tracked.timestamp_ns, session.id, *pose, state.global.island_of.at(local_map.id), gap, 0});
     before = tracked.timestamp_ns;
     gap = false;
   }

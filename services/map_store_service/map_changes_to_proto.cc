@@ -22,6 +22,8 @@ constexpr size_t kKeyframeBytes = 140;
 constexpr size_t kPointBytes = 30;
 constexpr size_t kRefBytes = 16;
 constexpr size_t kSlotBytes = 80;
+// They come in any number, of which a part's table takes kMaxLocalMapsOfMessage.
+constexpr size_t kRemovedIslandBytes = 256;
 
 using Writer = PartWriter<v1::WatchMapResponse>;
 using Island = v1::WatchMapResponse::Island;
@@ -94,6 +96,7 @@ std::map<LocalMapId, std::string> AgentsOf(const MapChanges& changes) {
     for (size_t i = 0; i < island.local_maps.size(); ++i) {
       agents[island.local_maps[i]] = island.agents[i];
     }
+    agents.insert(island.parts.begin(), island.parts.end());
   }
   return agents;
 }
@@ -108,6 +111,7 @@ std::vector<v1::WatchMapResponse> ToProto(const MapChanges& changes) {
     return SlotWriter(part.mutable_local_maps());
   });
   for (const IslandId id : changes.removed_islands) {
+    writer.Reserve(kRemovedIslandBytes);
     writer.part().add_removed_island_slots(writer.slots().Slot(id));
   }
   for (const MapChanges::Island& view : changes.islands) {

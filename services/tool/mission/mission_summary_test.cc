@@ -123,6 +123,17 @@ TEST(MissionSummaryTest, SaysWhichLocalMapsBecameParts) {
   EXPECT_EQ(ToJson(summary)["local_maps"][0]["joined_local_maps"], 2);
 }
 
+// Overlaps name keyframes, which keep the names of the local maps that they were made in.
+TEST(MissionSummaryTest, CountsOverlapsOfPartsWithTheirWholes) {
+  MissionSummary summary = MakeSummary();
+  summary.local_maps[0].add_joined_local_maps(MapName(7));
+  AddOverlap(7, 2, v1::OVERLAP_VERDICT_ACCEPTED, 52, summary);
+  AddOverlap(1, 7, v1::OVERLAP_VERDICT_ACCEPTED, 20, summary);
+  EXPECT_THAT(FormatSummary(summary),
+              AllOf(HasSubstr("  alpha/1 and bravo/1, fused: 3 accepted (up to 52 inliers); 1 "),
+                    HasSubstr("  alpha/1, loops: 2 accepted (up to 60 inliers)\n")));
+}
+
 constexpr char kNoWords[] = "no two keyframes share enough words";
 
 void AddUncompared(int query, int against, uint64_t waiting, uint64_t failed,

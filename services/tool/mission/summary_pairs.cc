@@ -21,7 +21,9 @@ std::map<std::string, std::string> ShortNames(const MissionSummary& summary) {
   std::map<std::string, int> counts;
   for (const v1::LocalMap& local_map : summary.local_maps) {
     const std::string robot = LastSegment(local_map.agent());
-    names[local_map.name()] = absl::StrCat(robot, "/", ++counts[robot]);
+    const std::string name = absl::StrCat(robot, "/", ++counts[robot]);
+    names[local_map.name()] = name;
+    for (const std::string& part : local_map.joined_local_maps()) names[part] = name;
   }
   return names;
 }
@@ -37,7 +39,9 @@ class PairFinder {
   PairFinder(const MissionSummary& summary, Pairs& pairs)
       : names_(ShortNames(summary)), pairs_(pairs) {
     for (const v1::LocalMap& local_map : summary.local_maps) {
-      order_.emplace(local_map.name(), order_.size());
+      const size_t place = order_.size();
+      order_.emplace(local_map.name(), place);
+      for (const std::string& part : local_map.joined_local_maps()) order_.emplace(part, place);
     }
   }
 
@@ -88,6 +92,7 @@ Pairs CountPairs(const MissionSummary& summary) {
       pair.is_too_early = std::min(first.settled_keyframes(), second.settled_keyframes()) == 0;
     }
     islands[second.name()] = second.island();
+    for (const std::string& part : second.joined_local_maps()) islands[part] = second.island();
   }
   for (const v1::Overlap& overlap : summary.overlaps) {
     const std::string first = LocalMapOf(overlap.query());
