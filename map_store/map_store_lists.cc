@@ -54,8 +54,9 @@ absl::StatusOr<Arrivals::const_iterator> FindArrival(const ArrivalPlace& place,
   if (place.is_first_page) return book.names().begin();
   if (place.gone == book.gone()) return book.names().lower_bound(place.number);
   return absl::AbortedError(
-      "the list changed: local maps were deleted or became one, and the mission was read anew from "
-      "its journal since the page before; begin again, without a page_token");
+      "the list changed: local maps were deleted or became one, and the mission was read from an "
+      "older "
+      "format since the page before; begin again, without a page_token");
 }
 
 std::string LocalMapKey(uint64_t number, const ArrivalBook& book) {

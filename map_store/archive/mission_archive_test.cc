@@ -173,8 +173,9 @@ std::string AsFormat6(const MissionState& of) {
   map_store::NewerFields(profile, of.profile);
   // That nothing has retired takes eight bytes, and sixteen for each local map.
   // That none was deleted takes eight, and that nothing has become a part of a local map as many.
-  // That an agent has no trajectory of its own takes sixteen.
-  state.resize(state.size() - profile.Take().size() - 16 - 24 * of.order.size() -
+  // That an agent has no trajectory of its own takes sixteen; when local maps arrived takes
+  // sixteen, and as many for each.
+  state.resize(state.size() - profile.Take().size() - 32 - 40 * of.order.size() -
                16 * of.agents.size());
   return state;
 }
@@ -314,8 +315,9 @@ TEST_F(MissionArchiveTest, AStateFromBeforeSettingsIsReadAndHasNone) {
   ArchiveWriter newer;
   map_store::NewerFields(newer, state.profile);
   // That no local map was deleted takes eight bytes, and that none is a part as many for each; that
-  // an agent has no trajectory of its own takes sixteen.
-  bytes.resize(bytes.size() - newer.Take().size() - 8 - 8 * state.order.size() -
+  // an agent has no trajectory of its own takes sixteen; when local maps arrived takes sixteen, and
+  // as many for each.
+  bytes.resize(bytes.size() - newer.Take().size() - 24 - 24 * state.order.size() -
                16 * state.agents.size());
   const auto read = map_store::DecodeState(bytes, nullptr);
   ASSERT_TRUE(read.ok()) << read.status();
@@ -348,8 +350,9 @@ TEST_F(MissionArchiveTest, DamageIsFoundWhereverItIs) {
   EXPECT_TRUE(absl::IsDataLoss(Read(file + "x").status()));
   EXPECT_TRUE(absl::IsFailedPrecondition(Read("a picture of a cat").status()));
   std::string newer = file;
-  newer[8] = 11;
-  EXPECT_THAT(std::string(Read(newer).status().message()), HasSubstr("has format 11"));
+  newer[8] = static_cast<char>(file[8] + 1);
+  EXPECT_THAT(std::string(Read(newer).status().message()),
+              HasSubstr(absl::StrCat("has format ", file[8] + 1)));
   EXPECT_TRUE(absl::IsResourceExhausted(Read(file, 1000, file.size() - 1).status()));
 }
 

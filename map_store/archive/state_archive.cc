@@ -81,13 +81,15 @@ namespace {
 // their islands and not in an anchor; in format 5 lenses have five numbers (value_fields.h); up to
 // format 6 missions have no profile, and the store lets go of nothing; in format 7 profiles have no
 // revision and no settings of robots, local maps stay as they are, and none is deleted; up to
-// format 8 what agents that only localise say is not kept.
+// format 8 what agents that only localise say is not kept, nor in which order parts of local maps
+// arrived.
 constexpr uint32_t kOldestStateFormat = 3;
 constexpr uint32_t kFirstWithAnchors = 5;
 constexpr uint32_t kFirstWithProfile = 7;
 constexpr uint32_t kFirstWithSettings = 8;
 constexpr uint32_t kFirstWithJoined = 8;
 constexpr uint32_t kFirstWithTracks = 9;
+constexpr uint32_t kFirstWithArrivals = 9;
 constexpr uint32_t kStateFormat = 9;
 
 absl::Status Unreadable(absl::string_view what) {
@@ -305,6 +307,13 @@ void TrackFields(Archive& archive, State& state) {
   for (auto& [name, agent] : state.agents) archive(agent.track);
 }
 
+void ReadArrivals(ArchiveReader& reader, MissionState& state) {
+  uint64_t gone = 0;
+  std::map<uint64_t, LocalMapId> names;
+  reader(gone, names);
+  state.arrivals = ArrivalBook(gone, std::move(names));
+}
+
 // Anchors points of an older format, which are placed in their islands. Where no keyframe is placed
 // that sees a point, the point is not placed any more.
 void AnchorPoints(MissionState& state) {
@@ -483,6 +492,7 @@ std::string EncodeState(const MissionState& state) {
   NewerFields(writer, state.profile);
   JoinedFields(writer, state);
   TrackFields(writer, state);
+  writer(state.arrivals.gone(), state.arrivals.names());
   return writer.Take();
 }
 
@@ -539,6 +549,11 @@ absl::StatusOr<MissionState> DecodeState(std::string_view bytes, const FeatureLo
   if (format >= kFirstWithJoined) JoinedFields(reader, state);
   if (format >= kFirstWithTracks) TrackFields(reader, state);
   IndexJoined(state);
+  if (format >= kFirstWithArrivals) {
+    ReadArrivals(reader, state);
+  } else {
+    BeginArrivals(state);
+  }
   if (!reader.done()) return Unreadable("a mission's snapshot");
   RETURN_IF_ERROR(ValidateState(state));
   IndexPoints(state);

@@ -72,6 +72,18 @@ bool AreNamesSound(const MissionState& state) {
          });
 }
 
+// Returns whether each of these names arrived, once.
+bool AreArrivalsSound(const MissionState& state) {
+  std::set<LocalMapId> arrived;
+  for (const auto& [number, name] : state.arrivals.names()) {
+    if (!arrived.insert(name).second) return false;
+  }
+  return std::ranges::all_of(state.local_maps, [&arrived](const auto& item) {
+    return std::ranges::all_of(item.second.Names(),
+                               [&arrived](LocalMapId name) { return arrived.contains(name); });
+  });
+}
+
 absl::Status ValidateLocalMap(const LocalMapState& local_map) {
   const std::string what = absl::StrCat("local map ", ToString(local_map.id));
   RETURN_IF_ERROR(Check(IsArrivalSound(local_map), absl::StrCat(what, ": its order")));
@@ -197,6 +209,7 @@ absl::Status ValidateState(const MissionState& state) {
   }
   RETURN_IF_ERROR(Check(ordered, "the order of local maps"));
   RETURN_IF_ERROR(Check(AreNamesSound(state), "what names local maps have"));
+  RETURN_IF_ERROR(Check(AreArrivalsSound(state), "when local maps arrived"));
   if (const absl::Status profile = ValidateProfile(state.profile); !profile.ok()) {
     return absl::DataLossError(absl::StrCat("the mission's profile: ", profile.message()));
   }

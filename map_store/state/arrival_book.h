@@ -3,7 +3,9 @@
 #define CORBSLAM_MAP_STORE_STATE_ARRIVAL_BOOK_H_
 
 #include <cstdint>
+#include <iterator>
 #include <map>
+#include <utility>
 
 #include "slam/util/ids.h"
 
@@ -11,16 +13,22 @@ namespace corbslam::map_store {
 
 // Numbers the names of local maps as they arrive. One that became a part of another keeps its
 // number, and that of a deleted one is not given again, so that a list goes on behind it. Is a
-// value; derived from the state (IndexJoined), whose own order has gaps closed.
+// value; written with the state, whose own order has gaps closed.
 class ArrivalBook {
  public:
   ArrivalBook() = default;
   // Begins for a state from which so many names were gone by then: deleted, or parts of others.
   explicit ArrivalBook(uint64_t gone) : gone_(gone) {}
+  // As it was when it was written.
+  ArrivalBook(uint64_t gone, std::map<uint64_t, LocalMapId> names)
+      : gone_(gone),
+        next_(names.empty() ? 0 : std::prev(names.end())->first + 1),
+        names_(std::move(names)) {}
 
   void Add(LocalMapId name) { names_.emplace(next_++, name); }
 
-  // Tells books apart: one that was begun after more names had gone has other numbers.
+  // Tells books apart: one that was begun after more names had gone (for a state of an older
+  // format) has other numbers.
   uint64_t gone() const { return gone_; }
   // The names by their numbers, those that are gone since included.
   const std::map<uint64_t, LocalMapId>& names() const { return names_; }

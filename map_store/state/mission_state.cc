@@ -85,6 +85,9 @@ void IndexJoined(MissionState& state) {
       local_map.part_names.insert(part.id);
     }
   }
+}
+
+void BeginArrivals(MissionState& state) {
   state.arrivals = ArrivalBook(state.joined_into.size() + state.forgotten.size());
   for (const LocalMapId& id : state.order) {
     for (const LocalMapId& name : state.local_maps.at(id).Names()) state.arrivals.Add(name);

@@ -340,9 +340,12 @@ size_t CountKeyframes(const MissionState& state, const Island& island);
 uint64_t LastBatchOf(const MissionState& state, LocalMapId id);
 // Says that the local map, with all its parts, lies in the island.
 void SetIslandOf(const LocalMapState& local_map, IslandId island, MissionState& state);
-// Makes `joined_into`, the names of parts and `arrivals` anew. The caller, who has read a state
-// from somewhere, does so once.
+// Makes `joined_into` and the names of parts anew. The caller, who has read a state from somewhere,
+// does so once.
 void IndexJoined(MissionState& state);
+// Begins `arrivals` for a state that has none: parts come with their wholes, since nobody knows
+// better. After IndexJoined.
+void BeginArrivals(MissionState& state);
 
 // Makes `points` anew. The caller, who has read a state from somewhere, does so once.
 void IndexPoints(MissionState& state);

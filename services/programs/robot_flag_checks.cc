@@ -1,4 +1,4 @@
-#include "services/programs/robot/robot_flag_checks.h"
+#include "services/programs/robot_flag_checks.h"
 
 #include <string>
 

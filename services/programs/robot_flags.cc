@@ -1,4 +1,4 @@
-#include "services/programs/robot/robot_flags.h"
+#include "services/programs/robot_flags.h"
 
 #include <cstdio>
 #include <map>

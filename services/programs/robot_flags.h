@@ -1,6 +1,6 @@
 // The flags of a robot's program.
-#ifndef CORBSLAM_SERVICES_PROGRAMS_ROBOT_ROBOT_FLAGS_H_
-#define CORBSLAM_SERVICES_PROGRAMS_ROBOT_ROBOT_FLAGS_H_
+#ifndef CORBSLAM_SERVICES_PROGRAMS_ROBOT_FLAGS_H_
+#define CORBSLAM_SERVICES_PROGRAMS_ROBOT_FLAGS_H_
 
 #include <CLI/CLI.hpp>
 #include <cstdint>
@@ -62,4 +62,4 @@ SecurityOptions ListenSecurityOf(const RobotFlags& flags);
 
 }  // namespace corbslam::services
 
-#endif  // CORBSLAM_SERVICES_PROGRAMS_ROBOT_ROBOT_FLAGS_H_
+#endif  // CORBSLAM_SERVICES_PROGRAMS_ROBOT_FLAGS_H_

@@ -1,6 +1,6 @@
 // Says what is wrong with a robot's flags, before it begins.
-#ifndef CORBSLAM_SERVICES_PROGRAMS_ROBOT_ROBOT_FLAG_CHECKS_H_
-#define CORBSLAM_SERVICES_PROGRAMS_ROBOT_ROBOT_FLAG_CHECKS_H_
+#ifndef CORBSLAM_SERVICES_PROGRAMS_ROBOT_FLAG_CHECKS_H_
+#define CORBSLAM_SERVICES_PROGRAMS_ROBOT_FLAG_CHECKS_H_
 
 #include <grpcpp/channel.h>
 
@@ -11,8 +11,8 @@
 #include "absl/status/statusor.h"
 #include "absl/synchronization/notification.h"
 #include "client_agent/upload/feature_selection.h"
-#include "services/programs/robot/robot_flags.h"
 #include "services/programs/robot/robot_source.h"
+#include "services/programs/robot_flags.h"
 
 namespace corbslam::services {
 
@@ -35,4 +35,4 @@ std::vector<absl::Status> CheckRobotFlags(const RobotFlags& flags);
 
 }  // namespace corbslam::services
 
-#endif  // CORBSLAM_SERVICES_PROGRAMS_ROBOT_ROBOT_FLAG_CHECKS_H_
+#endif  // CORBSLAM_SERVICES_PROGRAMS_ROBOT_FLAG_CHECKS_H_
