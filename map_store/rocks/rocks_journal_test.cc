@@ -646,7 +646,8 @@ TEST_F(RocksJournalTest, ANewerFormatAndASecondProcessAreRefusedByName) {
   ASSERT_TRUE(raw->Close().ok());
   const auto newer = RocksJournal::Open(options);
   EXPECT_EQ(newer.status().code(), absl::StatusCode::kFailedPrecondition);
-  EXPECT_THAT(std::string(newer.status().message()), HasSubstr(absl::StrCat("has format ", map_store::kJournalFormat + 1)));
+  EXPECT_THAT(std::string(newer.status().message()),
+              HasSubstr(absl::StrCat("has format ", map_store::kJournalFormat + 1)));
 
   const auto nowhere = RocksJournal::Open({.directory = "/proc/version/journal"});
   EXPECT_EQ(nowhere.status().code(), absl::StatusCode::kFailedPrecondition);
