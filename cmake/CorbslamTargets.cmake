@@ -56,17 +56,18 @@ function(corbslam_test_program NAME)
   corbslam_unite(${NAME} ${ARG_SOURCES})
 endfunction()
 
-# A test binary; each of its cases is a test of ctest's own.
+# A test binary; each of its cases is a test of ctest's own. DEFINITIONS are for its sources.
 function(corbslam_test NAME)
   if(NOT CORBSLAM_BUILD_TESTS)
     return()
   endif()
-  cmake_parse_arguments(ARG "" "TIMEOUT" "SOURCES;DEPS;LABELS" ${ARGN})
+  cmake_parse_arguments(ARG "" "TIMEOUT" "SOURCES;DEPS;LABELS;DEFINITIONS" ${ARGN})
   if(NOT ARG_TIMEOUT)
     set(ARG_TIMEOUT 300)
   endif()
   math(EXPR ARG_TIMEOUT "${CORBSLAM_TIMEOUT_FACTOR} * ${ARG_TIMEOUT}")
   corbslam_test_program(${NAME} SOURCES ${ARG_SOURCES} DEPS ${ARG_DEPS})
+  target_compile_definitions(${NAME} PRIVATE ${ARG_DEFINITIONS})
   gtest_discover_tests(${NAME} TEST_PREFIX "${NAME}." DISCOVERY_MODE PRE_TEST
                        PROPERTIES TIMEOUT ${ARG_TIMEOUT} LABELS "${ARG_LABELS}")
 endfunction()

@@ -249,7 +249,8 @@ TEST(HeldWriterTest, ALossOfPowerTakesNothingWhenALocalMapEnds) {
     without_the_end += after.Used() < drive.disk().Used() ? 1 : 0;
     // Once the disk has the batches, what was held back goes.
     ASSERT_TRUE(drive.spool().Sync().ok());
-    for (const SpooledBatch& left : (*OpenFakeSpool(&drive.disk()))->found()) {
+    const auto next = *OpenFakeSpool(&drive.disk());
+    for (const SpooledBatch& left : next->found()) {
       const bool shares_a_segment = cut % 2 != 0;
       EXPECT_TRUE(left.record.kind == SpoolRecord::Kind::kBatch || shares_a_segment);
     }
