@@ -56,6 +56,7 @@ TEST(ToolTest, RefusesBadArgumentsBeforeAnythingStarts) {
       {"corbslam", {"run", "--mission", "a b/c"}, "--mission is \"a b/c\""},
       {"corbslam", {"run", "--own", "zulu"}, "no robot is called so, but alpha, bravo"},
       {"corbslam", {"run", "--robots", "99"}, "99 robots share 132 frames"},
+      {"corbslam", {"run", "--pace", "step", "--server", kNobody}, "leave --server out"},
       {"client_agent", {"--agent", "a b"}, "--agent is \"a b\""},
       {"client_agent", {"--mission", "a b/c"}, "--mission is \"a b/c\""},
   };
@@ -111,7 +112,7 @@ TEST(ToolTest, ForgetsSessionsAndSaysWhatItDoesNotKnow) {
   EXPECT_THAT(complaint({"--agent", "alpha", "--keep", "1"}),
               AllOf(HasSubstr("NOT_FOUND"), HasSubstr("there is no mission lab")));
   RunTool({"run", "--server", servers.store_address(), "--insecure", "--source",
-           DemoSource() + "?frames=0:19", "--robots", "1", "--mission", "lab", "--pace", "step",
+           DemoSource() + "?frames=0:19", "--robots", "1", "--mission", "lab", "--pace", "max",
            "--out", ::testing::TempDir() + "/corbslam_tool_forget"});
   EXPECT_THAT(complaint({"--agent", "nobody", "--keep", "1"}),
               AllOf(HasSubstr("NOT_FOUND"), HasSubstr("has no agent nobody")));

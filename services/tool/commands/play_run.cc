@@ -70,6 +70,12 @@ absl::Status CheckFlags(const MissionRunOptions& mission) {
     return absl::InvalidArgumentError(
         "--view shows what a map store has, and --pace step has none: take another pace");
   }
+  if (!mission.server.empty() && mission.pace == "step") {
+    return absl::InvalidArgumentError(absl::StrCat(
+        "--server is ", mission.server,
+        ", but --pace step plays robots and a map store of their own in one process: leave --server "
+        "out, or take another pace"));
+  }
   if (!mission.server.empty()) return MakeChannelCredentials(mission.security).status();
   const SecurityOptions& security = mission.security;
   if (security.certificate_file.empty() && security.key_file.empty() && security.ca_file.empty() &&
