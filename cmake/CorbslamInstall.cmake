@@ -62,7 +62,10 @@ install(FILES "${CMAKE_SOURCE_DIR}/slam/vocabulary/data/corbslam.voc"
 # The lab's diary is for those who work on the sources.
 install(DIRECTORY "${CMAKE_SOURCE_DIR}/docs/" DESTINATION "${CMAKE_INSTALL_DATADIR}/doc/corbslam"
         COMPONENT common FILES_MATCHING PATTERN "*.md" PATTERN "lab" EXCLUDE PATTERN "results" EXCLUDE)
-# Where it was built.
+# Where it was built. Of an empty name this would install the whole machine.
+if(NOT CORBSLAM_BUILT_PAGE)
+  message(FATAL_ERROR "CORBSLAM_BUILT_PAGE is empty")
+endif()
 install(DIRECTORY "${CORBSLAM_BUILT_PAGE}/" DESTINATION "${CMAKE_INSTALL_DATADIR}/corbslam/viewer" COMPONENT server
         OPTIONAL)
 install(FILES deploy/systemd/map_store.service deploy/systemd/fusion_worker.service

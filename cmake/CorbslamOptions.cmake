@@ -51,3 +51,6 @@ elseif(CORBSLAM_SANITIZE)
                       -fno-omit-frame-pointer -g1 -O2)
   add_link_options(-fsanitize=${CORBSLAM_SANITIZE})
 endif()
+
+# Where the viewer's page is built, and installed from.
+set(CORBSLAM_BUILT_PAGE "${CMAKE_BINARY_DIR}/viewer_page")
