@@ -40,7 +40,7 @@ if [ "$tests" = ON ]; then
   ctest --test-dir build/arm64 --output-on-failure -j "$jobs" -R "^($(echo "$names" | xargs | tr ' ' '|'))\\."
 fi
 
-cmake --build --preset arm64 -j "$jobs" --target installed
+cmake --build --preset arm64 -j "$jobs" --target installed health
 rm -f "$out"/corbslam-*.deb
 # cpack leaves what it packed beside the packages.
 work=$(mktemp -d)
