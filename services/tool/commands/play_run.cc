@@ -71,10 +71,10 @@ absl::Status CheckFlags(const MissionRunOptions& mission) {
         "--view shows what a map store has, and --pace step has none: take another pace");
   }
   if (!mission.server.empty() && mission.pace == "step") {
-    return absl::InvalidArgumentError(absl::StrCat(
-        "--server is ", mission.server,
-        ", but --pace step plays robots and a map store of their own in one process: leave --server "
-        "out, or take another pace"));
+    return absl::InvalidArgumentError(absl::StrCat("--server is ", mission.server,
+                                                   ", but --pace step plays robots and a map store "
+                                                   "of their own in one process: leave --server "
+                                                   "out, or take another pace"));
   }
   if (!mission.server.empty()) return MakeChannelCredentials(mission.security).status();
   const SecurityOptions& security = mission.security;
