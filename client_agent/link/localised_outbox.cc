@@ -6,20 +6,15 @@
 #include <utility>
 
 #include "slam/exchange/item_checks.h"
+#include "slam/util/mixed_bits.h"
 
 namespace corbslam::client_agent {
 namespace {
 
 constexpr size_t kLeastFrames = 1000;
 
-// Mixes all bits (Steele et al., "Fast splittable pseudorandom number generators", 2014). Never 0.
-uint64_t Mix(uint64_t number) {
-  number += 0x9e3779b97f4a7c15u;
-  number = (number ^ (number >> 30)) * 0xbf58476d1ce4e5b9u;
-  number = (number ^ (number >> 27)) * 0x94d049bb133111ebu;
-  number ^= number >> 31;
-  return number == 0 ? 1 : number;
-}
+// Draws the number of a run, which is never 0.
+uint64_t DrawRun(uint64_t seed) { return std::max<uint64_t>(MixBits(seed + kGoldenGamma), 1); }
 
 // Returns false, and says why, for what a store would end the session for.
 bool Admit(const absl::Status& check) {
@@ -34,7 +29,7 @@ LocalisedOutbox::LocalisedOutbox(size_t max_bytes, uint64_t seed,
                                  std::optional<RecordedCamera> recorded_camera)
     : max_frames_(std::max(max_bytes / sizeof(Frame), kLeastFrames)),
       recorded_camera_(std::move(recorded_camera)),
-      run_(Mix(seed)) {}
+      run_(DrawRun(seed)) {}
 
 void LocalisedOutbox::AddPlace(const LocalisedFrame& place) {
   if (!Admit(ValidateTime("frame", place.timestamp_ns))) return;
@@ -105,7 +100,7 @@ void LocalisedOutbox::NoteKept(const LocalisedKept& kept) {
 void LocalisedOutbox::BeginRun() {
   LOG(WARNING) << "the map store has lost a part of the trajectory that it had kept, as after it "
                   "was restored from a backup: the rest begins another run";
-  run_ = Mix(run_);
+  run_ = DrawRun(run_);
   last_number_ = 0;
   sent_ = 0;
   for (LocalisedFrames& part : parts_) {

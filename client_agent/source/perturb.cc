@@ -4,18 +4,13 @@
 #include <opencv2/core.hpp>
 
 #include "absl/strings/str_cat.h"
+#include "slam/util/mixed_bits.h"
 
 namespace corbslam::client_agent {
 namespace {
 
-// Spreads seed and stream over all bits, so that neighbouring streams have nothing in common
-// (Steele et al., OOPSLA 2014: the finaliser of SplitMix64).
-uint64_t Mix(uint64_t seed, uint64_t stream) {
-  uint64_t x = seed * 0x9e3779b97f4a7c15u + stream + 1;
-  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u;
-  x = (x ^ (x >> 27)) * 0x94d049bb133111ebu;
-  return x ^ (x >> 31);
-}
+// Neighbouring streams have nothing in common.
+uint64_t Mix(uint64_t seed, uint64_t stream) { return MixBits(seed * kGoldenGamma + stream + 1); }
 
 cv::Mat ApplyGamma(const cv::Mat& image, double gamma) {
   cv::Mat table(1, 256, CV_8UC1);
