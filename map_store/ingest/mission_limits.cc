@@ -20,16 +20,16 @@ struct Amount {
   uint64_t limit = 0;  // 0: there is none.
 };
 
-absl::Status CheckAmount(const Amount& amount, const MapUpdateBatch& batch) {
+// `what` is it that wants more.
+absl::Status CheckAmount(const Amount& amount, const std::string& what) {
   if (amount.limit == 0) return absl::OkStatus();
   if (amount.there <= amount.limit && amount.more <= amount.limit - amount.there) {
     return absl::OkStatus();
   }
   return absl::ResourceExhaustedError(
-      absl::StrCat(amount.whose, " has ", amount.there, " ", amount.unit, "; batch ", batch.number,
-                   " of local map ", ToString(batch.local_map), " has ", amount.more,
-                   " more; the limit ", amount.limit_name, " of the mission is ", amount.limit,
-                   " (`corbslam mission set` changes it)"));
+      absl::StrCat(amount.whose, " has ", amount.there, " ", amount.unit, "; ", what, " has ",
+                   amount.more, " more; the limit ", amount.limit_name, " of the mission is ",
+                   amount.limit, " (`corbslam mission set` changes it)"));
 }
 
 uint64_t CountNewKeyframes(const LocalMapState* local_map, const MapUpdateBatch& batch) {
@@ -42,6 +42,10 @@ uint64_t CountNewKeyframes(const LocalMapState* local_map, const MapUpdateBatch&
 }
 
 }  // namespace
+
+std::string NameOfBatch(const MapUpdateBatch& batch) {
+  return absl::StrCat("batch ", batch.number, " of local map ", ToString(batch.local_map));
+}
 
 absl::Status CheckKeyframeLimits(const MissionState& state, const std::string& agent,
                                  const MapUpdateBatch& batch) {
@@ -61,10 +65,10 @@ absl::Status CheckKeyframeLimits(const MissionState& state, const std::string& a
   RETURN_IF_ERROR(CheckAmount(
       {absl::StrCat("agent ", agent, " of mission ", state.name),
        absl::StrCat("agent_limits[", agent, "].keyframes"), "keyframes", of_agent, more, own_limit},
-      batch));
+      NameOfBatch(batch)));
   return CheckAmount({absl::StrCat("mission ", state.name), "limits.keyframes", "keyframes",
                       of_mission, more, profile.limits.keyframes},
-                     batch);
+                     NameOfBatch(batch));
 }
 
 absl::Status CheckMemoryLimit(const MissionState& state, const MapUpdateBatch& batch) {
@@ -73,14 +77,14 @@ absl::Status CheckMemoryLimit(const MissionState& state, const MapUpdateBatch& b
   if (limit == 0 || !adds) return absl::OkStatus();
   return CheckAmount({absl::StrCat("mission ", state.name), "limits.memory_bytes",
                       "bytes in memory", EstimateMemory(state), 2 * StoredBytes(batch), limit},
-                     batch);
+                     NameOfBatch(batch));
 }
 
 absl::Status CheckDiskLimit(const std::string& mission, uint64_t disk_bytes, uint64_t limit_bytes,
-                            const MapUpdateBatch& batch) {
+                            const std::string& what, uint64_t bytes) {
   return CheckAmount({absl::StrCat("mission ", mission), "limits.disk_bytes", "bytes on disk",
-                      disk_bytes, StoredBytes(batch), limit_bytes},
-                     batch);
+                      disk_bytes, bytes, limit_bytes},
+                     what);
 }
 
 size_t CountLimitedLocalMaps(const MissionState& state) {

@@ -17,6 +17,9 @@ namespace corbslam::map_store {
 // All functions return RESOURCE_EXHAUSTED with whose limit it is, its name and value, and what is
 // there, if the batch would be too much.
 
+// Returns "batch 7 of local map 00ab...".
+std::string NameOfBatch(const MapUpdateBatch& batch);
+
 // Checks the numbers of keyframes of the mission and of the agent. A batch without new keyframes
 // always passes: poses, removals and the end of a local map.
 absl::Status CheckKeyframeLimits(const MissionState& state, const std::string& agent,
@@ -24,9 +27,9 @@ absl::Status CheckKeyframeLimits(const MissionState& state, const std::string& a
 // Checks the mission's memory, as EstimateMemory tells it. A batch without full keyframes and
 // points always passes.
 absl::Status CheckMemoryLimit(const MissionState& state, const MapUpdateBatch& batch);
-// Checks what the mission takes of the journal's disk, `disk_bytes`.
+// Checks what the mission takes of the journal's disk, `disk_bytes`; `what` wants so many more.
 absl::Status CheckDiskLimit(const std::string& mission, uint64_t disk_bytes, uint64_t limit_bytes,
-                            const MapUpdateBatch& batch);
+                            const std::string& what, uint64_t bytes);
 
 // No mission has more local maps, whatever their state: messages about an island name its local
 // maps in a table that has no more places (services/convert/limits.h).

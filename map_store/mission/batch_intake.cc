@@ -6,6 +6,7 @@
 #include "map_store/ingest/mission_limits.h"
 #include "map_store/ingest/quota.h"
 #include "map_store/mission/mission_sessions.h"
+#include "map_store/mission/room_check.h"
 #include "map_store/mission/transfer_statistics.h"
 #include "map_store/records/record_application.h"
 #include "slam/util/status_macros.h"
@@ -107,29 +108,14 @@ BatchRecord BatchIntake::MakeRecord(const std::string& agent, const MapUpdateBat
 }
 
 // What the store keeps of a batch takes about twice its bytes: words, indices, tables.
-absl::Status BatchIntake::CheckMemory(const MapUpdateBatch& batch) const {
-  return strand_.environment().memory->Check(
-      absl::StrCat("batch ", batch.number, " of local map ", ToString(batch.local_map)),
-      2 * StoredBytes(batch));
-}
-
-absl::Status BatchIntake::CheckDisk(const MapUpdateBatch& batch) const {
-  const uint64_t limit =
-      strand_.WithState([](const MissionState& state) { return state.profile.limits.disk_bytes; });
-  // Finding out what is there reads the mission's folder.
-  if (limit == 0) return absl::OkStatus();
-  const uint64_t there = strand_.environment().journal->DiskBytes(strand_.name());
-  return CheckDiskLimit(strand_.name(), there, limit, batch);
-}
-
 absl::StatusOr<Acknowledgement> BatchIntake::Apply(uint64_t session_id, const std::string& agent,
                                                    const MapUpdateBatch& batch,
                                                    const BatchTransfer* measured) {
   const absl::Time begin = strand_.environment().clock();
   ASSIGN_OR_RETURN(Known known, CheckAndValidate(session_id, agent, batch));
   if (!known.has_value()) {
-    RETURN_IF_ERROR(CheckMemory(batch));
-    RETURN_IF_ERROR(CheckDisk(batch));
+    const uint64_t bytes = StoredBytes(batch);
+    RETURN_IF_ERROR(CheckRoom(strand_, NameOfBatch(batch), 2 * bytes, bytes));
     const BatchWords words = ComputeWords(batch, strand_.environment().vocabulary);
     ASSIGN_OR_RETURN(known, ApplyInTurn(session_id, MakeRecord(agent, batch), words));
   }

@@ -42,10 +42,6 @@ class BatchIntake {
       ABSL_SHARED_LOCKS_REQUIRED(strand_.mutex());
   absl::StatusOr<Known> CheckAndValidate(uint64_t session_id, const std::string& agent,
                                          const MapUpdateBatch& batch) const;
-  // RESOURCE_EXHAUSTED: the process has no memory for the batch.
-  absl::Status CheckMemory(const MapUpdateBatch& batch) const;
-  // RESOURCE_EXHAUSTED: the mission has its share of the disk.
-  absl::Status CheckDisk(const MapUpdateBatch& batch) const;
   // Makes what ApplyInTurn appends and applies; most of the journal's work is in it, so that others
   // don't wait for it. It must not outlive the batch, which is valid.
   BatchRecord MakeRecord(const std::string& agent, const MapUpdateBatch& batch) const;

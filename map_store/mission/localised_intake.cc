@@ -9,6 +9,7 @@
 #include "absl/strings/str_cat.h"
 #include "map_store/ingest/batch_validation.h"
 #include "map_store/mission/mission_sessions.h"
+#include "map_store/mission/room_check.h"
 #include "map_store/records/record_application.h"
 #include "slam/util/status_macros.h"
 
@@ -50,19 +51,6 @@ absl::Status LocalisedIntake::NotePlace(uint64_t session_id, const std::string& 
   return absl::OkStatus();
 }
 
-absl::Status LocalisedIntake::CheckRoom(const LocalisedFrames& part) const {
-  const uint64_t bytes = StoredBytesOf(part);
-  RETURN_IF_ERROR(strand_.environment().memory->Check(NameOfPart(part), bytes));
-  const uint64_t limit =
-      strand_.WithState([](const MissionState& state) { return state.profile.limits.disk_bytes; });
-  // Finding out what is there reads the mission's folder.
-  if (limit == 0) return absl::OkStatus();
-  const uint64_t there = strand_.environment().journal->DiskBytes(strand_.name());
-  if (there + bytes <= limit) return absl::OkStatus();
-  return absl::ResourceExhaustedError(absl::StrCat("mission ", strand_.name(), " has ", there,
-                                                   " bytes on disk; limits.disk_bytes is ", limit));
-}
-
 absl::StatusOr<LocalisedKept> LocalisedIntake::Last(uint64_t session_id, const std::string& agent,
                                                     uint64_t run) const {
   absl::ReaderMutexLock lock(&strand_.mutex());
@@ -102,7 +90,8 @@ absl::StatusOr<std::optional<LocalisedKept>> LocalisedIntake::Note(
   RETURN_IF_ERROR(NotePlace(session_id, agent, localised));
   if (localised.run == 0) return std::nullopt;
   RETURN_IF_ERROR(ValidateLocalised(localised));
-  const absl::Status room = CheckRoom(localised);
+  const uint64_t bytes = StoredBytesOf(localised);
+  const absl::Status room = CheckRoom(strand_, NameOfPart(localised), bytes, bytes);
   const absl::StatusOr<LocalisedKept> kept =
       room.ok() ? KeepInTurn(session_id, agent, localised) : room;
   if (absl::IsAborted(kept.status()) || absl::IsPermissionDenied(kept.status())) {

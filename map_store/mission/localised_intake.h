@@ -31,8 +31,6 @@ class LocalisedIntake {
       ABSL_SHARED_LOCKS_REQUIRED(strand_.mutex());
   absl::Status NotePlace(uint64_t session_id, const std::string& agent,
                          const LocalisedFrames& localised);
-  // Returns RESOURCE_EXHAUSTED if the process or the mission's share of the disk has no room.
-  absl::Status CheckRoom(const LocalisedFrames& part) const;
   // Records the part if it is the next one of its run, and returns which is the last.
   absl::StatusOr<LocalisedKept> KeepInTurn(uint64_t session_id, const std::string& agent,
                                            const LocalisedFrames& part);
