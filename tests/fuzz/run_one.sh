@@ -7,10 +7,12 @@ build=$1
 seconds=$2
 fuzzer=$3
 corpus=$build/corpus/$fuzzer
+# make_corpus writes none for a fuzzer that starts from its corpus alone.
+seeds=$build/seeds/$fuzzer
 findings=$build/findings/$fuzzer
 runs=
 [ -n "${CORBSLAM_FUZZ_RUNS:-}" ] && runs="-runs=$CORBSLAM_FUZZ_RUNS"
-mkdir -p "$corpus" "$findings" "$here/corpus/$fuzzer"
+mkdir -p "$corpus" "$seeds" "$findings" "$here/corpus/$fuzzer"
 
 # What clang 14's sanitizers map must not meet the kernel's random layout.
 fixed=
@@ -20,7 +22,7 @@ found=0
 GLOG_logtostderr=0 GLOG_minloglevel=3 \
   $fixed "$build/fuzz/$fuzzer" -seed="${CORBSLAM_FUZZ_SEED:-0}" -max_total_time="$seconds" $runs -max_len=16384 -timeout=20 \
   -rss_limit_mb=2048 -print_final_stats=1 -artifact_prefix="$findings/" \
-  "$corpus" "$here/corpus/$fuzzer" "$build/seeds/$fuzzer" >"$findings/log" 2>&1 || found=1
+  "$corpus" "$here/corpus/$fuzzer" "$seeds" >"$findings/log" 2>&1 || found=1
 
 units=$(sed -n 's/^stat::number_of_executed_units: *//p' "$findings/log")
 covered=$(sed -n 's/.* cov: \([0-9]*\).*/\1/p' "$findings/log" | tail -n 1)
