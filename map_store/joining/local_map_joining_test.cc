@@ -14,6 +14,7 @@
 #include "map_store/records/record_application.h"
 #include "map_store/records/retraction.h"
 #include "map_store/records/state_validation.h"
+#include "map_store/retiring/retirement.h"
 #include "map_store/retiring/retiring_view.h"
 #include "map_store/testing/many_starts.h"
 #include "map_store/view/map_replay.h"
@@ -162,6 +163,43 @@ TEST(LocalMapJoiningTest, AFrameAgainstOthersGoesBackThroughItsOwnSession) {
              before->poses.at(kKeyframesOfStart).frame_from_camera.translation)
                 .norm(),
             1e-9);
+}
+
+// Nothing of a visit need stay but where the robot went.
+TEST(LocalMapJoiningTest, AllKeyframesOfAPartMayRetire) {
+  MissionState state = MakeManyStarts(4);
+  JoinAll(state, 1);
+  const auto compute = [&state] {
+    return ComputeTrajectory(state, "r", TrajectoryFrame::kLocal, false, PosesOf::kRectifiedCamera);
+  };
+  const auto before = compute();
+  ASSERT_TRUE(before.ok()) << before.status();
+  const KeyframeId stays{{1}, 0};
+  const Map& map = state.FindLocalMap({1})->map;
+  Retirement retirement;
+  for (uint32_t i = 0; i < kKeyframesOfStart; ++i) {
+    const KeyframeId id{{2}, i};
+    const Rigid3d stays_from_gone = map.FindKeyframe(stays)->camera_from_map *
+                                    map.FindKeyframe(id)->camera_from_map.Inverse();
+    retirement.keyframes.push_back({id, stays, stays_from_gone, {stays, stays_from_gone}});
+  }
+  ASSERT_TRUE(CheckRetirement(retirement, state).ok()) << CheckRetirement(retirement, state);
+  ApplyRetirement(retirement, state);
+  for (const auto& [id, keyframe] : map.keyframes()) EXPECT_NE(id.local_map, LocalMapId{2});
+  EXPECT_TRUE(ValidateState(state).ok()) << ValidateState(state);
+  const auto after = compute();
+  ASSERT_TRUE(after.ok()) << after.status();
+  ASSERT_EQ(after->poses.size(), before->poses.size());
+  for (size_t i = 0; i < before->poses.size(); ++i) {
+    EXPECT_LT((after->poses[i].frame_from_camera.translation -
+               before->poses[i].frame_from_camera.translation)
+                  .norm(),
+              1e-9)
+        << i;
+  }
+  // Another agent's keyframe can stand in, but local poses are not relative to it.
+  retirement.keyframes = {{{{3}, 0}, {{77}, 0}, {}, {stays, {}}}};
+  EXPECT_TRUE(absl::IsDataLoss(CheckRetirement(retirement, state)));
 }
 
 // What others missed before a session says nothing of what it saw.

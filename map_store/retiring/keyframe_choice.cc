@@ -47,7 +47,7 @@ class Choice {
     StayCounts counts;
     for (const KeyframeId& id : view_.candidates) {
       if (gone_.contains(id) || view_.map.FindKeyframe(id) == nullptr) continue;
-      const Verdict verdict = view_.parents.contains(id) ? Judge(id) : Verdict::kRoot;
+      const Verdict verdict = IsFirst(id) ? Verdict::kRoot : Judge(id);
       counts.roots += verdict == Verdict::kRoot;
       counts.newest += verdict == Verdict::kNewest;
       counts.links += verdict == Verdict::kLinks;
@@ -68,6 +68,11 @@ class Choice {
     KeyframeId id;
   };
 
+  // Returns whether the keyframe is a local map's first one, and the local map no part of another.
+  bool IsFirst(KeyframeId id) const {
+    return !view_.parents.contains(id) && view_.closed.at(id.local_map).whole == id.local_map;
+  }
+
   void LetGo(KeyframeId id) {
     going_.push_back(id);
     gone_.insert(id);
@@ -78,7 +83,7 @@ class Choice {
     std::vector<Rank> ranks;
     for (const KeyframeId& id : view_.candidates) {
       const Keyframe* keyframe = view_.map.FindKeyframe(id);
-      if (keyframe == nullptr || !view_.parents.contains(id) || gone_.contains(id)) continue;
+      if (keyframe == nullptr || IsFirst(id) || gone_.contains(id)) continue;
       ranks.push_back(
           {links_.Holds(id), view_.closed.at(id.local_map).order, SeenShare(*keyframe), id});
     }
@@ -249,14 +254,30 @@ class Choice {
                            {stand_in, Rigid3d{relative.rotation, relative.translation}}};
   }
 
-  // Returns the nearest ancestor that stays, and its pose of the keyframe in the local layer;
-  // nullopt where the view doesn't reach so far.
+  // Returns what stays and what poses relative to the keyframe become relative to: the nearest
+  // ancestor, or, where a part's first one has gone, too, the one of the whole that sees most of
+  // what the keyframe observes. Nullopt where the view doesn't reach so far.
   std::optional<std::pair<KeyframeId, Rigid3d>> ParentOf(KeyframeId id) const {
-    KeyframeId parent = view_.parents.at(id);
-    while (gone_.contains(parent)) parent = view_.parents.at(parent);
+    KeyframeId parent = id;
+    do {
+      const auto next = view_.parents.find(parent);
+      parent = next == view_.parents.end() ? FindNeighbour(id) : next->second;
+    } while (gone_.contains(parent));
     const auto pose = view_.local_poses.find(parent);
     if (pose == view_.local_poses.end()) return std::nullopt;
     return std::pair(parent, pose->second * view_.local_poses.at(id).Inverse());
+  }
+
+  // Returns the keyframe of the same local map, parts and all, that stays and sees most of what
+  // this one observes. Invalid: none sees enough.
+  KeyframeId FindNeighbour(KeyframeId id) const {
+    const LocalMapId whole = view_.closed.at(id.local_map).whole;
+    std::pair<int, KeyframeId> best = {options_.min_shared - 1, KeyframeId()};
+    for (const auto& [other, count] : CountShared(id)) {
+      const bool is_own = view_.closed.at(other.local_map).whole == whole;
+      if (is_own && count > best.first) best = {count, other};
+    }
+    return best.second;
   }
 
   const RetiringView& view_;

@@ -37,7 +37,7 @@ struct ChoiceOptions {
 
 // Why candidates stay: how many for each reason, the first that holds.
 struct StayCounts {
-  size_t roots = 0;     // First keyframes of their local maps.
+  size_t roots = 0;     // First keyframes of local maps that are no parts.
   size_t newest = 0;    // Nothing later looks at the place.
   size_t links = 0;     // Their overlap alone joins local maps.
   size_t homeless = 0;  // Others would lose too many landmarks.
@@ -50,8 +50,8 @@ std::string ToString(const StayCounts& counts);
 // Returns the keyframes in the order in which they go, each judged by those that are left at its
 // turn: those that hold no overlap before those that do, those of earlier local maps before later
 // ones, those of which most is seen first. What the last local map that sees a place has of it
-// stays, and so do a local map's root, keyframes whose overlap alone joins local maps, and those
-// that nothing stands in for. Then those go that stand in company, those of which most is seen
+// stays, and so do the root of a local map that is no part of another, keyframes whose overlap alone
+// joins local maps, and those that nothing stands in for. Then those go that stand in company, those of which most is seen
 // first. `faded` landmarks don't count. Counts in `stays`, if given, what stays. Pure.
 std::vector<RetiredKeyframe> ChooseKeyframes(const RetiringView& view,
                                              const SightsOfLandmarks& sights,

@@ -57,6 +57,40 @@ TEST_F(KeyframeChoiceTest, EarlierSessionsGoFirstAndRootsStay) {
   for (const RetiredKeyframe& one : retired) EXPECT_NE(one.id.index, 0u);
 }
 
+// What is left of a session that has become a part is as any other keyframe: of a place that is
+// visited for years not even a keyframe a visit stays.
+TEST_F(KeyframeChoiceTest, APartsFirstKeyframeGoesToo) {
+  RetiringView view = View(Joined::kMerged);
+  view.closed.at(LocalMapId{2}).whole = LocalMapId{1};
+  ChoiceOptions all;
+  all.seen_share = 0;
+  all.max_homeless_share = 1;
+  const std::vector<RetiredKeyframe> retired = Choose(view, all);
+  std::set<KeyframeId> going;
+  for (const RetiredKeyframe& one : retired) going.insert(one.id);
+  EXPECT_TRUE(going.contains(KeyframeId{{2}, 0}));
+  EXPECT_FALSE(going.contains(KeyframeId{{1}, 0})) << "the whole's own stays";
+  for (const RetiredKeyframe& one : retired) {
+    EXPECT_FALSE(going.contains(one.parent)) << ToString(one.id);
+    EXPECT_EQ(view.closed.at(one.parent.local_map).whole, LocalMapId{1}) << ToString(one.id);
+    const Rigid3d local = one.parent_from_removed * view.local_poses.at(one.id);
+    EXPECT_LT((local.translation - view.local_poses.at(one.parent).translation).norm(), 1e-9);
+  }
+}
+
+TEST_F(KeyframeChoiceTest, APartsFirstKeyframeStaysWithoutANeighbourOfTheWhole) {
+  const SyntheticMap elsewhere = Drive(4, 120);
+  RetiringView view =
+      MakeDriveView({&elsewhere, &second_, &third_}, TheWorld().world, Joined::kMerged);
+  view.closed.at(LocalMapId{2}).whole = LocalMapId{4};
+  ChoiceOptions all;
+  all.seen_share = 0;
+  all.max_homeless_share = 1;
+  size_t left = kKeyframes;
+  for (const RetiredKeyframe& one : Choose(view, all)) left -= one.id.local_map == LocalMapId{2};
+  EXPECT_GE(left, 1u) << "nothing is left that poses could be relative to";
+}
+
 TEST_F(KeyframeChoiceTest, WhatStaysStandsInAtTheRightPlace) {
   const RetiringView view = View(Joined::kMerged);
   const std::vector<RetiredKeyframe> retired = Choose(view);

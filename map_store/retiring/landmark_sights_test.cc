@@ -23,7 +23,7 @@ class LandmarkSightsTest : public ::testing::Test {
     keyframe.payload = MakeKeyframePayload(id, 0, 0, camera_, features);
     view_.map.AddKeyframe(std::move(keyframe));
     view_.poses[id] = Similarity3d();
-    view_.closed[id.local_map] = {view_.closed.size(), 1, 1};
+    view_.closed[id.local_map] = {id.local_map, view_.closed.size(), 1, 1};
   }
   LandmarkSights Find(const Features& later) {
     Add(kWitness, Seen(320, 10, look_));

@@ -34,7 +34,7 @@ absl::Status CheckKeyframe(const RetiredKeyframe& retired, const std::set<Keyfra
     return Unfounded(absl::StrCat("keyframe ", ToString(retired.id), ", which is not there"));
   }
   const KeyframeId stand_in = retired.stand_in.keyframe;
-  const bool stays = retired.parent.local_map == retired.id.local_map &&
+  const bool stays = state.FindLocalMap(retired.id.local_map)->IsNamed(retired.parent.local_map) &&
                      state.FindKeyframe(retired.parent) != nullptr &&
                      state.FindKeyframe(stand_in) != nullptr && !going.contains(retired.parent) &&
                      !going.contains(stand_in);

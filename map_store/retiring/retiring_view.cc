@@ -148,7 +148,7 @@ absl::StatusOr<RetiringView> TakeRetiringView(const MissionState& state, const I
     // What has become a part of an earlier local map is a session of its own, as it was.
     for (const LocalMapId& name : local_map.Names()) {
       if (!local_map.closed) continue;
-      view.closed[name] = {arrivals.at(name), local_map.last_batch, keyframes};
+      view.closed[name] = {id, arrivals.at(name), local_map.last_batch, keyframes};
     }
   }
   ListOverlaps(state, island, view);

@@ -33,8 +33,10 @@ struct RetiringView {
   std::set<KeyframeId> candidates;
   // The points that are one landmark, by its survivor, of all that candidates see.
   absl::flat_hash_map<MapPointId, std::vector<MapPointId>> landmarks;
-  // The closed local maps of the island: their place in the order of arrival, and their last batch.
+  // The closed local maps of the island: their place in the order of arrival, their last batch, and
+  // the local map that each has become a part of, or itself.
   struct Closed {
+    LocalMapId whole;
     size_t order = 0;
     uint64_t last_batch = 0;
     size_t keyframes = 0;

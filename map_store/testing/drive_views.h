@@ -33,7 +33,7 @@ inline map_store::RetiringView MakeDriveView(const std::vector<const SyntheticMa
   std::map<size_t, MapPointId> landmark_of;
   for (const SyntheticMap* session : sessions) {
     const LocalMapId id = session->map.keyframes().begin()->first.local_map;
-    view.closed[id] = {view.closed.size(), 1, session->map.keyframes().size()};
+    view.closed[id] = {id, view.closed.size(), 1, session->map.keyframes().size()};
     for (const auto& [keyframe_id, from] : session->map.keyframes()) {
       const Rigid3d& pose = session->true_camera_from_world.at(keyframe_id);
       Keyframe keyframe;
