@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_split.h"
 #include "absl/time/clock.h"
 #include "services/client/remote/channel.h"
 #include "services/client/remote/remote_uplink.h"
@@ -40,6 +41,7 @@ struct Flags {
   double keyframes_per_s = 7;
   double seconds = 10;
   int threads = 0;
+  std::string store;
 };
 
 struct Row {
@@ -59,6 +61,9 @@ absl::StatusOr<Row> Measure(const Flags& flags, size_t agents, double pace,
   std::vector<std::string> arguments = {"--data-dir", flags.data_dir};
   if (flags.threads > 0) {
     arguments.insert(arguments.end(), {"--threads", absl::StrCat(flags.threads)});
+  }
+  for (const absl::string_view flag : absl::StrSplit(flags.store, ' ', absl::SkipEmpty())) {
+    arguments.emplace_back(flag);
   }
   ASSIGN_OR_RETURN(const StartedServer store,
                    StartServer("map_store", arguments, flags.data_dir + ".log"));
@@ -155,6 +160,7 @@ int main(int argc, char** argv) {
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
   app.add_option("--threads", flags.threads, "The store's --threads; 0: its default");
+  app.add_option("--store", flags.store, "More flags of the store, with spaces between");
   app.add_option("--json", flags.json, "File for the rows");
   CLI11_PARSE(app, argc, argv);
   const absl::Status status = corbslam::tests::Run(flags);
