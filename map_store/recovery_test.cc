@@ -14,6 +14,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/time/time.h"
 #include "map_store/archive/archive.h"
+#include "map_store/archive/feature_archive.h"
 #include "map_store/archive/state_archive.h"
 #include "map_store/archive/value_fields.h"
 #include "map_store/map_store.h"

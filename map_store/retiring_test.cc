@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
-#include "map_store/archive/state_archive.h"
 #include "map_store/map_store.h"
 #include "map_store/testing/byte_journal.h"
 #include "map_store/testing/drive_views.h"

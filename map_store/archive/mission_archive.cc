@@ -6,6 +6,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "map_store/archive/archive.h"
+#include "map_store/archive/feature_archive.h"
 #include "map_store/archive/state_archive.h"
 #include "map_store/archive/value_fields.h"
 #include "slam/util/checksum.h"

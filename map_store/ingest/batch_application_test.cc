@@ -7,6 +7,7 @@
 #include <utility>
 #include <variant>
 
+#include "map_store/archive/record_archive.h"
 #include "map_store/archive/state_archive.h"
 #include "map_store/testing/small_mission_state.h"
 

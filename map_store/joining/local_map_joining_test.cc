@@ -6,6 +6,7 @@
 #include <map>
 #include <string>
 
+#include "map_store/archive/feature_archive.h"
 #include "map_store/archive/state_archive.h"
 #include "map_store/fusion/rederivation.h"
 #include "map_store/ingest/gone_local_maps.h"

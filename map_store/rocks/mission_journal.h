@@ -15,7 +15,7 @@
 #include "absl/status/statusor.h"
 #include "absl/synchronization/mutex.h"
 #include "absl/time/time.h"
-#include "map_store/archive/state_archive.h"
+#include "map_store/archive/feature_archive.h"
 #include "map_store/records/journal.h"
 #include "map_store/rocks/backup_note.h"
 #include "map_store/rocks/journal_options.h"

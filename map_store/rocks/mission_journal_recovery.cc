@@ -5,6 +5,8 @@
 #include <variant>
 
 #include "absl/strings/str_cat.h"
+#include "map_store/archive/feature_archive.h"
+#include "map_store/archive/record_archive.h"
 #include "map_store/archive/state_archive.h"
 #include "map_store/rocks/durable_mark.h"
 #include "map_store/rocks/journal_keys.h"

@@ -6,7 +6,8 @@
 #include <variant>
 
 #include "absl/strings/str_cat.h"
-#include "map_store/archive/state_archive.h"
+#include "map_store/archive/feature_archive.h"
+#include "map_store/archive/record_archive.h"
 #include "map_store/rocks/files_check.h"
 #include "map_store/rocks/journal_scrubber.h"
 #include "map_store/rocks/journal_tidier.h"

@@ -10,6 +10,8 @@
 #include <variant>
 #include <vector>
 
+#include "map_store/archive/feature_archive.h"
+#include "map_store/archive/record_archive.h"
 #include "map_store/archive/state_archive.h"
 #include "map_store/records/journal.h"
 #include "slam/util/status_macros.h"

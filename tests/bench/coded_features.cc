@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "map_store/archive/archive.h"
-#include "map_store/archive/state_archive.h"
+#include "map_store/archive/feature_archive.h"
 #include "map_store/archive/value_fields.h"
 #include "services/convert/limits.h"
 #include "services/convert/map_update.h"
