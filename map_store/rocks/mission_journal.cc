@@ -6,6 +6,7 @@
 
 #include "absl/functional/function_ref.h"
 #include "absl/strings/str_cat.h"
+#include "map_store/archive/state_archive.h"
 #include "map_store/rocks/journal_keys.h"
 #include "map_store/rocks/mission_header.h"
 #include "map_store/rocks/rocks_database.h"
