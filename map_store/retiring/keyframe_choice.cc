@@ -8,6 +8,7 @@
 #include <tuple>
 #include <utility>
 
+#include "absl/container/flat_hash_map.h"
 #include "absl/strings/str_cat.h"
 #include "map_store/retiring/local_map_links.h"
 
@@ -73,9 +74,18 @@ class Choice {
     return !view_.parents.contains(id) && view_.closed.at(id.local_map).whole == id.local_map;
   }
 
+  // Returns whether nothing else is left of a part, which has nothing to be held to others then.
+  bool IsLast(KeyframeId id) const {
+    const RetiringView::Closed& closed = view_.closed.at(id.local_map);
+    const auto gone = gone_of_.find(id.local_map);
+    const size_t left = closed.keyframes - (gone == gone_of_.end() ? 0 : gone->second);
+    return closed.whole != id.local_map && left == 1;
+  }
+
   void LetGo(KeyframeId id) {
     going_.push_back(id);
     gone_.insert(id);
+    ++gone_of_[id.local_map];
     links_.Cut(id);
   }
 
@@ -124,7 +134,7 @@ class Choice {
   Verdict Judge(KeyframeId id) const {
     const std::map<KeyframeId, int> shared = CountShared(id);
     if (!IsSeenLater(id, shared)) return Verdict::kNewest;
-    if (links_.IsNeeded(id)) return Verdict::kLinks;
+    if (!IsLast(id) && links_.IsNeeded(id)) return Verdict::kLinks;
     const bool in_company = IsInCompany(id);
     const Worth worth = WorthOf(*view_.map.FindKeyframe(id));
     const double max_homeless =
@@ -288,6 +298,7 @@ class Choice {
   LocalMapLinks links_;
   std::vector<KeyframeId> going_;
   absl::flat_hash_set<KeyframeId> gone_;
+  absl::flat_hash_map<LocalMapId, size_t> gone_of_;
 };
 
 }  // namespace

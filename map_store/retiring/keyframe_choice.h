@@ -50,9 +50,10 @@ std::string ToString(const StayCounts& counts);
 // Returns the keyframes in the order in which they go, each judged by those that are left at its
 // turn: those that hold no overlap before those that do, those of earlier local maps before later
 // ones, those of which most is seen first. What the last local map that sees a place has of it
-// stays, and so do the root of a local map that is no part of another, keyframes whose overlap alone
-// joins local maps, and those that nothing stands in for. Then those go that stand in company, those of which most is seen
-// first. `faded` landmarks don't count. Counts in `stays`, if given, what stays. Pure.
+// stays, and so do the root of a local map that is no part of another, keyframes whose overlap
+// alone joins local maps, and those that nothing stands in for. Then those go that stand in
+// company, those of which most is seen first. `faded` landmarks don't count. Counts in `stays`, if
+// given, what stays. Pure.
 std::vector<RetiredKeyframe> ChooseKeyframes(const RetiringView& view,
                                              const SightsOfLandmarks& sights,
                                              const absl::flat_hash_set<MapPointId>& faded,

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <map>
 #include <set>
 
@@ -76,6 +77,24 @@ TEST_F(KeyframeChoiceTest, APartsFirstKeyframeGoesToo) {
     const Rigid3d local = one.parent_from_removed * view.local_poses.at(one.id);
     EXPECT_LT((local.translation - view.local_poses.at(one.parent).translation).norm(), 1e-9);
   }
+}
+
+TEST_F(KeyframeChoiceTest, ThePartsLastKeyframeHoldsNothingTogether) {
+  RetiringView view = View(Joined::kMerged);
+  view.closed.at(LocalMapId{2}).whole = LocalMapId{1};
+  view.overlaps = {{{{2}, 5}, {{3}, 7}}, {{{1}, 5}, {{3}, 7}}};
+  ChoiceOptions all;
+  all.seen_share = 0;
+  all.max_homeless_share = 1;
+  const auto has = [](const std::vector<RetiredKeyframe>& retired, KeyframeId id) {
+    return std::ranges::any_of(retired, [id](const auto& one) { return one.id == id; });
+  };
+  const std::vector<RetiredKeyframe> retired = Choose(view, all);
+  EXPECT_TRUE(has(retired, {{2}, 5}));
+  EXPECT_FALSE(has(retired, {{1}, 5})) << "the whole's holds it to the newest";
+  // One that the view does not have is left of the part, and held by nothing else.
+  ++view.closed.at(LocalMapId{2}).keyframes;
+  EXPECT_FALSE(has(Choose(view, all), {{2}, 5}));
 }
 
 TEST_F(KeyframeChoiceTest, APartsFirstKeyframeStaysWithoutANeighbourOfTheWhole) {

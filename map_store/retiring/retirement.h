@@ -12,8 +12,8 @@ namespace corbslam::map_store {
 
 struct RetiredKeyframe {
   KeyframeId id;
-  // What its owner would have said of it: the nearest ancestor that stays, or a neighbour of its own
-  // local map where none does, and its pose of the keyframe in the local layer.
+  // What its owner would have said of it: the nearest ancestor that stays, or a neighbour of its
+  // own local map where none does, and its pose of the keyframe in the local layer.
   KeyframeId parent;
   Rigid3d parent_from_removed;
   // What stands in for it in the global layer, which stays as well.

@@ -32,6 +32,16 @@ std::set<MapPointId> LandmarksOf(const MissionState& state, KeyframeId id) {
   return landmarks;
 }
 
+size_t CountKeyframes(const Map& map, LocalMapId id) {
+  const auto& keyframes = map.keyframes();
+  const KeyframeId first{id, 0};
+  size_t count = 0;
+  for (auto it = keyframes.lower_bound(first); it != keyframes.end(); ++it, ++count) {
+    if (it->first.local_map != id) break;
+  }
+  return count;
+}
+
 class ViewTaker {
  public:
   ViewTaker(const MissionState& state, LongRead& read, RetiringView& view)
@@ -144,11 +154,11 @@ absl::StatusOr<RetiringView> TakeRetiringView(const MissionState& state, const I
   for (const auto& [number, name] : state.arrivals.names()) arrivals[name] = number;
   for (const LocalMapId& id : island.local_maps) {
     const LocalMapState& local_map = *state.FindLocalMap(id);
-    const size_t keyframes = local_map.map.keyframes().size();
     // What has become a part of an earlier local map is a session of its own, as it was.
     for (const LocalMapId& name : local_map.Names()) {
       if (!local_map.closed) continue;
-      view.closed[name] = {id, arrivals.at(name), local_map.last_batch, keyframes};
+      view.closed[name] = {id, arrivals.at(name), local_map.last_batch,
+                           CountKeyframes(local_map.map, name)};
     }
   }
   ListOverlaps(state, island, view);

@@ -33,8 +33,8 @@ struct RetiringView {
   std::set<KeyframeId> candidates;
   // The points that are one landmark, by its survivor, of all that candidates see.
   absl::flat_hash_map<MapPointId, std::vector<MapPointId>> landmarks;
-  // The closed local maps of the island: their place in the order of arrival, their last batch, and
-  // the local map that each has become a part of, or itself.
+  // The closed local maps of the island: the local map that each has become a part of, or itself,
+  // their place in the order of arrival, their last batch, and how many keyframes are left of each.
   struct Closed {
     LocalMapId whole;
     size_t order = 0;
