@@ -221,7 +221,11 @@ void ApplyReplacement(const PointReplacement& replacement, MissionState& state,
 
 void ApplyPointRemoval(MapPointId point, MissionState& state, LocalMapState& local_map) {
   if (local_map.replaced_points.contains(point)) return;
-  if (!local_map.removed_points.insert(point).second) return;
+  if (point.local_map == local_map.id) {
+    if (!local_map.removed_points.insert(point).second) return;
+  } else if (local_map.map.FindPoint(point) == nullptr) {
+    return;
+  }
   local_map.map.RemovePoint(point);
   local_map.parked.Release(point);
   const MapPointId elected = state.global.landmarks.Remove(point);

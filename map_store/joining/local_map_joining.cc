@@ -79,7 +79,6 @@ void TakeGraph(LocalMapState& part, LocalMapState& whole) {
   whole.foreign_observations.merge(part.foreign_observations);
   Append(part.foreign_loop_edges, whole.foreign_loop_edges);
   whole.removed_keyframes.merge(part.removed_keyframes);
-  whole.removed_points.merge(part.removed_points);
   whole.replaced_points.merge(part.replaced_points);
   whole.expired_references += part.expired_references;
   whole.stored_bytes += part.stored_bytes;

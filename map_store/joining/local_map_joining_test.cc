@@ -187,6 +187,8 @@ TEST(LocalMapJoiningTest, AllKeyframesOfAPartMayRetire) {
   ASSERT_TRUE(CheckRetirement(retirement, state).ok()) << CheckRetirement(retirement, state);
   ApplyRetirement(retirement, state);
   for (const auto& [id, keyframe] : map.keyframes()) EXPECT_NE(id.local_map, LocalMapId{2});
+  for (const auto& [id, point] : map.points()) EXPECT_NE(id.local_map, LocalMapId{2});
+  EXPECT_TRUE(state.FindLocalMap({1})->removed_points.empty()) << "names of points would pile up";
   EXPECT_TRUE(ValidateState(state).ok()) << ValidateState(state);
   const auto after = compute();
   ASSERT_TRUE(after.ok()) << after.status();

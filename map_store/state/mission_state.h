@@ -89,7 +89,8 @@ struct LocalMapState {
   std::map<KeyframeId, absl::btree_map<uint32_t, MapPointId>> foreign_observations;
   std::vector<LoopEdge> foreign_loop_edges;
 
-  // Items that the owner removed or replaced. Their ids never come back.
+  // Items that the owner removed or replaced. Their ids never come back. Of removed points of parts
+  // nothing is kept: nobody adds to a part.
   std::map<KeyframeId, Tombstone> removed_keyframes;
   std::set<MapPointId> removed_points;
   std::map<MapPointId, MapPointId> replaced_points;
