@@ -43,7 +43,7 @@ StoreLink::StoreLink(const StoreLinkOptions& options, Uplink* uplink, ComputeWor
                  options.seed ^ static_cast<uint64_t>(absl::ToUnixNanos(options.clock())),
                  options.recorded_camera),
       share_(options.share),
-      random_(options.seed) {}
+      backoff_(options.min_backoff, options.max_backoff, options.seed) {}
 
 StoreLink::~StoreLink() {
   {
@@ -184,7 +184,10 @@ void StoreLink::Step() {
 
 absl::Status StoreLink::Finish(absl::Duration timeout) {
   if (uplink_ == nullptr) return absl::OkStatus();
-  if (options_.localise_only) SendLocalised(/*all=*/true);
+  if (options_.localise_only) {
+    localised_.ResetPatience();
+    SendLocalised(/*all=*/true);
+  }
   {
     absl::MutexLock lock(&mutex_);
     for (auto& recording : recordings_) recording->closing = true;
@@ -211,14 +214,16 @@ absl::Status StoreLink::Finish(absl::Duration timeout) {
 }
 
 std::string StoreLink::DescribeWhatIsLeft() const {
+  const std::string budget = budget_.is_bounded()
+                                 ? absl::StrCat("; held back by a budget of ",
+                                                budget_.bytes_per_second(), " bytes a second")
+                                 : "";
   if (options_.localise_only) {
-    return absl::StrCat(" (", localised_.CountUnkept(), " frames of the trajectory)");
+    return absl::StrCat(" (", localised_.CountUnkept(), " frames of the trajectory", budget, ")");
   }
-  if (!budget_.is_bounded()) return "";
-  return absl::StrCat(" (", queue_.status().batches, " batches; held back by a budget of ",
-                      budget_.bytes_per_second(),
-                      " bytes a second: ", ToString(held_back_.status(options_.clock()).items),
-                      ")");
+  if (budget.empty()) return "";
+  return absl::StrCat(" (", queue_.status().batches, " batches", budget, ": ",
+                      ToString(held_back_.status(options_.clock()).items), ")");
 }
 
 bool StoreLink::IsToldWithoutLink() const {
@@ -309,13 +314,6 @@ bool StoreLink::WaitForWork() {
   return !stop_;
 }
 
-absl::Duration StoreLink::NextBackoff() {
-  const double growth = static_cast<double>(uint64_t{1} << std::min(attempts_++, 10));
-  const absl::Duration longest = std::min(options_.min_backoff * growth, options_.max_backoff);
-  std::uniform_real_distribution<double> jitter(0.5, 1.0);
-  return longest * jitter(random_);
-}
-
 void StoreLink::SetShare(const ShareScope& share) {
   absl::MutexLock lock(&mutex_);
   if (share == share_) return;
@@ -389,7 +387,7 @@ void StoreLink::TakeBatches(bool all) {
                   open.end());
     }
   }
-  NoteTransport();
+  budget_.NoteTransport(*uplink_, options_.clock());
   for (Recording* recording : open) {
     while (TakeBatchOf(*recording)) queue_.Spill();
   }
@@ -400,12 +398,6 @@ void StoreLink::TakeBatches(bool all) {
 
 bool StoreLink::IsBudgeted() const {
   return budget_.is_bounded() && (session_ == Session::kOpen || !queue_.has_spool());
-}
-
-void StoreLink::NoteTransport() {
-  // Bytes that move on between the two calls count twice until the next time, rather than never.
-  const uint64_t waiting = uplink_->bytes_waiting();
-  budget_.NoteTransport(uplink_->bytes_up(), waiting, options_.clock());
 }
 
 void StoreLink::NoteHeldBack() {
@@ -483,7 +475,7 @@ void StoreLink::SendLocalised(bool all) {
     if (session_ != Session::kOpen) return;
   }
   const absl::Duration interval = all ? absl::ZeroDuration() : options_.flush_interval;
-  localised_.SendTo(*uplink_, interval, options_.clock());
+  localised_.SendTo(*uplink_, budget_, interval, options_.clock());
 }
 
 void StoreLink::SendUnsent() {
@@ -493,7 +485,7 @@ void StoreLink::SendUnsent() {
       absl::MutexLock lock(&mutex_);
       if (session_ != Session::kOpen) return;
     }
-    NoteTransport();
+    budget_.NoteTransport(*uplink_, options_.clock());
     if (!budget_.MaySend(options_.clock())) return;
     const uint64_t before = uplink_->bytes_up() + uplink_->bytes_waiting();
     std::vector<LostLocalMap> lost;
@@ -569,7 +561,7 @@ void StoreLink::BeginLocalised(const Capabilities& store) {
 void StoreLink::OnLocalisedKept(const LocalisedKept& kept) {
   localised_.NoteKept(kept);
   absl::MutexLock lock(&mutex_);
-  attempts_ = 0;
+  backoff_.Reset();
   wake_ = true;
 }
 
@@ -582,7 +574,7 @@ void StoreLink::OnExactPlacesWanted() {
 void StoreLink::OnAcknowledged(const Acknowledgement& acknowledgement) {
   absl::MutexLock lock(&mutex_);
   queue_.Acknowledge(acknowledgement);
-  attempts_ = 0;
+  backoff_.Reset();
   if (!first_acknowledged_.has_value()) first_acknowledged_ = options_.clock();
   wake_ = true;
 }
@@ -668,9 +660,9 @@ void StoreLink::NoteClosed(const absl::Status& reason) {
   if (!passes) refusal_ = reason;
   closed_ = reason;
   // A store that grants sessions and soon ends them again is no reason to come back at once.
-  if (options_.clock() - opened_ > options_.max_backoff) attempts_ = 0;
+  if (options_.clock() - opened_ > options_.max_backoff) backoff_.Reset();
   opened_ = absl::InfiniteFuture();
-  next_attempt_ = options_.clock() + NextBackoff();
+  next_attempt_ = options_.clock() + backoff_.Next();
   wake_ = true;
 }
 
