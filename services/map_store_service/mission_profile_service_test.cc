@@ -283,11 +283,15 @@ TEST_F(MissionProfileServiceTest, AnAgentThatOnlyLocalisesIsHeldLikewise) {
   for (int64_t i = 0; i < 100; ++i) {
     part.tracked_frames.push_back({i, {{1}, 0}, Rigid3d::Identity()});
   }
-  for (part.number = 1; part.number <= 2; ++part.number) {
-    ToProto(part, request.mutable_localised());
-    ASSERT_TRUE(stream->Write(request));
-    request.Clear();
-  }
+  const auto send = [&](uint64_t number) {
+    part.number = number;
+    v1::SyncRequest said;
+    ToProto(part, said.mutable_localised());
+    EXPECT_TRUE(stream->Write(said));
+  };
+  send(1);
+  // As above, the writer waits.
+  std::thread second([&send] { send(2); });
   const auto next_kept = [&]() -> uint64_t {
     while (stream->Read(&response)) {
       if (response.has_localised_kept()) return response.localised_kept().number();
@@ -299,6 +303,7 @@ TEST_F(MissionProfileServiceTest, AnAgentThatOnlyLocalisesIsHeldLikewise) {
   EXPECT_EQ(observer_.received, opened + 1);
   clock_.Advance(absl::Seconds(1));
   EXPECT_EQ(next_kept(), 2u);
+  second.join();
   context.TryCancel();
   stream->Finish();
 }
