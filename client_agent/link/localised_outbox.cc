@@ -29,7 +29,9 @@ LocalisedOutbox::LocalisedOutbox(size_t max_bytes, uint64_t seed,
                                  std::optional<RecordedCamera> recorded_camera)
     : max_frames_(std::max(max_bytes / sizeof(Frame), kLeastFrames)),
       recorded_camera_(std::move(recorded_camera)),
-      run_(DrawRun(seed)) {}
+      run_(DrawRun(seed)),
+      backoff_(kPatience, kLongestPatience, seed),
+      patience_(backoff_.Next()) {}
 
 void LocalisedOutbox::AddPlace(const LocalisedFrame& place) {
   if (!Admit(ValidateTime("frame", place.timestamp_ns))) return;
@@ -90,11 +92,20 @@ void LocalisedOutbox::NoteKept(const LocalisedKept& kept) {
   absl::MutexLock lock(&mutex_);
   if (kept.run != run_ || kept.number > last_number_) return;
   if (kept.number < last_number_ - parts_.size()) return BeginRun();
+  if (parts_.empty() || parts_.front().number > kept.number) return;
   while (!parts_.empty() && parts_.front().number <= kept.number) {
     parts_.pop_front();
     sent_ -= std::min<size_t>(sent_, 1);
-    waits_since_.reset();
   }
+  waits_since_.reset();
+  backoff_.Reset();
+  patience_ = backoff_.Next();
+}
+
+void LocalisedOutbox::ResetPatience() {
+  absl::MutexLock lock(&mutex_);
+  backoff_.Reset();
+  patience_ = backoff_.Next();
 }
 
 void LocalisedOutbox::BeginRun() {
@@ -110,12 +121,13 @@ void LocalisedOutbox::BeginRun() {
   if (!parts_.empty()) parts_.front().recorded_camera = recorded_camera_;
 }
 
-void LocalisedOutbox::MakePart() {
+void LocalisedOutbox::MakePart(BatchAllowance allowance) {
   LocalisedFrames part;
   part.run = run_;
   part.number = ++last_number_;
   if (part.number == 1) part.recorded_camera = recorded_camera_;
-  for (size_t i = 0; i < kMaxFramesOfAPart && !frames_.empty(); ++i) {
+  for (size_t i = 0; i < kMaxFramesOfAPart && !frames_.empty() && !allowance.is_spent(); ++i) {
+    allowance.SpendPoses(/*light_keyframes=*/0, /*frames=*/1);
     const Frame& frame = frames_.front();
     if (frame.is_lost) {
       part.lost_frames_ns.push_back(frame.tracked.timestamp_ns);
@@ -127,7 +139,7 @@ void LocalisedOutbox::MakePart() {
   parts_.push_back(std::move(part));
 }
 
-std::vector<LocalisedFrame> LocalisedOutbox::TakePlaces() {
+std::vector<LocalisedFrame> LocalisedOutbox::TakePlaces(bool newest_only) {
   std::deque<LocalisedFrame> places;
   places.swap(places_);
   std::vector<LocalisedFrame> taken;
@@ -136,28 +148,35 @@ std::vector<LocalisedFrame> LocalisedOutbox::TakePlaces() {
   for (auto place = places.rbegin(); place != places.rend(); ++place) {
     const bool is_newest =
         !std::exchange(place->camera_from_global.has_value() ? has_pose : has_lost, true);
-    // Of a trajectory that is kept the newest places are enough.
-    if (is_newest || keeps_ != true) taken.push_back(*place);
+    if (is_newest || !newest_only) taken.push_back(*place);
   }
   std::ranges::reverse(taken);
   return taken;
 }
 
-std::optional<LocalisedFrames> LocalisedOutbox::Next(absl::Time now, bool is_under_way) {
+void LocalisedOutbox::CheckPatience(absl::Time now) {
+  if (sent_ == 0 || now - waits_since_.value_or(now) <= patience_) return;
+  sent_ = 0;
+  waits_since_.reset();
+  patience_ = backoff_.Next();
+}
+
+std::optional<LocalisedFrames> LocalisedOutbox::Next(LinkBudget& budget, absl::Time now,
+                                                     bool is_under_way) {
   absl::MutexLock lock(&mutex_);
   LocalisedFrames message;
   if (keeps_ == true) {
     // What a slow link has not carried can't be answered, and twice it takes twice as long.
     if (is_under_way) waits_since_.reset();
-    if (sent_ > 0 && now - waits_since_.value_or(now) > kPatience) {
-      sent_ = 0;
-      waits_since_.reset();
+    CheckPatience(now);
+    if (sent_ == parts_.size() && !frames_.empty() && parts_.size() < kMaxParts) {
+      MakePart(budget.Allow(/*max_keyframes=*/0, now));
     }
-    if (sent_ == parts_.size() && !frames_.empty() && parts_.size() < kMaxParts) MakePart();
     if (sent_ < parts_.size()) message = parts_[sent_++];
     if (sent_ > 0) waits_since_ = waits_since_.value_or(now);
   }
-  message.frames = TakePlaces();
+  // Of a trajectory that is kept, and of a link that is narrow, the newest places are enough.
+  message.frames = TakePlaces(/*newest_only=*/keeps_ == true || budget.is_bounded());
   if (message.run == 0 && message.frames.empty()) return std::nullopt;
   return message;
 }
@@ -169,10 +188,15 @@ void LocalisedOutbox::TakeBack(LocalisedFrames unsent) {
   if (unsent.run == run_) sent_ -= std::min<size_t>(sent_, 1);
 }
 
-void LocalisedOutbox::SendTo(Uplink& uplink, absl::Duration interval, absl::Time now) {
+void LocalisedOutbox::SendTo(Uplink& uplink, LinkBudget& budget, absl::Duration interval,
+                             absl::Time now) {
   absl::MutexLock sending(&sending_);
   if (now - last_ < interval) return;
-  while (std::optional<LocalisedFrames> message = Next(now, uplink.bytes_waiting() > 0)) {
+  while (true) {
+    budget.NoteTransport(uplink, now);
+    if (!budget.MayTake(now)) return;
+    std::optional<LocalisedFrames> message = Next(budget, now, uplink.bytes_waiting() > 0);
+    if (!message.has_value()) return;
     if (!uplink.SendLocalised(*message)) return TakeBack(*std::move(message));
     last_ = now;
   }

@@ -12,6 +12,8 @@
 #include "absl/base/thread_annotations.h"
 #include "absl/synchronization/mutex.h"
 #include "absl/time/time.h"
+#include "client_agent/link/backoff.h"
+#include "client_agent/upload/link_budget.h"
 #include "slam/exchange/uplink.h"
 
 namespace corbslam::client_agent {
@@ -25,12 +27,14 @@ class LocalisedOutbox {
   // A part has at most so many frames. So many parts at most wait for their answer.
   static constexpr size_t kMaxFramesOfAPart = 5000;
   static constexpr size_t kMaxParts = 16;
-  // A part without an answer goes again after so long, counted from when the transport has sent
-  // all.
+  // A part without an answer goes again after so long at most, counted from when the transport has
+  // sent all. Each time after that it takes twice as long, up to the longest, until an answer says
+  // that more is kept.
   static constexpr absl::Duration kPatience = absl::Seconds(10);
+  static constexpr absl::Duration kLongestPatience = absl::Seconds(160);
 
   // Of the trajectory at most about `max_bytes` are held; then the oldest frames that no part has
-  // go, and a gap is told in their place. `seed` draws the run's number.
+  // go, and a gap is told in their place. `seed` draws the run's number and the patience's jitter.
   LocalisedOutbox(size_t max_bytes, uint64_t seed, std::optional<RecordedCamera> recorded_camera);
 
   void AddPlace(const LocalisedFrame& place) ABSL_LOCKS_EXCLUDED(mutex_);
@@ -42,8 +46,11 @@ class LocalisedOutbox {
   // A session stands: parts without an answer go again. `keeps`: the store keeps trajectories.
   void BeginSession(bool keeps) ABSL_LOCKS_EXCLUDED(mutex_);
   void NoteKept(const LocalisedKept& kept) ABSL_LOCKS_EXCLUDED(mutex_);
-  // Sends what there is, if the last was sent that long ago.
-  void SendTo(Uplink& uplink, absl::Duration interval, absl::Time now)
+  // What has no answer goes again as soon as if it were the first time.
+  void ResetPatience() ABSL_LOCKS_EXCLUDED(mutex_);
+  // Sends what there is, if the last was sent that long ago, as far as the budget has paid for it.
+  // What a bounded budget leaves waits: frames for a part that it allows, places for the newest.
+  void SendTo(Uplink& uplink, LinkBudget& budget, absl::Duration interval, absl::Time now)
       ABSL_LOCKS_EXCLUDED(sending_, mutex_);
 
   // Returns how many frames of the trajectory the store has not answered for; 0 if it keeps none.
@@ -61,11 +68,13 @@ class LocalisedOutbox {
   void Add(const Frame& frame) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   // Numbers all parts anew, in another run.
   void BeginRun() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
-  void MakePart() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
-  std::vector<LocalisedFrame> TakePlaces() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void MakePart(BatchAllowance allowance) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  std::vector<LocalisedFrame> TakePlaces(bool newest_only) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  // Sends all parts again where their answer is waited for too long.
+  void CheckPatience(absl::Time now) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   // Returns the next message; nullopt: there is nothing to send. `is_under_way`: the transport has
   // not sent all yet.
-  std::optional<LocalisedFrames> Next(absl::Time now, bool is_under_way)
+  std::optional<LocalisedFrames> Next(LinkBudget& budget, absl::Time now, bool is_under_way)
       ABSL_LOCKS_EXCLUDED(mutex_);
   // Takes back what was not sent.
   void TakeBack(LocalisedFrames unsent) ABSL_LOCKS_EXCLUDED(mutex_);
@@ -89,6 +98,8 @@ class LocalisedOutbox {
   bool says_dropped_ ABSL_GUARDED_BY(mutex_) = false;
   // Since when an answer is waited for.
   std::optional<absl::Time> waits_since_ ABSL_GUARDED_BY(mutex_);
+  Backoff backoff_ ABSL_GUARDED_BY(mutex_);
+  absl::Duration patience_ ABSL_GUARDED_BY(mutex_);
 };
 
 }  // namespace corbslam::client_agent

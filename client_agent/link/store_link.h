@@ -6,7 +6,6 @@
 #include <functional>
 #include <memory>
 #include <optional>
-#include <random>
 #include <string>
 #include <thread>
 #include <vector>
@@ -15,6 +14,7 @@
 #include "absl/synchronization/mutex.h"
 #include "absl/time/clock.h"
 #include "absl/time/time.h"
+#include "client_agent/link/backoff.h"
 #include "client_agent/link/localised_outbox.h"
 #include "client_agent/link/map_jobs.h"
 #include "client_agent/link/no_uplink.h"
@@ -196,7 +196,6 @@ class StoreLink : private UplinkListener {
   // Returns whether the budget holds now. While no session stands, a spool takes what comes: it is
   // there for what a process that dies would lose.
   bool IsBudgeted() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
-  void NoteTransport();
   void NoteHeldBack() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   UplinkHold FindHold() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   std::string DescribeWhatIsLeft() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
@@ -210,7 +209,6 @@ class StoreLink : private UplinkListener {
   bool IsDone() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   bool BeginsInSpool(const Recording& recording) const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   bool FlushIsDue() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
-  absl::Duration NextBackoff() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
   const StoreLinkOptions options_;
   NoUplink no_uplink_;
@@ -236,8 +234,8 @@ class StoreLink : private UplinkListener {
   absl::Status closed_ ABSL_GUARDED_BY(mutex_);  // Why the last session or attempt ended.
   absl::Time next_attempt_ ABSL_GUARDED_BY(mutex_) = absl::InfinitePast();
   absl::Time last_flush_ ABSL_GUARDED_BY(mutex_) = absl::InfinitePast();
-  // Attempts since something was acknowledged, or since a session lasted.
-  int attempts_ ABSL_GUARDED_BY(mutex_) = 0;
+  // Of the attempts since something was acknowledged, or since a session lasted.
+  Backoff backoff_ ABSL_GUARDED_BY(mutex_);
   absl::Time opened_ ABSL_GUARDED_BY(mutex_) = absl::InfiniteFuture();
   bool needs_new_local_map_ ABSL_GUARDED_BY(mutex_) = false;
   // Refused items of local maps that are not read any more.
@@ -254,7 +252,6 @@ class StoreLink : private UplinkListener {
   bool wake_ ABSL_GUARDED_BY(mutex_) = false;
   bool stop_ ABSL_GUARDED_BY(mutex_) = false;
   std::optional<absl::Time> first_acknowledged_ ABSL_GUARDED_BY(mutex_);
-  std::mt19937_64 random_ ABSL_GUARDED_BY(mutex_);
   // Of the thread that makes batches.
   absl::Time next_held_ = absl::InfinitePast();
   std::thread thread_;

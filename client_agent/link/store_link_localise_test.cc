@@ -4,14 +4,13 @@
 #include <algorithm>
 #include <cstdint>
 #include <limits>
-#include <map>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "client_agent/link/store_link.h"
 #include "client_agent/link/testing/fake_map_jobs.h"
-#include "client_agent/link/testing/fake_uplink.h"
+#include "client_agent/link/testing/localising_uplink.h"
 #include "client_agent/link/testing/test_payload.h"
 #include "gtest/gtest.h"
 
@@ -23,40 +22,6 @@ using ::testing::HasSubstr;
 using ::testing::UnorderedElementsAre;
 
 constexpr LocalMapId kGuestsMap{1};
-
-// A map store that takes the frames of such robots.
-class LocalisingUplink : public FakeUplink {
- public:
-  bool SendLocalised(const LocalisedFrames& said) override {
-    if (!open || !takes) return false;
-    localised.insert(localised.end(), said.frames.begin(), said.frames.end());
-    ++messages;
-    if (said.run == 0) return true;
-    parts.push_back(said);
-    if (!keeps_now) return true;
-    std::vector<LocalisedFrames>& kept = runs[said.run];
-    if (said.number == kept.size() + 1) kept.push_back(said);
-    Keep({said.run, kept.size()});
-    return true;
-  }
-  // Returns the times of the frames that are kept, lost ones below 0.
-  std::vector<int64_t> Kept() const {
-    std::vector<int64_t> times;
-    for (const auto& [run, parts_of_run] : runs) {
-      for (const LocalisedFrames& part : parts_of_run) {
-        for (const TrackedFrame& frame : part.tracked_frames) times.push_back(frame.timestamp_ns);
-        for (const int64_t time_ns : part.lost_frames_ns) times.push_back(-time_ns);
-      }
-    }
-    return times;
-  }
-  std::map<uint64_t, std::vector<LocalisedFrames>> runs;
-  std::vector<LocalisedFrames> parts;  // That came.
-  bool keeps_now = true;
-  bool takes = true;
-  int messages = 0;
-  std::vector<LocalisedFrame> localised;
-};
 
 class StoreLinkLocaliseTest : public ::testing::Test {
  protected:
@@ -286,7 +251,8 @@ TEST(LocalisedOutboxTest, WithoutRoomTheOldestGoesAndTheGapIsTold) {
   EXPECT_EQ(outbox.CountUnkept() + outbox.dropped(), 1001u);
   outbox.BeginSession(/*keeps=*/true);
   uplink.keeps_now = false;
-  outbox.SendTo(uplink, absl::ZeroDuration(), absl::UnixEpoch());
+  LinkBudget unbounded(0);
+  outbox.SendTo(uplink, unbounded, absl::ZeroDuration(), absl::UnixEpoch());
   ASSERT_EQ(uplink.parts.size(), 1u);
   ASSERT_FALSE(uplink.parts[0].lost_frames_ns.empty());
   EXPECT_LT(uplink.parts[0].lost_frames_ns.back(),

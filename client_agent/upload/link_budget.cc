@@ -35,6 +35,12 @@ void LinkBudget::Lift() {
   lifted_ = true;
 }
 
+void LinkBudget::NoteTransport(const Uplink& uplink, absl::Time now) {
+  // Bytes that move on between the two calls count twice until the next time, rather than never.
+  const uint64_t waiting = uplink.bytes_waiting();
+  NoteTransport(uplink.bytes_up(), waiting, now);
+}
+
 void LinkBudget::NoteTransport(uint64_t written, uint64_t waiting, absl::Time now) {
   absl::MutexLock lock(&mutex_);
   // The sum is less than before where a session broke and what waited in it was not sent.

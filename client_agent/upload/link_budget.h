@@ -9,6 +9,7 @@
 #include "absl/synchronization/mutex.h"
 #include "absl/time/time.h"
 #include "client_agent/upload/batch_allowance.h"
+#include "slam/exchange/uplink.h"
 #include "slam/util/byte_bucket.h"
 
 namespace corbslam::client_agent {
@@ -30,6 +31,8 @@ class LinkBudget {
   // Lifts the bound for good, for when nothing will be sent any more.
   void Lift();
 
+  // Notes what the transport has taken until now.
+  void NoteTransport(const Uplink& uplink, absl::Time now);
   // Notes how many bytes were written to the wire until now, and how many wait in the transport for
   // it.
   void NoteTransport(uint64_t written, uint64_t waiting, absl::Time now);

@@ -32,6 +32,15 @@ absl::Status CheckAmount(const Amount& amount, const std::string& what) {
                    amount.limit, " (`corbslam mission set` changes it)"));
 }
 
+// Estimates what is there only where there is a limit.
+absl::Status CheckMemory(const MissionState& state, uint64_t more, const std::string& what) {
+  const uint64_t limit = state.profile.limits.memory_bytes;
+  if (limit == 0) return absl::OkStatus();
+  return CheckAmount({absl::StrCat("mission ", state.name), "limits.memory_bytes",
+                      "bytes in memory", EstimateMemory(state), more, limit},
+                     what);
+}
+
 uint64_t CountNewKeyframes(const LocalMapState* local_map, const MapUpdateBatch& batch) {
   return static_cast<uint64_t>(
       std::ranges::count_if(batch.full_keyframes, [local_map](const FullKeyframe& keyframe) {
@@ -45,6 +54,10 @@ uint64_t CountNewKeyframes(const LocalMapState* local_map, const MapUpdateBatch&
 
 std::string NameOfBatch(const MapUpdateBatch& batch) {
   return absl::StrCat("batch ", batch.number, " of local map ", ToString(batch.local_map));
+}
+
+std::string NameOfPart(const LocalisedFrames& part) {
+  return absl::StrCat("part ", part.number, " of run ", ToString(LocalMapId{part.run}));
 }
 
 absl::Status CheckKeyframeLimits(const MissionState& state, const std::string& agent,
@@ -72,12 +85,14 @@ absl::Status CheckKeyframeLimits(const MissionState& state, const std::string& a
 }
 
 absl::Status CheckMemoryLimit(const MissionState& state, const MapUpdateBatch& batch) {
-  const uint64_t limit = state.profile.limits.memory_bytes;
   const bool adds = !batch.full_keyframes.empty() || !batch.full_points.empty();
-  if (limit == 0 || !adds) return absl::OkStatus();
-  return CheckAmount({absl::StrCat("mission ", state.name), "limits.memory_bytes",
-                      "bytes in memory", EstimateMemory(state), 2 * StoredBytes(batch), limit},
-                     NameOfBatch(batch));
+  if (!adds) return absl::OkStatus();
+  return CheckMemory(state, 2 * StoredBytes(batch), NameOfBatch(batch));
+}
+
+absl::Status CheckMemoryLimit(const MissionState& state, const LocalisedFrames& part) {
+  if (part.tracked_frames.empty()) return absl::OkStatus();
+  return CheckMemory(state, StoredBytes(part), NameOfPart(part));
 }
 
 absl::Status CheckDiskLimit(const std::string& mission, uint64_t disk_bytes, uint64_t limit_bytes,

@@ -11,14 +11,16 @@
 #include "map_store/options.h"
 #include "map_store/state/mission_state.h"
 #include "slam/exchange/map_update.h"
+#include "slam/exchange/uplink.h"
 
 namespace corbslam::map_store {
 
 // All functions return RESOURCE_EXHAUSTED with whose limit it is, its name and value, and what is
 // there, if the batch would be too much.
 
-// Returns "batch 7 of local map 00ab...".
+// Returns "batch 7 of local map 00ab...", or "part 7 of run 00ab...".
 std::string NameOfBatch(const MapUpdateBatch& batch);
+std::string NameOfPart(const LocalisedFrames& part);
 
 // Checks the numbers of keyframes of the mission and of the agent. A batch without new keyframes
 // always passes: poses, removals and the end of a local map.
@@ -27,6 +29,8 @@ absl::Status CheckKeyframeLimits(const MissionState& state, const std::string& a
 // Checks the mission's memory, as EstimateMemory tells it. A batch without full keyframes and
 // points always passes.
 absl::Status CheckMemoryLimit(const MissionState& state, const MapUpdateBatch& batch);
+// Likewise of an agent that only localises: a part without poses always passes.
+absl::Status CheckMemoryLimit(const MissionState& state, const LocalisedFrames& part);
 // Checks what the mission takes of the journal's disk, `disk_bytes`; `what` wants so many more.
 absl::Status CheckDiskLimit(const std::string& mission, uint64_t disk_bytes, uint64_t limit_bytes,
                             const std::string& what, uint64_t bytes);

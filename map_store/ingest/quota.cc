@@ -39,6 +39,11 @@ uint64_t StoredBytes(const MapUpdateBatch& batch) {
   return bytes;
 }
 
+uint64_t StoredBytes(const LocalisedFrames& part) {
+  return sizeof(part) + part.tracked_frames.size() * sizeof(TrackedFrame) +
+         part.lost_frames_ns.size() * sizeof(int64_t);
+}
+
 absl::Status CheckQuota(const MissionState& state, const std::string& agent,
                         const MapUpdateBatch& batch, const MapStoreOptions& options) {
   uint64_t of_agent = 0;

@@ -9,6 +9,7 @@
 #include "map_store/options.h"
 #include "map_store/state/mission_state.h"
 #include "slam/exchange/map_update.h"
+#include "slam/exchange/uplink.h"
 
 namespace corbslam::map_store {
 
@@ -17,6 +18,8 @@ uint64_t PayloadBytes(const KeyframePayload& payload);
 // Returns about how many bytes a batch adds to what is kept of its local map. What is removed later
 // is not subtracted: it is remembered.
 uint64_t StoredBytes(const MapUpdateBatch& batch);
+// Returns about how many bytes a part of a trajectory adds to what is kept of its agent.
+uint64_t StoredBytes(const LocalisedFrames& part);
 
 // Returns RESOURCE_EXHAUSTED, naming the agent or the mission and the limit, if the batch would be
 // too much.

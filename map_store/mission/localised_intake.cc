@@ -8,24 +8,14 @@
 
 #include "absl/strings/str_cat.h"
 #include "map_store/ingest/batch_validation.h"
+#include "map_store/ingest/mission_limits.h"
+#include "map_store/ingest/quota.h"
 #include "map_store/mission/mission_sessions.h"
 #include "map_store/mission/room_check.h"
 #include "map_store/records/record_application.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::map_store {
-namespace {
-
-uint64_t StoredBytesOf(const LocalisedFrames& part) {
-  return sizeof(part) + part.tracked_frames.size() * sizeof(TrackedFrame) +
-         part.lost_frames_ns.size() * sizeof(int64_t);
-}
-
-std::string NameOfPart(const LocalisedFrames& part) {
-  return absl::StrCat("part ", part.number, " of run ", ToString(LocalMapId{part.run}));
-}
-
-}  // namespace
 
 absl::Status LocalisedIntake::Check(uint64_t session_id, const std::string& agent) const {
   RETURN_IF_ERROR(CheckSession(strand_, session_id, agent));
@@ -59,6 +49,23 @@ absl::StatusOr<LocalisedKept> LocalisedIntake::Last(uint64_t session_id, const s
   return LocalisedKept{run, found == nullptr ? 0 : found->last_number};
 }
 
+absl::Status LocalisedIntake::CheckLimits(const LocalisedFrames& part) const {
+  {
+    absl::ReaderMutexLock lock(&strand_.mutex());
+    RETURN_IF_ERROR(CheckMemoryLimit(strand_.state(), part));
+  }
+  const uint64_t bytes = StoredBytes(part);
+  return CheckRoom(strand_, NameOfPart(part), bytes, bytes);
+}
+
+absl::StatusOr<LocalisedKept> LocalisedIntake::Keep(uint64_t session_id, const std::string& agent,
+                                                    const LocalisedFrames& part) {
+  ASSIGN_OR_RETURN(const LocalisedKept last, Last(session_id, agent, part.run));
+  if (part.number != last.number + 1) return last;
+  RETURN_IF_ERROR(CheckLimits(part));
+  return KeepInTurn(session_id, agent, part);
+}
+
 absl::StatusOr<LocalisedKept> LocalisedIntake::KeepInTurn(uint64_t session_id,
                                                           const std::string& agent,
                                                           const LocalisedFrames& part) {
@@ -90,16 +97,14 @@ absl::StatusOr<std::optional<LocalisedKept>> LocalisedIntake::Note(
   RETURN_IF_ERROR(NotePlace(session_id, agent, localised));
   if (localised.run == 0) return std::nullopt;
   RETURN_IF_ERROR(ValidateLocalised(localised));
-  const uint64_t bytes = StoredBytesOf(localised);
-  const absl::Status room = CheckRoom(strand_, NameOfPart(localised), bytes, bytes);
-  const absl::StatusOr<LocalisedKept> kept =
-      room.ok() ? KeepInTurn(session_id, agent, localised) : room;
+  const absl::StatusOr<LocalisedKept> kept = Keep(session_id, agent, localised);
   if (absl::IsAborted(kept.status()) || absl::IsPermissionDenied(kept.status())) {
     return kept.status();
   }
   // A part that came again may not be durable yet.
   const absl::Status durable = kept.ok() ? strand_.Sync() : kept.status();
-  NoteOutcome(durable);
+  // One that leaves a gap is answered, but says nothing of whether there is room.
+  if (!durable.ok() || kept->number >= localised.number) NoteOutcome(durable);
   strand_.environment().wake_fusion();
   // The robot goes on to localise without a journal.
   if (!durable.ok()) return std::nullopt;

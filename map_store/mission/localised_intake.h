@@ -29,9 +29,14 @@ class LocalisedIntake {
   // Returns PERMISSION_DENIED or ABORTED, with the reason.
   absl::Status Check(uint64_t session_id, const std::string& agent) const
       ABSL_SHARED_LOCKS_REQUIRED(strand_.mutex());
+  // Returns RESOURCE_EXHAUSTED, with the limit, if there is no room for the part.
+  absl::Status CheckLimits(const LocalisedFrames& part) const;
   absl::Status NotePlace(uint64_t session_id, const std::string& agent,
                          const LocalisedFrames& localised);
-  // Records the part if it is the next one of its run, and returns which is the last.
+  // Records the part if it is the next one of its run and there is room, and returns which is the
+  // last. One that is there already needs no room.
+  absl::StatusOr<LocalisedKept> Keep(uint64_t session_id, const std::string& agent,
+                                     const LocalisedFrames& part);
   absl::StatusOr<LocalisedKept> KeepInTurn(uint64_t session_id, const std::string& agent,
                                            const LocalisedFrames& part);
   // Returns what there is of the run.

@@ -200,6 +200,11 @@ struct AgentTrajectory {
   // All tracked frames, by local map, then by time; then those of runs that localised only.
   std::vector<StoredPose> poses;
   uint64_t dropped = 0;  // Frames of such runs that the store has no more (LocalisedTrack).
+  // Times at which the agent had no pose; of such runs the two ends of each stretch.
+  uint64_t lost = 0;
+  // Frames that are not in `poses`: nobody knows any more where they were, or that is in a frame
+  // that was not asked for.
+  uint64_t left_out = 0;
 };
 
 struct OverlapInfo {

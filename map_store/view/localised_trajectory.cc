@@ -28,11 +28,13 @@ struct SortedRun {
 void AppendRun(const MissionState& state, const LocalisedRun& run, bool all_islands,
                const std::optional<Rigid3d>& camera_from_wanted, AgentTrajectory& trajectory) {
   const SortedRun sorted(run);
+  trajectory.lost += run.lost_frames_ns.size();
   bool gap = !trajectory.poses.empty();
   const StoredPose* before = nullptr;
   for (const TrackedFrame& frame : sorted.frames) {
     const std::optional<PlaceInIsland> place = PlaceLocalised(state, frame);
     if (!place.has_value() || (!all_islands && place->island != state.ReferenceIsland())) {
+      ++trajectory.left_out;
       gap = true;
       continue;
     }
@@ -84,6 +86,12 @@ absl::Status AppendLocalised(const MissionState& state, const AgentState& agent,
     AppendRun(state, run, all_islands, *camera_from_wanted, trajectory);
   }
   return absl::OkStatus();
+}
+
+void LeaveOutLocalised(const AgentState& agent, AgentTrajectory& trajectory) {
+  trajectory.dropped = agent.track.dropped;
+  trajectory.left_out += CountFrames(agent.track);
+  for (const LocalisedRun& run : agent.track.runs) trajectory.lost += run.lost_frames_ns.size();
 }
 
 }  // namespace corbslam::map_store

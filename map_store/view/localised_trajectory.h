@@ -27,6 +27,8 @@ std::optional<PlaceInIsland> PlaceLocalised(const MissionState& state, const Tra
 // nobody said where the wanted frame is.
 absl::Status AppendLocalised(const MissionState& state, const AgentState& agent, bool all_islands,
                              PosesOf poses_of, AgentTrajectory& trajectory);
+// Appends nothing, and counts what there is.
+void LeaveOutLocalised(const AgentState& agent, AgentTrajectory& trajectory);
 
 }  // namespace corbslam::map_store
 

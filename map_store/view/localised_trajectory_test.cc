@@ -152,6 +152,40 @@ TEST_F(LocalisedTrajectoryTest, NothingOfItIsInALocalFrame) {
   EXPECT_TRUE(local->poses.empty());
 }
 
+TEST_F(LocalisedTrajectoryTest, OfWhatHasNoPoseTheNumberIsSaid) {
+  Say({{100, {kReferenceMap, 0}}, {200, {kReferenceMap, 77}}, {300, {kApartMap, 1}}}, {150, 250});
+  Say({}, {400}, /*run=*/2);
+  Guest().track.dropped = 5;
+  const auto count = [this](TrajectoryFrame frame, bool all_islands) {
+    const auto answer =
+        ComputeTrajectory(state_, "guest", frame, all_islands, PosesOf::kRectifiedCamera);
+    EXPECT_EQ(answer->lost, 3u);
+    EXPECT_EQ(answer->dropped, 5u);
+    EXPECT_EQ(answer->poses.size() + answer->left_out, 3u);
+    return answer->left_out;
+  };
+  EXPECT_EQ(count(TrajectoryFrame::kGlobal, /*all_islands=*/false), 2u);
+  EXPECT_EQ(count(TrajectoryFrame::kGlobal, /*all_islands=*/true), 1u);
+  EXPECT_EQ(count(TrajectoryFrame::kLocal, /*all_islands=*/false), 3u);
+}
+
+TEST_F(LocalisedTrajectoryTest, OfARobotThatMapsLikewise) {
+  for (const LocalMapId id : {kReferenceMap, kApartMap}) {
+    Of(id).frames = {{100, {id, 1}, {}}, {200, {id, 77}, {}}, {300, {id, 2}, {}}};
+    Of(id).lost_frames_ns = {150, 160};
+  }
+  const auto count = [this](TrajectoryFrame frame, bool all_islands) {
+    const auto answer =
+        ComputeTrajectory(state_, "mapper", frame, all_islands, PosesOf::kRectifiedCamera);
+    EXPECT_EQ(answer->lost, 4u);
+    EXPECT_EQ(answer->poses.size() + answer->left_out, 6u);
+    return answer->left_out;
+  };
+  EXPECT_EQ(count(TrajectoryFrame::kGlobal, /*all_islands=*/false), 4u);
+  EXPECT_EQ(count(TrajectoryFrame::kGlobal, /*all_islands=*/true), 2u);
+  EXPECT_EQ(count(TrajectoryFrame::kLocal, /*all_islands=*/false), 2u);
+}
+
 TEST_F(LocalisedTrajectoryTest, ThePoseThatIsLastSaysWhatWasLostSince) {
   Say({{100, {kReferenceMap, 0}}});
   EXPECT_FALSE(FindLastPose(state_, Guest())->lost_since);

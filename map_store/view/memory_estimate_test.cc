@@ -23,6 +23,17 @@ TEST(MemoryEstimateTest, FollowsWhatIsThere) {
   EXPECT_GT(EstimateMemory(state), 4 * whole / 10);
 }
 
+TEST(MemoryEstimateTest, CountsWhatRobotsSayThatOnlyLocalise) {
+  MissionState state = testing::MakeFeatureMission("m", 1, 1);
+  const uint64_t before = EstimateMemory(state);
+  LocalisedFrames part;
+  part.run = part.number = 1;
+  part.tracked_frames.resize(1000);
+  AddPart(part, 1000, state.agents["guest"].track);
+  EXPECT_GE(EstimateMemory(state), before + 1000 * sizeof(TrackedFrame));
+  EXPECT_LT(EstimateMemory(state), before + 1100 * sizeof(TrackedFrame));
+}
+
 // All that it would look at has gone.
 TEST(MemoryEstimateTest, LooksAtAnyKeyframeWhereItsSampleIsGone) {
   MissionState state = testing::MakeFeatureMission("m", 32, 1000);

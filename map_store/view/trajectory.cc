@@ -121,6 +121,7 @@ void AppendSession(const MissionState& state, const LocalMapState& local_map,
   for (const TrackedFrame& tracked : frames) {
     const std::optional<Rigid3d> pose = chain.FrameFromWanted(tracked, session.id);
     if (!pose.has_value()) {
+      ++trajectory.left_out;
       gap = true;
       continue;
     }
@@ -144,8 +145,12 @@ absl::StatusOr<AgentTrajectory> ComputeTrajectory(const MissionState& state,
   for (const LocalMapId& id : agent_state.local_maps) {
     const bool wanted = frame == TrajectoryFrame::kLocal || all_islands ||
                         state.global.island_of.at(id) == reference;
-    if (!wanted) continue;
     const LocalMapState& local_map = *state.FindLocalMap(id);
+    trajectory.lost += local_map.lost_frames_ns.size();
+    if (!wanted) {
+      trajectory.left_out += local_map.frames.size();
+      continue;
+    }
     const auto camera_from_wanted = CameraFromWanted(local_map.Recorded(), poses_of);
     if (!camera_from_wanted.ok()) {
       return absl::FailedPreconditionError(absl::StrCat("agent ", agent, ", local map ",
@@ -158,7 +163,10 @@ absl::StatusOr<AgentTrajectory> ComputeTrajectory(const MissionState& state,
     }
   }
   // What an agent localised has no local frame.
-  if (frame == TrajectoryFrame::kLocal) return trajectory;
+  if (frame == TrajectoryFrame::kLocal) {
+    LeaveOutLocalised(agent_state, trajectory);
+    return trajectory;
+  }
   const absl::Status appended =
       AppendLocalised(state, agent_state, all_islands, poses_of, trajectory);
   if (!appended.ok()) return appended;

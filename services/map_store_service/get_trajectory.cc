@@ -28,6 +28,7 @@ struct Walk {
   std::vector<AgentTrajectory> trajectories;
   size_t agent = 0;
   size_t pose = 0;
+  bool has_begun = false;
 
   bool AtEnd() {
     while (agent < trajectories.size() && pose == trajectories[agent].poses.size()) {
@@ -50,13 +51,27 @@ void PoseToProto(const Walk& walk, const std::string& agent, const Pose& pose,
   proto->set_run(pose.run);
 }
 
+void CountsToProto(const Walk& walk, v1::GetTrajectoryResponse& response) {
+  uint64_t dropped = 0;
+  uint64_t lost = 0;
+  uint64_t left_out = 0;
+  for (const AgentTrajectory& trajectory : walk.trajectories) {
+    dropped += trajectory.dropped;
+    lost += trajectory.lost;
+    left_out += trajectory.left_out;
+  }
+  response.set_localised_frames_dropped(dropped);
+  response.set_frames_lost(lost);
+  response.set_frames_left_out(left_out);
+}
+
 bool FillNext(Walk& walk, v1::GetTrajectoryResponse& response) {
-  if (walk.AtEnd()) return false;
+  // Without any pose one message still says why.
+  if (walk.AtEnd() && walk.has_begun) return false;
+  walk.has_begun = true;
   response.set_revision(walk.revision);
   response.set_poses_of(walk.poses_of);
-  uint64_t dropped = 0;
-  for (const AgentTrajectory& trajectory : walk.trajectories) dropped += trajectory.dropped;
-  response.set_localised_frames_dropped(dropped);
+  CountsToProto(walk, response);
   while (!walk.AtEnd() && static_cast<size_t>(response.poses_size()) < kPosesPerMessage) {
     const AgentTrajectory& trajectory = walk.trajectories[walk.agent];
     PoseToProto(walk, trajectory.agent, trajectory.poses[walk.pose++], response.add_poses());

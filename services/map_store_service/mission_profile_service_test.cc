@@ -13,6 +13,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/synchronization/mutex.h"
+#include "services/convert/localised_frames.h"
 #include "services/convert/map_update.h"
 #include "services/convert/shared_update.h"
 #include "services/convert/testing/test_data.h"
@@ -253,6 +254,55 @@ TEST_F(MissionProfileServiceTest, AnAgentThatSendsTooFastIsReadNoMoreUntilItIsPa
   EXPECT_EQ(observer_.received, opened + 1);
   clock_.Advance(absl::Seconds(1));
   EXPECT_EQ(next_acknowledged(), 2u);
+  second.join();
+  context.TryCancel();
+  stream->Finish();
+}
+
+TEST_F(MissionProfileServiceTest, AnAgentThatOnlyLocalisesIsHeldLikewise) {
+  v1::Mission mission = MakeMission();
+  mission.mutable_limits()->set_uplink_bytes_per_second(uint64_t{1} << 20);
+  ASSERT_TRUE(Create(mission).ok());
+  grpc::ClientContext context;
+  const auto stream = stub_->Sync(&context);
+  v1::SyncRequest request;
+  SessionRequest open;
+  open.mission = "lab";
+  open.agent = "guest";
+  open.localise_only = true;
+  ToProto(open, request.mutable_open());
+  ASSERT_TRUE(stream->Write(request));
+  v1::SyncResponse response;
+  ASSERT_TRUE(stream->Read(&response));
+  ASSERT_TRUE(response.has_grant());
+  const int opened = observer_.received;
+  EXPECT_EQ(store_->PaceUplink(1, (1 << 20) - 10), absl::ZeroDuration());
+
+  LocalisedFrames part;
+  part.run = 7;
+  for (int64_t i = 0; i < 100; ++i) {
+    part.tracked_frames.push_back({i, {{1}, 0}, Rigid3d::Identity()});
+  }
+  const auto send = [&](uint64_t number) {
+    part.number = number;
+    v1::SyncRequest said;
+    ToProto(part, said.mutable_localised());
+    EXPECT_TRUE(stream->Write(said));
+  };
+  send(1);
+  // As above, the writer waits.
+  std::thread second([&send] { send(2); });
+  const auto next_kept = [&]() -> uint64_t {
+    while (stream->Read(&response)) {
+      if (response.has_localised_kept()) return response.localised_kept().number();
+    }
+    return 0;
+  };
+  EXPECT_EQ(next_kept(), 1u);
+  clock_.AwaitLooks(5);
+  EXPECT_EQ(observer_.received, opened + 1);
+  clock_.Advance(absl::Seconds(1));
+  EXPECT_EQ(next_kept(), 2u);
   second.join();
   context.TryCancel();
   stream->Finish();

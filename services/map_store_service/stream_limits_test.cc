@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "services/convert/localised_frames.h"
 #include "services/convert/map_update.h"
 #include "services/convert/shared_update.h"
 #include "services/convert/testing/test_data.h"
@@ -103,12 +104,15 @@ class LimitedStreamsTest : public ::testing::Test {
   }
   void TearDown() override { server_->Shutdown(absl::ZeroDuration()); }
 
-  std::unique_ptr<Stream> Open(const std::string& agent) {
+  std::unique_ptr<Stream> Open(const std::string& agent, bool localise_only = false) {
     contexts_.push_back(std::make_unique<grpc::ClientContext>());
     auto stream = stub_->Sync(contexts_.back().get());
     v1::SyncRequest open;
-    ToProto(SessionRequest{.mission = "m", .agent = agent, .last_revision = 0, .local_maps = {}},
-            open.mutable_open());
+    SessionRequest session;
+    session.mission = "m";
+    session.agent = agent;
+    session.localise_only = localise_only;
+    ToProto(session, open.mutable_open());
     stream->Write(open);
     return stream;
   }
@@ -250,6 +254,32 @@ TEST_F(LimitedStreamsTest, AMessageThatIsTooLongEndsItsStream) {
   EXPECT_TRUE(IsGranted(*stream));
   EXPECT_TRUE(stream->Write(Parts(1).front()));
   ExpectEnd(*stream, grpc::StatusCode::RESOURCE_EXHAUSTED, "the limit is 50000");
+}
+
+TEST_F(LimitedStreamsTest, WhatAnAgentLocalisesCountsWhileTheStoreWorksOnIt) {
+  Start({.max_batch_bytes = 20000, .max_unfinished_bytes = 20000});
+  ASSERT_TRUE(store_->CreateMission("m", {}).ok());
+  const auto stream = Open("guest", /*localise_only=*/true);
+  EXPECT_TRUE(IsGranted(*stream));
+  LocalisedFrames part;
+  part.run = 7;
+  const auto send = [&](int frames) {
+    ++part.number;
+    part.tracked_frames.assign(frames, {1, {{1}, 0}, Rigid3d::Identity()});
+    v1::SyncRequest request;
+    ToProto(part, request.mutable_localised());
+    EXPECT_TRUE(stream->Write(request));
+  };
+  // Together they are over the limit.
+  for (int i = 1; i <= 3; ++i) {
+    send(100);
+    v1::SyncResponse response;
+    EXPECT_TRUE(stream->Read(&response));
+    EXPECT_EQ(response.localised_kept().number(), static_cast<uint64_t>(i));
+  }
+  EXPECT_EQ(service_->streams().unfinished_bytes(), 0u);
+  send(300);
+  ExpectEnd(*stream, grpc::StatusCode::RESOURCE_EXHAUSTED, "the limit is 20000");
 }
 
 }  // namespace

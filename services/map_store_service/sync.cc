@@ -5,6 +5,7 @@
 #include "absl/strings/str_replace.h"
 #include "absl/time/clock.h"
 #include "absl/time/time.h"
+#include "map_store/ingest/quota.h"
 #include "map_store/view/asleep_words.h"
 #include "services/convert/limits.h"
 #include "services/convert/localised_frames.h"
@@ -168,13 +169,13 @@ void SyncReactor::HandleRequest() {
     status = WaitUntilAwake(status);
     if (status.ok()) return;
   }
-  const bool is_batch = asked_->has_batch();
+  const bool is_paced = asked_->has_batch() || asked_->has_localised();
   asked_.reset();
   if (session_id_) {
     for (SyncObserver* observer : observers_) observer->OnReceived(who_, asked_bytes_);
   }
   if (!status.ok()) return End(status);
-  if (session_id_ && is_batch) store_.PaceUplink(*session_id_, asked_bytes_);
+  if (session_id_ && is_paced) store_.PaceUplink(*session_id_, asked_bytes_);
   std::shared_ptr<const void> held;
   absl::MutexLock lock(&mutex_);
   has_request_ = false;
@@ -329,12 +330,15 @@ absl::StatusOr<Acknowledgement> SyncReactor::ApplyWhole(const MapUpdateBatch& ba
 
 absl::Status SyncReactor::NoteLocalised(const v1::LocalisedFrames& localised) {
   ASSIGN_OR_RETURN(const LocalisedFrames said, FromProto(localised));
-  ASSIGN_OR_RETURN(const std::optional<LocalisedKept> kept,
-                   store_.NoteLocalised(*session_id_, said));
-  if (kept.has_value()) {
+  const size_t bytes = map_store::StoredBytes(said) + said.frames.size() * sizeof(LocalisedFrame);
+  RETURN_IF_ERROR(ticket_->Hold(bytes));
+  const auto kept = store_.NoteLocalised(*session_id_, said);
+  ticket_->Release(bytes);
+  RETURN_IF_ERROR(kept.status());
+  if (kept->has_value()) {
     v1::SyncResponse response;
-    response.mutable_localised_kept()->set_run(kept->run);
-    response.mutable_localised_kept()->set_number(kept->number);
+    response.mutable_localised_kept()->set_run((*kept)->run);
+    response.mutable_localised_kept()->set_number((*kept)->number);
     Reply(response);
   }
   if (moves_what_is_shared_) OnShareable();

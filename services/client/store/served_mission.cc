@@ -10,6 +10,11 @@ std::string NameOfRun(uint64_t run) {
   return absl::StrCat("localised-", absl::Hex(run, absl::kZeroPad16));
 }
 
+std::string Describe(const UnposedFrames& unposed) {
+  return absl::StrCat(unposed.lost, " frames were lost, ", unposed.left_out,
+                      " lie elsewhere or nowhere any more, ", unposed.dropped, " are kept no more");
+}
+
 Trajectory ToTrajectory(const ServedTrajectory& stored) {
   Trajectory trajectory;
   for (const ServedPose& pose : stored) {

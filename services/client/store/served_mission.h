@@ -26,6 +26,16 @@ struct ServedPose {
 // local maps that are not connected to the global frame.
 using ServedTrajectory = std::vector<ServedPose>;
 
+// Frames of an agent of which its trajectory has no pose, as GetTrajectoryResponse counts them.
+struct UnposedFrames {
+  uint64_t lost = 0;
+  uint64_t left_out = 0;
+  uint64_t dropped = 0;
+};
+// Returns "12 frames were lost, 300 lie elsewhere or nowhere any more, 0 are kept no more"; all 0
+// also if the store is of an older version.
+std::string Describe(const UnposedFrames& unposed);
+
 // Returns "localised-00ab..." for a run of a robot that only localised, which has no local map.
 std::string NameOfRun(uint64_t run);
 

@@ -132,7 +132,8 @@ absl::StatusOr<std::map<std::string, uint64_t>> StoreReader::CountReportedFrames
 
 absl::StatusOr<ServedTrajectory> StoreReader::ReadTrajectory(const std::string& agent,
                                                              v1::TrajectoryFrame frame,
-                                                             PosesOf poses_of, Reach reach) {
+                                                             PosesOf poses_of, Reach reach,
+                                                             UnposedFrames* unposed) {
   grpc::ClientContext context;
   SetStreamDeadline(context);
   v1::GetTrajectoryRequest request;
@@ -143,11 +144,12 @@ absl::StatusOr<ServedTrajectory> StoreReader::ReadTrajectory(const std::string& 
   ServedTrajectory trajectory;
   const auto reader = stub_->GetTrajectory(&context, request);
   v1::GetTrajectoryResponse response;
-  uint64_t dropped = 0;
+  UnposedFrames without;
   bool is_wanted = true;
   while (reader->Read(&response)) {
     is_wanted = is_wanted && response.poses_of() == request.poses_of();
-    dropped = response.localised_frames_dropped();
+    without = {response.frames_lost(), response.frames_left_out(),
+               response.localised_frames_dropped()};
     for (const v1::TrajectoryPose& pose : response.poses()) {
       ASSIGN_OR_RETURN(const Rigid3d frame_from_camera, FromProto(pose.frame_from_camera()));
       trajectory.push_back({pose.timestamp_ns(), frame_from_camera,
@@ -156,9 +158,10 @@ absl::StatusOr<ServedTrajectory> StoreReader::ReadTrajectory(const std::string& 
     }
   }
   RETURN_IF_ERROR(ToStatus(reader->Finish(), absl::StrCat("GetTrajectory of ", agent)));
-  if (dropped > 0) {
+  if (unposed != nullptr) *unposed = without;
+  if (without.dropped > 0) {
     LOG(WARNING) << "the trajectory of " << agent << " is coarser than it was: of a robot that "
-                 << "only localised the map store has dropped " << dropped << " frames";
+                 << "only localised the map store has dropped " << without.dropped << " frames";
   }
   if (!is_wanted && poses_of != PosesOf::kRectifiedCamera) {
     return absl::FailedPreconditionError(

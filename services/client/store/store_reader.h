@@ -49,11 +49,13 @@ class StoreReader {
   // the frame of its island.
   enum class Reach { kGlobalFrame, kAllIslands };
 
-  // FAILED_PRECONDITION if the store doesn't know the frame that `poses_of` wants.
+  // FAILED_PRECONDITION if the store doesn't know the frame that `poses_of` wants. `unposed`, if
+  // not null, is told of how many frames there is no pose.
   absl::StatusOr<ServedTrajectory> ReadTrajectory(const std::string& agent,
                                                   v1::TrajectoryFrame frame,
                                                   PosesOf poses_of = PosesOf::kRecordedCamera,
-                                                  Reach reach = Reach::kGlobalFrame);
+                                                  Reach reach = Reach::kGlobalFrame,
+                                                  UnposedFrames* unposed = nullptr);
   // Returns the island in the global frame.
   absl::StatusOr<ServedMap> ReadGlobalMap();
   // Returns all islands with their points.

@@ -54,6 +54,34 @@ TEST(ConnectToStoreTest, SaysSoonThatNobodyAnswers) {
   EXPECT_LT(absl::Now() - start, absl::Seconds(20));
 }
 
+// A robot that was lost all the time, in a mission that another one has mapped.
+TEST_F(StoreReaderTest, OfAnAgentWithoutPosesItSaysWhatBecameOfItsFrames) {
+  ASSERT_TRUE(store_->CreateMission("m", {}).ok());
+  SessionRequest request;
+  request.mission = "m";
+  request.agent = "guest";
+  request.localise_only = true;
+  const auto session = store_->OpenSession(request);
+  ASSERT_TRUE(session.ok()) << session.status();
+  LocalisedFrames part;
+  part.run = part.number = 1;
+  part.tracked_frames = {{3, {{9}, 1}, Rigid3d::Identity()}};
+  part.lost_frames_ns = {1, 2};
+  ASSERT_TRUE(store_->NoteLocalised(session->session_id, part).ok());
+  const auto channel = ConnectToStore(server_->address(), WithoutTls());
+  ASSERT_TRUE(channel.ok()) << channel.status();
+  StoreReader reader(*channel, "m");
+  for (const auto frame : {v1::TRAJECTORY_FRAME_GLOBAL, v1::TRAJECTORY_FRAME_LOCAL}) {
+    UnposedFrames unposed;
+    const auto served = reader.ReadTrajectory("guest", frame, PosesOf::kRectifiedCamera,
+                                              StoreReader::Reach::kAllIslands, &unposed);
+    ASSERT_TRUE(served.ok()) << served.status();
+    EXPECT_TRUE(served->empty());
+    EXPECT_EQ(Describe(unposed),
+              "2 frames were lost, 1 lie elsewhere or nowhere any more, 0 are kept no more");
+  }
+}
+
 TEST_F(StoreReaderTest, ReadsTheGlobalMap) {
   std::mt19937 random(7);
   SessionRequest request;

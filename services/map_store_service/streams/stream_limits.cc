@@ -144,10 +144,12 @@ absl::Status StreamLimits::Ticket::Hold(size_t bytes) {
   return absl::OkStatus();
 }
 
-void StreamLimits::Ticket::ReleaseAll() {
+void StreamLimits::Ticket::Release(size_t bytes) {
   absl::MutexLock lock(&limits_.mutex_);
-  limits_.unfinished_bytes_ -= held_;
-  held_ = 0;
+  limits_.unfinished_bytes_ -= bytes;
+  held_ -= bytes;
 }
+
+void StreamLimits::Ticket::ReleaseAll() { Release(held_); }
 
 }  // namespace corbslam::services

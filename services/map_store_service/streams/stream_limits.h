@@ -68,8 +68,11 @@ class StreamLimits {
     absl::Status SetCloseListener(std::function<void(const absl::Status&)> listener);
     // Counts the stream for this agent ("missions/m/agents/a").
     absl::Status Name(const std::string& agent);
-    // Counts so many bytes more that the stream holds, of a batch that is not whole.
+    // Counts so many bytes more that the stream holds, of a batch that is not whole, or of what the
+    // store works on.
     absl::Status Hold(size_t bytes);
+    // Counts so many of them no more.
+    void Release(size_t bytes);
     // Counts none of them any more: the batch is whole, or given up.
     void ReleaseAll();
 

@@ -59,14 +59,17 @@ class TrajectoryExport {
 
   // Passes over a robot of which nothing is connected to the global frame.
   absl::Status Add(const std::string& agent, const std::string& path) {
+    UnposedFrames unposed;
     ASSIGN_OR_RETURN(const ServedTrajectory served,
-                     store_.ReadTrajectory(agent, v1::TRAJECTORY_FRAME_GLOBAL, poses_of_));
+                     store_.ReadTrajectory(agent, v1::TRAJECTORY_FRAME_GLOBAL, poses_of_,
+                                           StoreReader::Reach::kGlobalFrame, &unposed));
+    const std::string nothing = absl::StrCat(
+        agent, ": nothing of it is connected to the global frame (", Describe(unposed), ")");
     if (served.empty() && !arguments_.agent.empty()) {
-      return absl::NotFoundError(
-          absl::StrCat("robot ", agent, ": nothing of it is connected to the global frame"));
+      return absl::NotFoundError("robot " + nothing);
     }
     if (served.empty()) {
-      Say(absl::StrCat(agent, ": nothing of it is connected to the global frame\n"));
+      Say(nothing + "\n");
       rows_.push_back({{"agent", agent}, {"file", nullptr}, {"poses", 0}});
       return absl::OkStatus();
     }

@@ -1,0 +1,141 @@
+// Implements the part of StoreLink that opens sessions, and hears how they go on and end.
+#include <glog/logging.h>
+
+#include <memory>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "client_agent/link/store_link.h"
+#include "slam/exchange/session_end.h"
+
+namespace corbslam::client_agent {
+namespace {
+
+bool IsRefusal(const absl::Status& status) {
+  return absl::IsAborted(status) || absl::IsInvalidArgument(status) ||
+         absl::IsPermissionDenied(status);
+}
+
+}  // namespace
+
+void StoreLink::SetShare(const ShareScope& share) {
+  absl::MutexLock lock(&mutex_);
+  if (share == share_) return;
+  share_ = share;
+  reopen_ = wake_ = true;
+}
+
+void StoreLink::ConnectIfDue() {
+  SessionRequest request;
+  bool close_first = false;
+  {
+    absl::MutexLock lock(&mutex_);
+    if (reopen_ && (session_ == Session::kOpen || session_ == Session::kOpening)) {
+      close_first = true;
+      session_ = Session::kNone;
+      next_attempt_ = absl::InfinitePast();
+    }
+    if (reopen_) last_revision_ = 0;
+    reopen_ = false;
+    if (session_ != Session::kNone || options_.clock() < next_attempt_) return;
+    session_ = Session::kOpening;
+    shared_updates_ = 0;
+    request = {options_.mission, options_.agent, last_revision_, queue_.local_maps()};
+    request.capabilities.coded_features = true;
+    request.downlink_bytes_per_second = options_.downlink_bytes_per_second;
+    request.share = share_;
+    request.localise_only = options_.localise_only;
+  }
+  if (close_first) uplink_->Close();
+  uplink_->Open(request, this);
+}
+
+void StoreLink::OnSessionOpened(const SessionGrant& grant) {
+  absl::MutexLock lock(&mutex_);
+  if (options_.localise_only && !grant.capabilities.localise_only) {
+    // It would wait for batches, and tells nothing to an agent without a local map.
+    session_ = Session::kRefused;
+    refusal_ = absl::FailedPreconditionError(
+        "the map store is of an older version, which knows no robots that only localise: bring it "
+        "up to date, or run this robot without --localise-only");
+    LOG(ERROR) << refusal_;
+    return;
+  }
+  NoteCapabilities(grant.capabilities);
+  if (options_.localise_only) BeginLocalised(grant.capabilities);
+  GiveUp(queue_.Resume(grant));
+  session_ = Session::kOpen;
+  closed_ = absl::OkStatus();
+  opened_ = options_.clock();
+  wake_ = true;
+}
+
+void StoreLink::NoteCapabilities(const Capabilities& store) {
+  for (const auto& recording : recordings_) {
+    if (!recording->closed) recording->recorder->SetPointsFollow(store.points_follow);
+  }
+  if (std::exchange(store_moves_points_, store.points_follow) && !store.points_follow) {
+    LOG(WARNING) << "the map store is of an older version, which leaves points where they are when "
+                    "their keyframes move: every place is told, which takes more bytes; in local "
+                    "maps that ended before, points may stand where they were first told";
+  }
+}
+
+void StoreLink::OnAcknowledged(const Acknowledgement& acknowledgement) {
+  absl::MutexLock lock(&mutex_);
+  queue_.Acknowledge(acknowledgement);
+  backoff_.Reset();
+  if (!first_acknowledged_.has_value()) first_acknowledged_ = options_.clock();
+  wake_ = true;
+}
+
+void StoreLink::OnExactPlacesWanted() {
+  absl::MutexLock lock(&mutex_);
+  if (!recordings_.empty()) recordings_.back()->recorder->AskForExactPlaces();
+  wake_ = true;
+}
+
+void StoreLink::OnSessionClosed(const absl::Status& reason) {
+  NoteClosed(reason);
+  if (!SaysMissionDeleted(reason)) return;
+  const std::shared_ptr<SharedInbox> inbox = CurrentInbox();
+  Tell(LinkEvent::kMissionDeleted, inbox == nullptr ? LocalMapId() : inbox->local_map());
+}
+
+void StoreLink::NoteClosed(const absl::Status& reason) {
+  absl::MutexLock lock(&mutex_);
+  const bool passes =
+      !IsRefusal(reason) ||
+      (session_ == Session::kOpen && absl::IsInvalidArgument(reason) && queue_.NoteRefusal(reason));
+  session_ = passes ? Session::kNone : Session::kRefused;
+  if (!passes) refusal_ = reason;
+  closed_ = reason;
+  // A store that grants sessions and soon ends them again is no reason to come back at once.
+  if (options_.clock() - opened_ > options_.max_backoff) backoff_.Reset();
+  opened_ = absl::InfiniteFuture();
+  next_attempt_ = options_.clock() + backoff_.Next();
+  wake_ = true;
+}
+
+void StoreLink::GiveUp(const std::vector<LostLocalMap>& lost) {
+  for (const LostLocalMap& local_map : lost) {
+    for (auto& recording : recordings_) {
+      if (recording->map->local_map() != local_map.id) continue;
+      recording->closed = true;
+      needs_new_local_map_ |= recording == recordings_.back();
+    }
+  }
+}
+
+bool StoreLink::NeedsNewLocalMap() const {
+  absl::MutexLock lock(&mutex_);
+  return needs_new_local_map_;
+}
+
+std::optional<absl::Time> StoreLink::first_acknowledged() const {
+  absl::MutexLock lock(&mutex_);
+  return first_acknowledged_;
+}
+
+}  // namespace corbslam::client_agent
