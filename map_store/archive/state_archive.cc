@@ -16,6 +16,7 @@
 #include "map_store/archive/state_fields.h"
 #include "map_store/ingest/item_validation.h"
 #include "map_store/records/state_validation.h"
+#include "map_store/state/session_frames.h"
 #include "map_store/view/placement.h"
 #include "slam/coding/feature_coding.h"
 #include "slam/coding/feature_columns.h"
@@ -557,7 +558,7 @@ absl::StatusOr<MissionState> DecodeState(std::string_view bytes, const FeatureLo
   if (!reader.done()) return Unreadable("a mission's snapshot");
   RETURN_IF_ERROR(ValidateState(state));
   IndexPoints(state);
-  for (auto& [id, local_map] : state.local_maps) NoteNewestFrames(0, 0, local_map);
+  for (auto& [id, local_map] : state.local_maps) NoteNewestOfSessions(local_map);
   return state;
 }
 
