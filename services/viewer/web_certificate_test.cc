@@ -72,24 +72,23 @@ class LoggedLines : public google::LogSink {
   std::vector<std::string> lines_ ABSL_GUARDED_BY(mutex_);
 };
 
-// Has one stream, which says what it is told to.
+// Says to all streams what it is told to.
 class Pushed : public WebHandler {
  public:
   void Answer(const WebRequest&, Respond respond) override { respond({}); }
   OpenedStream Open(const WebRequest&, std::function<void()> wake) override {
     absl::MutexLock lock(&mutex_);
-    wake_ = std::move(wake);
+    wakers_.push_back(std::move(wake));
     return {std::make_unique<Stream>(this), 0, ""};
   }
-  // To the stream that was opened last.
   void Push(const std::string& message) {
-    std::function<void()> wake;
+    std::vector<std::function<void()>> wakers;
     {
       absl::MutexLock lock(&mutex_);
-      message_ = std::make_shared<const std::string>(message);
-      wake = wake_;
+      messages_.push_back(std::make_shared<const std::string>(message));
+      wakers = wakers_;
     }
-    wake();
+    for (const auto& wake : wakers) wake();
   }
 
  private:
@@ -98,16 +97,17 @@ class Pushed : public WebHandler {
     explicit Stream(Pushed* all) : all_(*all) {}
     std::shared_ptr<const std::string> Next() override {
       absl::MutexLock lock(&all_.mutex_);
-      return std::exchange(all_.message_, nullptr);
+      return sent_ == all_.messages_.size() ? nullptr : all_.messages_[sent_++];
     }
 
    private:
     Pushed& all_;
+    size_t sent_ = 0;
   };
 
   absl::Mutex mutex_;
-  std::function<void()> wake_ ABSL_GUARDED_BY(mutex_);
-  std::shared_ptr<const std::string> message_ ABSL_GUARDED_BY(mutex_);
+  std::vector<std::function<void()>> wakers_ ABSL_GUARDED_BY(mutex_);
+  std::vector<std::shared_ptr<const std::string>> messages_ ABSL_GUARDED_BY(mutex_);
 };
 
 class WebCertificateTest : public ::testing::Test {
