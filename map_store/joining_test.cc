@@ -23,6 +23,7 @@ using testing::kKeyframesOfDrive;
 using testing::kOneRobot;
 using testing::kStarts;
 using testing::OneRobotsStore;
+using testing::TestAgent;
 using testing::TheWorld;
 
 TEST(JoiningTest, OldSessionsBecomeOneAndFusionGoesOn) {
@@ -119,6 +120,119 @@ TEST(JoiningTest, ABatchForASessionThatIsAPartIsRefused) {
   joined.StartAll();
   const absl::Status status = joined.agent(1).Send(joined.agent(1).EmptyBatch());
   EXPECT_TRUE(absl::IsAborted(status) || absl::IsFailedPrecondition(status)) << status;
+}
+
+// A store with --keep-local-maps 0, and a robot that stays connected: its first session is closed,
+// and its second one becomes a part of that as soon as it is closed.
+class JoinedAtOnceTest : public ::testing::Test {
+ protected:
+  JoinedAtOnceTest() {
+    joined_.Start(0);
+    robot_ = std::make_unique<TestAgent>(joined_.store(), "m", kOneRobot, joined_.drives()[1]);
+    EXPECT_TRUE(robot_->Stream().ok());
+    EXPECT_TRUE(robot_->TakeShared().ok());
+    Fuse();
+    EXPECT_TRUE(robot_->TakeShared().ok());
+    EXPECT_FALSE(robot_->mirror().own.empty());
+    EXPECT_TRUE(robot_->Close().ok());
+    Fuse();
+    EXPECT_EQ(joined_.store().GetLocalMap("m", {2})->id, LocalMapId{1});
+  }
+
+  static MapStoreOptions Options() {
+    MapStoreOptions options = OneRobotsStore::Options(true);
+    options.keep_local_maps = 0;
+    return options;
+  }
+  void Fuse() { ASSERT_TRUE(joined_.store().RunFusionUntilIdle("m").ok()); }
+  AgentInfo Described() { return joined_.store().ListAgents("m", {})->items.at(0); }
+
+  OneRobotsStore joined_{Options(), std::make_shared<testing::JournalBytes>()};
+  std::unique_ptr<TestAgent> robot_;
+};
+
+TEST_F(JoinedAtOnceTest, TheWholesPlaceIsNotToldAsTheRobotsOwn) {
+  const int updates = robot_->mirror().updates;
+  ASSERT_TRUE(robot_->TakeShared().ok());
+  EXPECT_EQ(robot_->mirror().updates, updates);
+  EXPECT_FALSE(robot_->mirror().global_from_local.has_value());
+  EXPECT_TRUE(Described().up_to_date) << "there is nothing to tell";
+  // It goes on in a new local map, of which the store has nothing yet.
+  TestAgent next(joined_.store(), "m", kOneRobot, joined_.drives()[2]);
+  ASSERT_TRUE(next.TakeShared().ok());
+  EXPECT_EQ(next.mirror().updates, 0);
+  ASSERT_TRUE(next.Stream().ok());
+  Fuse();
+  ASSERT_TRUE(next.TakeShared().ok());
+  EXPECT_FALSE(next.mirror().own.empty());
+  for (const auto& [id, pose] : next.mirror().own) EXPECT_EQ(id.local_map, LocalMapId{3});
+  EXPECT_FALSE(next.mirror().keyframes.empty()) << "its earlier sessions are as others' now";
+  EXPECT_TRUE(Described().up_to_date);
+}
+
+TEST_F(JoinedAtOnceTest, WhatComesLaterRefersToThePart) {
+  TestAgent next(joined_.store(), "m", kOneRobot, joined_.drives()[2]);
+  MapUpdateBatch batch = next.NextBatch(2);
+  // The newest keyframe sees a point of the session before, and a frame is told against it.
+  batch.observations.back().point = joined_.drives()[1].map.points().begin()->first;
+  const int64_t later_ns = batch.tracked_frames.back().timestamp_ns + 1;
+  batch.tracked_frames.push_back({later_ns, robot_->Id(4), Rigid3d::Identity()});
+  ASSERT_TRUE(next.Send(batch).ok());
+  const auto info = joined_.store().GetLocalMap("m", {3});
+  EXPECT_EQ(info->parked_references, 0u) << "what it refers to is there";
+  EXPECT_EQ(info->tracked_frames, 3u);
+  EXPECT_EQ(Described().last_pose->timestamp_ns, later_ns - 1)
+      << "the frame refers to another island as yet";
+}
+
+TEST_F(JoinedAtOnceTest, WhoResumesIsAcknowledgedAndBeginsANewOne) {
+  SessionRequest request;
+  request.mission = "m";
+  request.agent = kOneRobot;
+  request.local_maps = {LocalMapId{1}, LocalMapId{2}, LocalMapId{3}};
+  const auto opened = joined_.store().OpenSession(request);
+  ASSERT_TRUE(opened.ok()) << opened.status();
+  const auto& acknowledged = opened->grant.acknowledged;
+  ASSERT_EQ(acknowledged.size(), 3u);
+  EXPECT_EQ(acknowledged[0].number, kKeyframesOfDrive + 1);
+  EXPECT_EQ(acknowledged[1].number, kKeyframesOfDrive + 1);
+  EXPECT_EQ(acknowledged[2].number, 0u);
+  for (const LocalMapId gone : {LocalMapId{1}, LocalMapId{2}}) {
+    MapUpdateBatch batch;
+    batch.local_map = gone;
+    batch.number = kKeyframesOfDrive + 1;
+    EXPECT_TRUE(joined_.store().Apply(opened->session_id, batch).ok()) << "it came again";
+    ++batch.number;
+    const absl::Status status = joined_.store().Apply(opened->session_id, batch).status();
+    EXPECT_TRUE(absl::IsFailedPrecondition(status)) << status;
+    EXPECT_THAT(std::string(status.message()), ::testing::HasSubstr("begin a new local map"));
+  }
+}
+
+TEST_F(JoinedAtOnceTest, ARestartGivesTheSame) {
+  TestAgent next(joined_.store(), "m", kOneRobot, joined_.drives()[2]);
+  ASSERT_TRUE(next.Stream().ok());
+  ASSERT_TRUE(next.Close().ok());
+  Fuse();
+  ASSERT_EQ(joined_.store().GetLocalMap("m", {3})->id, LocalMapId{1});
+  const auto last_pose = Described().last_pose;
+  ASSERT_TRUE(last_pose.has_value());
+  for (const bool from_snapshot : {false, true}) {
+    if (from_snapshot) {
+      joined_.bytes()->wants_snapshot = true;
+      Fuse();
+    }
+    MapStore again(Options(), TheWorld().vocabulary, std::make_unique<ByteJournal>(joined_.bytes()),
+                   nullptr);
+    const absl::Status recovered = testing::RecoverWhole(again);
+    ASSERT_TRUE(recovered.ok()) << recovered;
+    EXPECT_EQ(testing::FirstDifference(testing::DumpGlobal("m", again),
+                                       testing::DumpGlobal("m", joined_.store())),
+              "");
+    const auto of_again = again.ListAgents("m", {})->items.at(0).last_pose;
+    ASSERT_TRUE(of_again.has_value());
+    EXPECT_EQ(of_again->timestamp_ns, last_pose->timestamp_ns);
+  }
 }
 
 TEST(JoiningTest, SessionsAreDeletedForGood) {

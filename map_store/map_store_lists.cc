@@ -63,10 +63,14 @@ std::string LocalMapKey(uint64_t number, const ArrivalBook& book) {
   return absl::StrCat(number, "/", book.gone());
 }
 
-// The place of a keyframe among those of one local map, or of all: by the arrival of the local map
-// that it was made in, then by index.
+// The place of a keyframe among those of one local map, or of all. Of all: by the arrival of the
+// local map that it was made in, then by index. Of one: first its own, then those of its parts in
+// the order in which they became parts, so that what becomes a part meanwhile comes behind.
 struct KeyframePlace {
   ArrivalPlace local_map;
+  // Of one local map: the one that the list began with. It may have become a part itself since, and
+  // then the list ends with what stood before it.
+  LocalMapId first;
   KeyframeId id;  // Of all local maps: its index only.
 };
 
@@ -76,7 +80,7 @@ absl::StatusOr<KeyframePlace> ParseKeyframeKey(absl::string_view key, bool of_al
   place.local_map.is_first_page = false;
   uint64_t index = 0;
   RETURN_IF_ERROR(of_all ? ParseKeys(key, {&place.local_map.number, &place.local_map.gone, &index})
-                         : ParseKeys(key, {&place.id.local_map.value, &index}));
+                         : ParseKeys(key, {&place.first.value, &place.id.local_map.value, &index}));
   if (index > std::numeric_limits<uint32_t>::max()) return NoSuchPageToken();
   place.id.index = static_cast<uint32_t>(index);
   return place;
@@ -88,13 +92,35 @@ struct ListedKeyframe {
   uint64_t number = 0;
 };
 
-// Returns up to `count` keyframes of a local map behind a place.
-std::vector<ListedKeyframe> KeyframesAfter(const LocalMapState& local_map,
-                                           const KeyframePlace& after, size_t count) {
-  std::vector<ListedKeyframe> listed;
+// Appends keyframes that were made in `name`, those behind `after` if that is one of them, until
+// there are `count`.
+void ListKeyframesOf(LocalMapId name, KeyframeId after, uint64_t number, size_t count,
+                     const LocalMapState& local_map, std::vector<ListedKeyframe>& listed) {
   const auto& keyframes = local_map.map.keyframes();
-  auto it = after.local_map.is_first_page ? keyframes.begin() : keyframes.upper_bound(after.id);
-  for (; it != keyframes.end() && listed.size() < count; ++it) listed.push_back({it->first});
+  auto it = after.local_map == name ? keyframes.upper_bound(after)
+                                    : keyframes.lower_bound(KeyframeId{name, 0});
+  for (; it != keyframes.end() && it->first.local_map == name && listed.size() < count; ++it) {
+    listed.push_back({it->first, number});
+  }
+}
+
+// Returns up to `count` keyframes of a local map behind a place.
+absl::StatusOr<std::vector<ListedKeyframe>> KeyframesAfter(const LocalMapState& local_map,
+                                                           const KeyframePlace& after,
+                                                           size_t count) {
+  std::vector<LocalMapId> names = local_map.Names();
+  auto name = names.begin();
+  if (!after.local_map.is_first_page) {
+    const auto first = std::ranges::find(names, after.first);
+    if (first == names.end()) return NoSuchPageToken();
+    std::rotate(names.begin(), first, names.end());
+    name = std::ranges::find(names, after.id.local_map);
+    if (name == names.end()) return NoSuchPageToken();
+  }
+  std::vector<ListedKeyframe> listed;
+  for (; name != names.end() && listed.size() < count; ++name) {
+    ListKeyframesOf(*name, after.id, /*number=*/0, count, local_map, listed);
+  }
   return listed;
 }
 
@@ -109,19 +135,17 @@ absl::StatusOr<std::vector<ListedKeyframe>> KeyframesAfter(const MissionState& s
     const LocalMapState* local_map = state.FindLocalMap(name);
     if (local_map == nullptr) continue;
     const bool goes_on = !after.local_map.is_first_page && number == after.local_map.number;
-    const auto& keyframes = local_map->map.keyframes();
-    auto it =
-        goes_on ? keyframes.upper_bound({name, after.id.index}) : keyframes.lower_bound({name, 0});
-    for (; it != keyframes.end() && it->first.local_map == name && listed.size() < count; ++it) {
-      listed.push_back({it->first, number});
-    }
+    const KeyframeId behind = goes_on ? KeyframeId{name, after.id.index} : KeyframeId();
+    ListKeyframesOf(name, behind, number, count, *local_map, listed);
   }
   return listed;
 }
 
-std::string KeyframeKey(const ListedKeyframe& keyframe, bool of_all, const ArrivalBook& book) {
-  return of_all ? absl::StrCat(LocalMapKey(keyframe.number, book), "/", keyframe.id.index)
-                : absl::StrCat(keyframe.id.local_map.value, "/", keyframe.id.index);
+// `first`: the local map that the list began with, where it is one's.
+std::string KeyframeKey(const ListedKeyframe& keyframe, LocalMapId first, const ArrivalBook& book) {
+  return first.IsValid()
+             ? absl::StrCat(first.value, "/", keyframe.id.local_map.value, "/", keyframe.id.index)
+             : absl::StrCat(LocalMapKey(keyframe.number, book), "/", keyframe.id.index);
 }
 
 }  // namespace
@@ -196,16 +220,18 @@ absl::StatusOr<Page<KeyframeInfo>> MapStore::ListKeyframes(absl::string_view mis
   ASSIGN_OR_RETURN(const KeyframePlace after, ParseKeyframeKey(start.after, of_all));
   return mission->WithState([&](const MissionState& state) -> absl::StatusOr<Page<KeyframeInfo>> {
     std::vector<ListedKeyframe> listed;
+    LocalMapId first = after.first;
     if (of_all) {
       ASSIGN_OR_RETURN(listed, KeyframesAfter(state, after, start.size + 1));
     } else {
       const LocalMapState* local_map = state.FindLocalMap(local_map_id);
       if (local_map == nullptr) return map_store::NoSuchLocalMap(local_map_id);
-      listed = KeyframesAfter(*local_map, after, start.size + 1);
+      if (!first.IsValid()) first = local_map->id;
+      ASSIGN_OR_RETURN(listed, KeyframesAfter(*local_map, after, start.size + 1));
     }
     Page<KeyframeInfo> page;
     page.next_page_token = EndPage(start, listed, [&](const ListedKeyframe& keyframe) {
-      return KeyframeKey(keyframe, of_all, state.arrivals);
+      return KeyframeKey(keyframe, first, state.arrivals);
     });
     std::vector<KeyframeId> ids;
     for (const ListedKeyframe& keyframe : listed) ids.push_back(keyframe.id);

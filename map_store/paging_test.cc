@@ -25,6 +25,7 @@ using testing::NamesOf;
 using testing::Overlaps;
 using testing::ReadInPages;
 using ::testing::SizeIs;
+using testing::SyntheticMap;
 using testing::TwoRobots;
 
 class MissionPagesTest : public ::testing::Test {
@@ -180,6 +181,79 @@ TEST_F(SessionPagesTest, ListsGoOnBehindSessionsThatWereDeleted) {
   EXPECT_THAT(rest.names, ElementsAreArray(newest));
   const auto of_one = Keyframes(robot_.store(), {1})({1, ""});
   EXPECT_TRUE(absl::IsNotFound(of_one.status())) << of_one.status();
+}
+
+// A robot whose first session has a greater id than a later one: 9, then 11, then 2.
+class PartPagesTest : public ::testing::Test {
+ protected:
+  // Streams a session and closes it.
+  void Drive(const SyntheticMap& made) {
+    agents_.push_back(std::make_unique<testing::TestAgent>(store_, "m", testing::kOneRobot, made));
+    ASSERT_TRUE(agents_.back()->Stream().ok());
+    ASSERT_TRUE(agents_.back()->Close().ok());
+  }
+  void Join() { ASSERT_TRUE(store_.RunFusionUntilIdle("m").ok()); }
+  static MapStoreOptions Options() {
+    MapStoreOptions options = testing::OneRobotsStore::Options(true);
+    options.keep_local_maps = 0;
+    return options;
+  }
+  static std::vector<std::string> NamesOfAll(const std::vector<const SyntheticMap*>& drives) {
+    std::vector<std::string> names;
+    for (const SyntheticMap* made : drives) {
+      for (const auto& [id, keyframe] : made->map.keyframes()) names.push_back(ToString(id));
+    }
+    return names;
+  }
+  static std::vector<std::string> Both(const testing::Names& a, const testing::Names& b) {
+    std::vector<std::string> names = a.names;
+    names.insert(names.end(), b.names.begin(), b.names.end());
+    return names;
+  }
+
+  const SyntheticMap first_ = testing::MakeRingMap(9, 1, testing::kKeyframesOfDrive);
+  const SyntheticMap greater_ = testing::MakeRingMap(11, 2, testing::kKeyframesOfDrive);
+  const SyntheticMap lesser_ = testing::MakeRingMap(2, 3, testing::kKeyframesOfDrive);
+  testing::TruthfulWorker worker_{{&first_, &greater_, &lesser_}};
+  MapStore store_{Options(), testing::TheWorld().vocabulary, std::make_unique<InMemoryJournal>(),
+                  &worker_};
+  std::vector<std::unique_ptr<testing::TestAgent>> agents_;
+};
+
+TEST_F(PartPagesTest, APartOfALesserIdThatJoinsBetweenPagesIsNotLeftOut) {
+  Drive(first_);
+  Drive(greater_);
+  Join();
+  ASSERT_EQ(store_.GetLocalMap("m", {11})->id, LocalMapId{9});
+  const List keyframes = Keyframes(store_, {9});
+  const auto first = *keyframes({13, ""});
+  Drive(lesser_);
+  Join();
+  ASSERT_EQ(store_.GetLocalMap("m", {2})->id, LocalMapId{9});
+  const auto rest = keyframes({1000, first.next_page_token});
+  ASSERT_TRUE(rest.ok()) << rest.status();
+  EXPECT_THAT(Both(first, *rest), ElementsAreArray(NamesOfAll({&first_, &greater_, &lesser_})));
+  for (const size_t size : {1u, 7u, 1000u}) {
+    EXPECT_THAT(ReadInPages(keyframes, size), ElementsAreArray(keyframes({0, ""})->names)) << size;
+  }
+}
+
+// The list is of a local map that becomes a part itself.
+TEST_F(PartPagesTest, ALocalMapThatBecomesAPartBetweenPagesIsListedToItsEnd) {
+  Drive(first_);
+  Drive(greater_);
+  const List keyframes = Keyframes(store_, {11});
+  const auto first = *keyframes({3, ""});
+  Join();
+  ASSERT_EQ(store_.GetLocalMap("m", {11})->id, LocalMapId{9});
+  const auto rest = keyframes({1000, first.next_page_token});
+  ASSERT_TRUE(rest.ok()) << rest.status();
+  EXPECT_THAT(Both(first, *rest), ElementsAreArray(NamesOfAll({&greater_, &first_})));
+  Drive(lesser_);
+  Join();
+  const auto later = keyframes({1000, first.next_page_token});
+  ASSERT_TRUE(later.ok()) << later.status();
+  EXPECT_THAT(Both(first, *later), ElementsAreArray(NamesOfAll({&greater_, &lesser_, &first_})));
 }
 
 // When local maps came is written with the state, those that are gone since included.

@@ -10,6 +10,7 @@
 #include "absl/strings/str_cat.h"
 #include "map_store/archive/mission_archive.h"
 #include "map_store/ingest/mission_limits.h"
+#include "map_store/joining/forgetting.h"
 #include "map_store/map_store.h"
 #include "map_store/testing/blank_batch.h"
 #include "map_store/testing/byte_journal.h"
@@ -430,6 +431,14 @@ TEST(LocalMapLimitTest, NoMissionHasMoreThanMessagesCanName) {
   const absl::Status full = CheckRoomForLocalMap(state, MapStoreOptions());
   EXPECT_TRUE(absl::IsResourceExhausted(full));
   EXPECT_THAT(std::string(full.message()), HasSubstr("no mission has more than 10000"));
+  // An island whose own local map was deleted keeps that one's name.
+  MissionState of_a_deleted = MakeJoined(kMaxLocalMapsInAll, /*closed=*/true);
+  ForgetLocalMaps({LocalMapId{1}}, of_a_deleted);
+  ASSERT_TRUE(of_a_deleted.global.islands.contains(LocalMapId{1}));
+  EXPECT_TRUE(absl::IsResourceExhausted(CheckRoomForLocalMap(of_a_deleted, MapStoreOptions())));
+  EXPECT_TRUE(CheckLocalMaps(of_a_deleted, MapStoreOptions()).ok());
+  ForgetLocalMaps({LocalMapId{2}}, of_a_deleted);
+  EXPECT_TRUE(CheckRoomForLocalMap(of_a_deleted, MapStoreOptions()).ok());
 }
 
 TEST(LocalMapLimitTest, ARobotThatStartedOftenStartsAgain) {

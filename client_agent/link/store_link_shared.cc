@@ -66,6 +66,9 @@ void StoreLink::OnShared(SharedUpdate update) {
     absl::MutexLock lock(&mutex_);
     // The rest of the updates for a map that has ended will be told again for the one that goes on.
     if (session_ != Session::kOpen || reopen_) return;
+    // Before its first batch the store does not know the local map: it still tells of the one
+    // before, in that one's frame. All will be told again once it knows.
+    if (!options_.localise_only && !queue_.HasBegun(inbox_->local_map())) return;
     last_revision_ = arrived.update.revision;
     ++shared_updates_;
     inbox = inbox_;

@@ -212,6 +212,25 @@ TEST_F(StoreLinkTest, WhatIsStillToldOfAMapThatEndedStaysOutOfTheNextOne) {
   EXPECT_EQ(jobs_.size(), 1U);
 }
 
+// A session that begins anew before the local map's first keyframe is still told of the one before.
+TEST_F(StoreLinkTest, TheOldMapsPlaceIsNotTheNewOnes) {
+  AddKeyframe({kOwn, 0});
+  manager_->Step();
+  const LocalMapId second{2};
+  Begin(second);
+  manager_->Step();
+  ASSERT_EQ(uplink_.requests.size(), 2U);
+  SharedUpdate place;
+  place.revision = 9;
+  place.global_from_local = Similarity3d::Identity();
+  uplink_.Share(place);
+  EXPECT_EQ(jobs_.size(), 0U);
+  AddKeyframe({second, 0});
+  manager_->Step();
+  uplink_.Share(place);
+  EXPECT_EQ(jobs_.size(), 1U);
+}
+
 // Returns an update by which fusion has placed the keyframe 5 m from where it is in the robot's
 // frame.
 SharedUpdate PlaceOfTheFirstKeyframe() {

@@ -11,6 +11,7 @@
 #include "map_store/archive/stored_map.h"
 #include "map_store/archive/unreadable.h"
 #include "map_store/records/state_validation.h"
+#include "map_store/state/session_frames.h"
 #include "map_store/view/placement.h"
 #include "slam/map/map.h"
 #include "slam/util/status_macros.h"
@@ -204,7 +205,7 @@ absl::StatusOr<MissionState> DecodeState(std::string_view bytes, const FeatureLo
   if (!reader.done()) return Unreadable("a mission's snapshot");
   RETURN_IF_ERROR(ValidateState(state));
   IndexPoints(state);
-  for (auto& [id, local_map] : state.local_maps) NoteNewestFrames(0, 0, local_map);
+  for (auto& [id, local_map] : state.local_maps) NoteNewestOfSessions(local_map);
   return state;
 }
 

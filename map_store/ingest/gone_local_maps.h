@@ -7,9 +7,9 @@
 
 namespace corbslam::map_store {
 
-// Returns FAILED_PRECONDITION for a local map that was retired into another one or deleted: a robot
-// that comes back to it begins a new one. What it sent before is acknowledged as ever
-// (LastBatchOf).
+// Returns FAILED_PRECONDITION for a local map that has become a part of another one, of which
+// others have become parts, or that was deleted: a robot that comes back to it begins a new one.
+// What it sent before is acknowledged as ever (LastBatchOf).
 absl::Status CheckTakesBatches(const MissionState& state, LocalMapId local_map);
 
 }  // namespace corbslam::map_store

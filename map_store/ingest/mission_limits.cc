@@ -112,15 +112,26 @@ size_t CountLimitedLocalMaps(const MissionState& state) {
 
 namespace {
 
+// Returns how many names messages may have to tell: of local maps, of those that have become parts
+// of others, which keep theirs, and of islands whose own local map was deleted.
+size_t CountNames(const MissionState& state) {
+  const auto orphans = std::ranges::count_if(state.global.islands, [&state](const auto& item) {
+    return state.FindLocalMap(item.first) == nullptr;
+  });
+  return state.local_maps.size() + state.joined_into.size() + static_cast<size_t>(orphans);
+}
+
 // Checks with so many local maps more.
 absl::Status CheckLocalMapsAnd(size_t more, const MissionState& state,
                                const MapStoreOptions& options) {
-  // What has become a part of another keeps its name in messages.
   const size_t all = state.local_maps.size() + state.joined_into.size();
-  if (all + more > kMaxLocalMapsInAll) {
+  // What is there already stays, as of the time before these names counted.
+  const size_t names = more > 0 ? CountNames(state) : all;
+  if (names + more > kMaxLocalMapsInAll) {
     return absl::ResourceExhaustedError(absl::StrCat(
-        "mission ", state.name, " has ", all, " local maps; no mission has more than ",
-        kMaxLocalMapsInAll,
+        "mission ", state.name, " has ", all, " local maps",
+        names > all ? absl::StrCat(" and ", names - all, " islands named after deleted ones") : "",
+        "; no mission has more than ", kMaxLocalMapsInAll,
         ": delete a robot's old ones (`corbslam mission forget`), or begin another one"));
   }
   const size_t counted = CountLimitedLocalMaps(state);

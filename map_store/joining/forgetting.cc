@@ -15,6 +15,9 @@ namespace {
 
 int64_t NewestTime(const LocalMapState& local_map) {
   int64_t newest = local_map.newest_lost_ns;
+  for (const JoinedLocalMap& part : local_map.joined) {
+    newest = std::max(newest, part.newest_lost_ns);
+  }
   for (const TrackedFrame& frame : local_map.frames) newest = std::max(newest, frame.timestamp_ns);
   for (const auto& [id, keyframe] : local_map.map.keyframes()) {
     newest = std::max(newest, keyframe.payload->timestamp_ns);

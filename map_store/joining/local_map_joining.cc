@@ -47,10 +47,13 @@ void Append(std::vector<T>& from, std::vector<T>& to) {
 void NotePart(const LocalMapState& part, LocalMapState& whole) {
   const uint64_t frames = whole.frames.size();
   const uint64_t lost = whole.lost_frames_ns.size();
-  whole.AddPart({part.id, part.last_batch, frames, lost});
-  for (const JoinedLocalMap& inner : part.joined) {
-    whole.AddPart(
-        {inner.id, inner.last_batch, frames + inner.first_frame, lost + inner.first_lost_frame});
+  whole.AddPart(
+      {part.id, part.last_batch, frames, lost, frames + part.newest_frame, part.newest_lost_ns});
+  for (JoinedLocalMap inner : part.joined) {
+    inner.first_frame += frames;
+    inner.first_lost_frame += lost;
+    inner.newest_frame += frames;
+    whole.AddPart(inner);
   }
 }
 
@@ -63,11 +66,8 @@ void TakeArrivals(const LocalMapState& part, LocalMapState& whole) {
 }
 
 void TakeFrames(LocalMapState& part, LocalMapState& whole) {
-  const size_t frames = whole.frames.size();
-  const size_t lost = whole.lost_frames_ns.size();
   Append(part.frames, whole.frames);
   Append(part.lost_frames_ns, whole.lost_frames_ns);
-  NoteNewestFrames(frames, lost, whole);
 }
 
 void TakeGraph(LocalMapState& part, LocalMapState& whole) {

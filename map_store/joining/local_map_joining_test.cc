@@ -121,7 +121,10 @@ TEST(LocalMapJoiningTest, ARobotThatComesBackToAPartIsToldSo) {
   const absl::Status status = CheckTakesBatches(state, {2});
   EXPECT_TRUE(absl::IsFailedPrecondition(status));
   EXPECT_THAT(std::string(status.message()), HasSubstr("begin a new local map"));
-  EXPECT_TRUE(CheckTakesBatches(state, {1}).ok());
+  const absl::Status of_whole = CheckTakesBatches(state, {1});
+  EXPECT_TRUE(absl::IsFailedPrecondition(of_whole)) << "its frames would be the last part's";
+  EXPECT_THAT(std::string(of_whole.message()), HasSubstr("begin a new local map"));
+  EXPECT_TRUE(CheckTakesBatches(state, {4}).ok());
   EXPECT_TRUE(CheckTakesBatches(state, {99}).ok());
 }
 
@@ -180,8 +183,8 @@ TEST(LocalMapJoiningTest, AllKeyframesOfAPartMayRetire) {
   Retirement retirement;
   for (uint32_t i = 0; i < kKeyframesOfStart; ++i) {
     const KeyframeId id{{2}, i};
-    const Rigid3d stays_from_gone = map.FindKeyframe(stays)->camera_from_map *
-                                    map.FindKeyframe(id)->camera_from_map.Inverse();
+    const Rigid3d stays_from_gone =
+        map.FindKeyframe(stays)->camera_from_map * map.FindKeyframe(id)->camera_from_map.Inverse();
     retirement.keyframes.push_back({id, stays, stays_from_gone, {stays, stays_from_gone}});
   }
   ASSERT_TRUE(CheckRetirement(retirement, state).ok()) << CheckRetirement(retirement, state);

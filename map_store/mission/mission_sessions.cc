@@ -178,8 +178,9 @@ const Island* FindToldIsland(const MissionState& state, const AgentInfo& agent) 
     const auto it = state.global.islands.find(state.ReferenceIsland());
     return it == state.global.islands.end() ? nullptr : &it->second;
   }
-  if (agent.local_maps.empty()) return nullptr;
-  const Island* island = state.FindIslandOf(agent.local_maps.back());
+  const LocalMapState* own = FindOwnLocalMap(state, agent.local_maps);
+  if (own == nullptr) return nullptr;
+  const Island* island = state.FindIslandOf(own->id);
   return island == nullptr || island->local_maps.size() < 2 ? nullptr : island;
 }
 

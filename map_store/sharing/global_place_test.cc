@@ -92,6 +92,17 @@ TEST_F(GlobalPlaceTest, ASessionThatBeginsAgainIsToldAgain) {
   EXPECT_EQ(again.mirror().updates, 1);
 }
 
+// It goes on in another local map, of which the store has nothing yet.
+TEST_F(GlobalPlaceTest, ARobotThatClosedItsLocalMapIsNotToldThatOnesPlaceAnew) {
+  TestAgent a(store_, kMission, "a", map_a_);
+  ASSERT_TRUE(a.Stream(2).ok());
+  ASSERT_TRUE(a.TakeShared().ok());
+  ASSERT_TRUE(a.Close().ok());
+  TestAgent again(store_, kMission, "a", map_a_);
+  ASSERT_TRUE(again.TakeShared().ok());
+  EXPECT_FALSE(again.mirror().global_from_local.has_value());
+}
+
 // The mission's first robot is far from the others, which meet.
 TEST_F(GlobalPlaceTest, RobotsThatMetApartFromTheGlobalFrameHearSo) {
   const SyntheticMap far = MakeRingMap(0xd, 200, 6);

@@ -84,6 +84,14 @@ std::optional<SharedUpdate> TakeForLocalisation(const MissionState& state,
 
 }  // namespace
 
+const LocalMapState* FindOwnLocalMap(const MissionState& state,
+                                     const std::vector<LocalMapId>& local_maps) {
+  if (local_maps.empty()) return nullptr;
+  const LocalMapState* newest = state.FindLocalMap(local_maps.back());
+  // Parts come after their whole.
+  return newest == nullptr || !newest->joined.empty() ? nullptr : newest;
+}
+
 std::optional<SharedUpdate> TakeSharedUpdate(const MissionState& state,
                                              const MapStoreOptions& options, size_t byte_budget,
                                              const AgentState& agent, ShareState& share,
@@ -93,8 +101,9 @@ std::optional<SharedUpdate> TakeSharedUpdate(const MissionState& state,
   if (agent.localise_only) {
     return TakeForLocalisation(state, options, byte_budget, agent, share, read);
   }
-  if (agent.local_maps.empty()) return std::nullopt;
-  const LocalMapId own = agent.local_maps.back();
+  const LocalMapState* own_map = FindOwnLocalMap(state, agent.local_maps);
+  if (own_map == nullptr) return std::nullopt;
+  const LocalMapId own = own_map->id;
   const Island& island = *state.FindIslandOf(own);
   if (share.local_map != own || share.island != island.id || HasLostAny(state, share, island)) {
     StartAgain(own, island.id, share);
@@ -105,7 +114,7 @@ std::optional<SharedUpdate> TakeSharedUpdate(const MissionState& state,
     SharedUpdate alone;
     alone.revision = state.global.revision;
     alone.restart = std::exchange(share.restart, false);
-    alone.global_from_local = TakeGlobalPlace(state, share);
+    if (!own_map->closed) alone.global_from_local = TakeGlobalPlace(state, share);
     if (alone.IsEmpty()) return std::nullopt;
     NoteSent(alone.revision, share);
     return alone;

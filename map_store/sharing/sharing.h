@@ -7,6 +7,7 @@
 
 #include <cstddef>
 #include <optional>
+#include <vector>
 
 #include "map_store/options.h"
 #include "map_store/state/mission_state.h"
@@ -16,11 +17,18 @@
 
 namespace corbslam::map_store {
 
+// Returns an agent's own local map, by those that it has in the order of their arrival: the one
+// that it opened last. Null if there is none, or if that one has become a part of an earlier one,
+// whose frame is not the agent's: it has no own one until it opens the next.
+const LocalMapState* FindOwnLocalMap(const MissionState& state,
+                                     const std::vector<LocalMapId>& local_maps);
+
 // Returns the next update for the agent, and notes it in `share` as sent; none if the agent has
 // all. The agent's own local map is the one that it opened last. Other local maps, its own earlier
 // ones among them, are shared once its own is in one island with them. Another island's frame, or
 // another local map, begins with `restart`. An agent whose local map is alone in the reference
-// island is told where it lies in the global frame, and nothing else. `read` pauses meanwhile
+// island is told where it lies in the global frame, and nothing else: as long as it
+// is open, since the agent holds that of whatever local map it goes on in. `read` pauses meanwhile
 // (TakeShareStep). If it returns none and `share` is left unfinished, the caller is to ask again.
 // An agent that localises only is told of the reference island, as if it had a keyframe where it
 // said that it was; its own frame is that island's.

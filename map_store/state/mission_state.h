@@ -64,6 +64,9 @@ struct JoinedLocalMap {
   // Where its frames begin among those of the whole.
   uint64_t first_frame = 0;
   uint64_t first_lost_frame = 0;
+  // As LocalMapState's, of its own frames; derived by NoteNewestOfSessions.
+  size_t newest_frame = 0;
+  int64_t newest_lost_ns = std::numeric_limits<int64_t>::min();
 };
 
 // The local layer: one local map exactly as its owner last said it.
@@ -104,7 +107,8 @@ struct LocalMapState {
   std::vector<TrackedFrame> frames;
   std::vector<int64_t> lost_frames_ns;
   // The frame of the latest time (its index in `frames`), and the latest time of a lost frame;
-  // derived by NoteNewestFrames. Frames whose keyframes came late stand behind newer ones.
+  // derived by NoteNewestFrames. Frames whose keyframes came late stand behind newer ones. Without
+  // those of parts, whose clocks may be others.
   size_t newest_frame = 0;
   int64_t newest_lost_ns = std::numeric_limits<int64_t>::min();
   WaitingTable<uint64_t, ParkedReference> parked;         // By the order in which they came.

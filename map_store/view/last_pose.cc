@@ -1,7 +1,12 @@
 #include "map_store/view/last_pose.h"
 
+#include <algorithm>
 #include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <vector>
 
+#include "map_store/state/session_frames.h"
 #include "map_store/view/localised_trajectory.h"
 #include "map_store/view/placement.h"
 
@@ -24,10 +29,34 @@ std::optional<Rigid3d> CameraFromIsland(const MissionState& state, const LocalMa
   return relative_from_camera.Inverse() * table->poses.at(relative.id).ToRigid();
 }
 
-std::optional<LastPose> FindIn(const MissionState& state, const LocalMapState& local_map) {
-  for (size_t look = 0; look < kMaxLooks && look <= local_map.newest_frame; ++look) {
-    if (local_map.frames.empty()) return std::nullopt;
-    const TrackedFrame& frame = local_map.frames[local_map.newest_frame - look];
+// A start of the agent, and when its local map arrived.
+struct Session {
+  const LocalMapState* local_map = nullptr;
+  SessionFrames frames;
+  uint64_t arrival = 0;
+};
+
+// Returns the agent's sessions, the newest first. Their clocks may begin anew with each start:
+// which one is newer the times do not say.
+std::vector<Session> NewestSessions(const MissionState& state, const AgentState& agent) {
+  std::vector<Session> sessions;
+  for (const LocalMapId& id : agent.local_maps) {
+    const LocalMapState& local_map = *state.FindLocalMap(id);
+    for (const SessionFrames& frames : SessionsOf(local_map)) {
+      sessions.push_back({&local_map, frames, state.arrivals.NumberOf(frames.id)});
+    }
+  }
+  std::ranges::sort(sessions, std::greater(), &Session::arrival);
+  return sessions;
+}
+
+std::optional<LastPose> FindIn(const MissionState& state, const Session& session) {
+  const LocalMapState& local_map = *session.local_map;
+  const SessionFrames& frames = session.frames;
+  if (frames.first == frames.end) return std::nullopt;
+  const size_t newest = std::clamp(frames.newest_frame, frames.first, frames.end - 1);
+  for (size_t look = 0; look < kMaxLooks && look <= newest - frames.first; ++look) {
+    const TrackedFrame& frame = local_map.frames[newest - look];
     const auto pose = CameraFromIsland(state, local_map, frame);
     if (!pose.has_value()) continue;
     const IslandId island = state.global.island_of.at(local_map.id);
@@ -36,7 +65,7 @@ std::optional<LastPose> FindIn(const MissionState& state, const LocalMapState& l
                     .island = island,
                     .in_reference_island = island == state.ReferenceIsland(),
                     .camera_from_island = *pose,
-                    .lost_since = local_map.newest_lost_ns > frame.timestamp_ns};
+                    .lost_since = frames.newest_lost_ns > frame.timestamp_ns};
   }
   return std::nullopt;
 }
@@ -79,13 +108,12 @@ std::optional<LastPose> SaidByItself(const MissionState& state, const AgentState
 std::optional<LastPose> FindLastPose(const MissionState& state, const AgentState& agent) {
   if (agent.localise_only) return SaidByItself(state, agent);
   bool lost_later = false;
-  for (auto id = agent.local_maps.rbegin(); id != agent.local_maps.rend(); ++id) {
-    const LocalMapState& local_map = *state.FindLocalMap(*id);
-    if (std::optional<LastPose> pose = FindIn(state, local_map)) {
+  for (const Session& session : NewestSessions(state, agent)) {
+    if (std::optional<LastPose> pose = FindIn(state, session)) {
       pose->lost_since |= lost_later;
       return pose;
     }
-    lost_later |= !local_map.lost_frames_ns.empty();
+    lost_later |= session.frames.first_lost < session.frames.end_lost;
   }
   return OfTrack(state, agent);
 }

@@ -5,6 +5,9 @@
 
 #include <memory>
 
+#include "map_store/joining/local_map_joining.h"
+#include "map_store/state/session_frames.h"
+
 namespace corbslam::map_store {
 namespace {
 
@@ -103,6 +106,59 @@ TEST_F(LastPoseTest, TheNewestLocalMapCountsAndWhatWasLostSinceIsSaid) {
   EXPECT_FALSE(pose->in_reference_island);
   EXPECT_FALSE(pose->lost_since);
   EXPECT_NEAR(X(*pose), 1.5, 1e-12);
+}
+
+// Fuses the local map with the first one, of which it becomes a part.
+void Join(LocalMapId part, MissionState& state) {
+  Island& island = state.global.islands.at(kFirst);
+  state.global.islands.erase(part);
+  island.local_maps.push_back(part);
+  SetIslandOf(*state.FindLocalMap(part), kFirst, state);
+  ApplyJoining({part, kFirst, Rigid3d::Identity()}, state);
+}
+
+// A robot's clock may begin anew with each start.
+TEST_F(LastPoseTest, TheNewestSessionOfAWholeCountsWhateverItsClockSays) {
+  Track(kFirst, 900, {kFirst, 2});
+  Lose(kFirst, 950);
+  Track(kSecond, 100, {kSecond, 0});
+  Track(kSecond, 120, {kSecond, 1});
+  Track(kSecond, 110, {kSecond, 0});
+  Join(kSecond, state_);
+  for (const bool read_again : {false, true}) {
+    const auto pose = Find();
+    ASSERT_TRUE(pose.has_value());
+    EXPECT_EQ(pose->timestamp_ns, 120) << read_again;
+    EXPECT_EQ(pose->local_map, kFirst);
+    EXPECT_FALSE(pose->lost_since) << "the session before was lost";
+    EXPECT_NEAR(X(*pose), 1.5, 1e-12);
+    NoteNewestOfSessions(Of(kFirst));
+  }
+}
+
+TEST_F(LastPoseTest, ASessionThatWasLostAllAlongLeavesTheOneBefore) {
+  Track(kFirst, 900, {kFirst, 2});
+  Lose(kSecond, 5);
+  Join(kSecond, state_);
+  EXPECT_EQ(Find()->timestamp_ns, 900);
+  EXPECT_TRUE(Find()->lost_since) << "in a later session, whatever its clock says";
+}
+
+// The second local map stays as it is; the third one becomes a part of the first.
+TEST_F(LastPoseTest, APartMayBeNewerThanALocalMapThatStandsBehindItsWhole) {
+  constexpr LocalMapId kThird = {0x3};
+  constexpr LocalMapId kFourth = {0x4};
+  for (const LocalMapId id : {kThird, kFourth}) AddKeyframes(AddLocalMap(state_, id, "a"));
+  Track(kFirst, 900, {kFirst, 2});
+  Track(kSecond, 500, {kSecond, 1});
+  Track(kThird, 70, {kThird, 0});
+  Track(kFourth, 30, {kFourth, 1});
+  // The older one becomes a part last.
+  Join(kFourth, state_);
+  EXPECT_EQ(Find()->timestamp_ns, 30);
+  Join(kThird, state_);
+  EXPECT_EQ(Find()->timestamp_ns, 30);
+  EXPECT_NEAR(X(*Find()), 1.5, 1e-12);
 }
 
 TEST_F(LastPoseTest, AFrameThatRefersToNothingIsPassedOver) {

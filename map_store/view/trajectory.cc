@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "map_store/state/session_frames.h"
 #include "map_store/view/localised_trajectory.h"
 #include "map_store/view/placement.h"
 
@@ -77,29 +78,6 @@ class FrameChain {
 bool HasTimeBetween(const std::vector<int64_t>& times, int64_t begin, int64_t end) {
   const auto it = std::upper_bound(times.begin(), times.end(), begin);
   return it != times.end() && *it < end;
-}
-
-// The frames of one session, whose clock says nothing of another's: the first of each kind, and the
-// one after the last.
-struct SessionFrames {
-  LocalMapId id;  // The local map's name, or that of the part that the session was.
-  size_t first = 0;
-  size_t first_lost = 0;
-  size_t end = 0;
-  size_t end_lost = 0;
-};
-
-std::vector<SessionFrames> SessionsOf(const LocalMapState& local_map) {
-  std::vector<SessionFrames> sessions(1);
-  sessions.back().id = local_map.id;
-  for (const JoinedLocalMap& part : local_map.joined) {
-    sessions.back().end = part.first_frame;
-    sessions.back().end_lost = part.first_lost_frame;
-    sessions.push_back({part.id, part.first_frame, part.first_lost_frame, 0, 0});
-  }
-  sessions.back().end = local_map.frames.size();
-  sessions.back().end_lost = local_map.lost_frames_ns.size();
-  return sessions;
 }
 
 template <typename T>

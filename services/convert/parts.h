@@ -37,6 +37,11 @@ class PartWriter {
     room_ -= std::min(room_, bytes);
   }
 
+  // Begins a new part, unless nothing was written to this one.
+  void BeginPart() {
+    if (room_ < part_bytes_) NextPart();
+  }
+
   // Calls write(items of one part) until all are written.
   template <typename Item, typename Write>
   void Spread(const std::vector<Item>& items, size_t bytes_each, const Write& write) {

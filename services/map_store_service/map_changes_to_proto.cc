@@ -22,8 +22,10 @@ constexpr size_t kKeyframeBytes = 140;
 constexpr size_t kPointBytes = 30;
 constexpr size_t kRefBytes = 16;
 constexpr size_t kSlotBytes = 80;
-// They come in any number, of which a part's table takes kMaxLocalMapsOfMessage.
+// They come in any number, those of deleted local maps included, of which a part's table takes
+// kMaxLocalMapsOfMessage.
 constexpr size_t kRemovedIslandBytes = 256;
+static_assert(kPartBytes / kRemovedIslandBytes <= kMaxLocalMapsOfMessage);
 
 using Writer = PartWriter<v1::WatchMapResponse>;
 using Island = v1::WatchMapResponse::Island;
@@ -90,6 +92,25 @@ void WritePoints(const MapChanges::Island& view, IslandWriter& islands, Writer& 
   });
 }
 
+// Returns how many local maps the islands' items name at most: no mission has more than a table
+// takes.
+size_t CountNames(const MapChanges& changes) {
+  size_t names = 0;
+  for (const MapChanges::Island& island : changes.islands) {
+    names += 1 + island.local_maps.size() + island.parts.size();
+  }
+  return names;
+}
+
+void WriteRemovedIslands(const MapChanges& changes, Writer& writer) {
+  for (const IslandId id : changes.removed_islands) {
+    writer.Reserve(kRemovedIslandBytes);
+    writer.part().add_removed_island_slots(writer.slots().Slot(id));
+  }
+  const size_t names = changes.removed_islands.size() + CountNames(changes);
+  if (names > kMaxLocalMapsOfMessage) writer.BeginPart();
+}
+
 std::map<LocalMapId, std::string> AgentsOf(const MapChanges& changes) {
   std::map<LocalMapId, std::string> agents;
   for (const MapChanges::Island& island : changes.islands) {
@@ -110,10 +131,7 @@ std::vector<v1::WatchMapResponse> ToProto(const MapChanges& changes) {
     part.set_continues(true);
     return SlotWriter(part.mutable_local_maps());
   });
-  for (const IslandId id : changes.removed_islands) {
-    writer.Reserve(kRemovedIslandBytes);
-    writer.part().add_removed_island_slots(writer.slots().Slot(id));
-  }
+  WriteRemovedIslands(changes, writer);
   for (const MapChanges::Island& view : changes.islands) {
     writer.Reserve(kSlotBytes * (1 + view.local_maps.size()));
     IslandWriter islands(view, writer);

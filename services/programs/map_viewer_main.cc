@@ -19,13 +19,13 @@
 #include "services/programs/start_lines.h"
 #include "services/programs/viewer_observers.h"
 #include "services/security/flags.h"
-#include "services/security/pem_files.h"
 #include "services/server/server.h"
 #include "services/viewer/page_files.h"
 #include "services/viewer/truths.h"
 #include "services/viewer/viewer.h"
 #include "services/viewer/web/web_host.h"
 #include "services/viewer/web/web_server.h"
+#include "services/viewer/web_certificate.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::services {
@@ -100,13 +100,13 @@ absl::StatusOr<std::shared_ptr<const AccessControl>> MakeAccess(const Flags& fla
   return MakeTokenAccess(tokens);
 }
 
-absl::StatusOr<std::optional<KeyPair>> MakeWebTls(const Flags& flags) {
-  if (flags.web_certificate.empty() && flags.web_key.empty()) return std::nullopt;
+// Returns null if browsers come without TLS.
+absl::StatusOr<std::shared_ptr<const WebTls>> MakeWebTls(const Flags& flags) {
+  if (flags.web_certificate.empty() && flags.web_key.empty()) return nullptr;
   if (flags.web_certificate.empty() || flags.web_key.empty()) {
     return absl::InvalidArgumentError("--web-cert and --web-key go together");
   }
-  ASSIGN_OR_RETURN(KeyPair pair, ReadKeyPair(flags.web_certificate, flags.web_key));
-  return pair;
+  return WatchWebCertificate(flags.web_certificate, flags.web_key);
 }
 
 // Returns the names by which browsers may call the viewer; nullopt: any, since TLS sees to it.
@@ -155,13 +155,13 @@ absl::Status Run(Flags flags) {
   ASSIGN_OR_RETURN(flags.viewer.truths, ReadTruths(flags.truths));
   absl::StatusOr<PageFiles> page = PageFiles::Load(flags.page);
   if (!page.ok()) LOG(ERROR) << page.status().message();
-  WarnOfOpenDoors(flags, access == nullptr, flags.web.tls.has_value());
+  WarnOfOpenDoors(flags, access == nullptr, flags.web.tls != nullptr);
   const auto channel = MakeChannel(flags.store, credentials);
   Viewer viewer(channel, std::move(robots), access, std::move(page), flags.viewer);
   ASSIGN_OR_RETURN(const std::unique_ptr<WebServer> server,
                    WebServer::Start(flags.listen, &viewer, flags.web));
   ASSIGN_OR_RETURN(const auto metrics, ServeViewerMetrics(flags.observe, viewer, *server));
-  LOG(INFO) << "shows browsers at " << (flags.web.tls.has_value() ? "https://" : "http://")
+  LOG(INFO) << "shows browsers at " << (flags.web.tls != nullptr ? "https://" : "http://")
             << server->address() << " the maps of " << flags.store << " ("
             << DescribeCalling(flags.security) << "), "
             << (access == nullptr ? "to everybody" : "to who has a token");

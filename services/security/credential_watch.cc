@@ -25,8 +25,9 @@ LiveWatches& Live() {
 }
 
 absl::Time ExpiryOf(Credential credential, const std::string& content) {
-  const bool has_certificates =
-      credential == Credential::kCertificate || credential == Credential::kAuthorities;
+  const bool has_certificates = credential == Credential::kCertificate ||
+                                credential == Credential::kAuthorities ||
+                                credential == Credential::kWebCertificate;
   return has_certificates ? FirstExpiry(content) : absl::InfiniteFuture();
 }
 
@@ -42,6 +43,8 @@ std::string ToString(Credential credential) {
       return "token_keys";
     case Credential::kRevokedTokens:
       return "revoked_tokens";
+    case Credential::kWebCertificate:
+      return "web_certificate";
   }
   return "";
 }

@@ -20,10 +20,12 @@
 namespace corbslam::services {
 
 // What a file holds that programs take their credentials from.
-enum class Credential { kCertificate, kAuthorities, kTokenKeys, kRevokedTokens };
+enum class Credential { kCertificate, kAuthorities, kTokenKeys, kRevokedTokens, kWebCertificate };
 inline constexpr Credential kCredentials[] = {Credential::kCertificate, Credential::kAuthorities,
-                                              Credential::kTokenKeys, Credential::kRevokedTokens};
-// Returns "certificate", "authorities", "token_keys" or "revoked_tokens".
+                                              Credential::kTokenKeys, Credential::kRevokedTokens,
+                                              Credential::kWebCertificate};
+// Returns "certificate", "authorities", "token_keys", "revoked_tokens" or "web_certificate" (the
+// one that browsers are shown).
 std::string ToString(Credential credential);
 
 // How a credential of this process is.

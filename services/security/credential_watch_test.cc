@@ -72,7 +72,7 @@ TEST_F(CredentialWatchTest, WhatIsBadAtTheStartIsNotWatched) {
 }
 
 TEST_F(CredentialWatchTest, ThereIsAStateOfEachCredential) {
-  EXPECT_EQ(CredentialStates().size(), 4u);
+  EXPECT_EQ(CredentialStates().size(), 5u);
   watch_.Start();
   file_ = "second";
   watch_.Look();

@@ -67,23 +67,25 @@ absl::StatusOr<std::string> ReadListFile(absl::string_view flag, const std::stri
 }
 
 absl::StatusOr<KeyPair> ReadKeyPair(const std::string& certificate_path,
-                                    const std::string& key_path) {
+                                    const std::string& key_path, absl::string_view certificate_flag,
+                                    absl::string_view key_flag) {
   KeyPair pair;
-  ASSIGN_OR_RETURN(pair.certificate_pem, ReadSecurityFile("--tls-cert", certificate_path));
-  ASSIGN_OR_RETURN(pair.key_pem, ReadSecurityFile("--tls-key", key_path));
+  ASSIGN_OR_RETURN(pair.certificate_pem, ReadSecurityFile(certificate_flag, certificate_path));
+  ASSIGN_OR_RETURN(pair.key_pem, ReadSecurityFile(key_flag, key_path));
   const CertificatePtr certificate = ParseCertificate(pair.certificate_pem);
-  if (certificate == nullptr) return Bad("--tls-cert", certificate_path, "holds no certificate");
+  if (certificate == nullptr)
+    return Bad(certificate_flag, certificate_path, "holds no certificate");
   const KeyPtr key = ParseKey(pair.key_pem);
   if (key == nullptr) {
-    return Bad("--tls-key", key_path, "holds no private key that needs no passphrase");
+    return Bad(key_flag, key_path, "holds no private key that needs no passphrase");
   }
   const bool match = X509_check_private_key(certificate.get(), key.get()) == 1;
   ERR_clear_error();
   if (!match) {
-    return Bad("--tls-key", key_path, absl::StrCat("does not belong to ", certificate_path));
+    return Bad(key_flag, key_path, absl::StrCat("does not belong to ", certificate_path));
   }
   if (X509_cmp_current_time(X509_get0_notAfter(certificate.get())) <= 0) {
-    return Bad("--tls-cert", certificate_path, "has expired");
+    return Bad(certificate_flag, certificate_path, "has expired");
   }
   return pair;
 }

@@ -19,9 +19,11 @@ struct KeyPair {
   std::string certificate_pem;
   std::string key_pem;
 };
-// Reads a certificate and the key that belongs to it.
+// Reads a certificate and the key that belongs to it; errors name the flags as they are given here.
 absl::StatusOr<KeyPair> ReadKeyPair(const std::string& certificate_path,
-                                    const std::string& key_path);
+                                    const std::string& key_path,
+                                    absl::string_view certificate_flag = "--tls-cert",
+                                    absl::string_view key_flag = "--tls-key");
 // Reads one or more certificates.
 absl::StatusOr<std::string> ReadAuthorities(const std::string& path);
 

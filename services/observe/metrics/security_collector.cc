@@ -17,7 +17,8 @@ double EndOf(const CredentialState& state) {
 void AddCredential(const CredentialState& state, Families& families) {
   const MetricLabels labels = {{"file", ToString(state.credential)}};
   if (state.credential == Credential::kCertificate ||
-      state.credential == Credential::kAuthorities) {
+      state.credential == Credential::kAuthorities ||
+      state.credential == Credential::kWebCertificate) {
     families.Gauge("corbslam_certificate_end_time_seconds",
                    "When the first certificate of the file ends, since 1970; 0: there is none.",
                    EndOf(state), labels);

@@ -1,5 +1,9 @@
 #include "services/viewer/testing/web_client.h"
 
+#include <openssl/pem.h>
+#include <openssl/ssl.h>
+#include <openssl/x509.h>
+
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/ssl/context.hpp>
@@ -19,6 +23,16 @@ namespace websocket = boost::beast::websocket;
 using boost::asio::ip::tcp;
 using Error = beast::error_code;
 
+std::string PeerCertificate(SSL* session) {
+  const std::unique_ptr<X509, decltype(&X509_free)> shown(SSL_get1_peer_certificate(session),
+                                                          X509_free);
+  const std::unique_ptr<BIO, decltype(&BIO_free)> text(BIO_new(BIO_s_mem()), BIO_free);
+  if (shown == nullptr || PEM_write_bio_X509(text.get(), shown.get()) != 1) return "";
+  char* begin = nullptr;
+  const long size = BIO_get_mem_data(text.get(), &begin);
+  return {begin, static_cast<size_t>(size)};
+}
+
 }  // namespace
 
 class WebSocketClient::Impl {
@@ -29,7 +43,9 @@ class WebSocketClient::Impl {
       Connect(socket, address);
       Error error;
       socket.next_layer().handshake(boost::asio::ssl::stream_base::client, error);
-      if (!error) Handshake(socket, address, target, options);
+      if (error) return;
+      certificate = PeerCertificate(socket.next_layer().native_handle());
+      Handshake(socket, address, target, options);
     } else {
       auto& socket = socket_.emplace<Plain>(context_);
       Connect(socket, address);
@@ -54,6 +70,7 @@ class WebSocketClient::Impl {
   bool stands = false;
   std::string protocol;
   uint16_t close_code = 0;
+  std::string certificate;
 
  private:
   using Plain = websocket::stream<beast::tcp_stream>;
@@ -119,6 +136,7 @@ std::optional<std::string> WebSocketClient::Read(absl::Duration patience) {
   return impl_->Read(patience);
 }
 uint16_t WebSocketClient::close_code() const { return impl_->close_code; }
+std::string WebSocketClient::certificate() const { return impl_->certificate; }
 bool WebSocketClient::Send(const std::string& text) { return impl_->Send(text); }
 
 }  // namespace corbslam::testing

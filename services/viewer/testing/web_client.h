@@ -33,6 +33,8 @@ class WebSocketClient {
   std::optional<std::string> Read(absl::Duration patience = absl::Seconds(20));
   // Returns the code with which the server has closed the socket; 0: it has not.
   uint16_t close_code() const;
+  // Returns the certificate that the server has shown, as PEM; empty without TLS.
+  std::string certificate() const;
   bool Send(const std::string& text);
 
  private:

@@ -227,11 +227,14 @@ void LoopPoster::End() {
 }
 
 std::shared_ptr<WebConnection> MakeWebConnection(boost::asio::ip::tcp::socket socket,
-                                                 boost::asio::ssl::context* tls,
                                                  WebShared& shared) {
   Tcp stream(std::move(socket));
-  if (tls == nullptr) return std::make_shared<HttpSession<Tcp>>(std::move(stream), shared);
-  return std::make_shared<HttpSession<Tls>>(Tls(std::move(stream), *tls), shared);
+  if (shared.options.tls == nullptr) {
+    return std::make_shared<HttpSession<Tcp>>(std::move(stream), shared);
+  }
+  // The stream's session holds what it needs of the context.
+  const auto context = shared.options.tls->context();
+  return std::make_shared<HttpSession<Tls>>(Tls(std::move(stream), *context), shared);
 }
 
 }  // namespace corbslam::services

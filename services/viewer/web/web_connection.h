@@ -5,7 +5,6 @@
 #include <atomic>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
-#include <boost/asio/ssl/context.hpp>
 #include <cstddef>
 #include <functional>
 #include <memory>
@@ -48,10 +47,10 @@ class WebConnection {
   virtual void Close() = 0;
 };
 
-// A connection lives as long as one of its operations is under way, or an answer is awaited. Null
-// `tls`: over TCP.
+// A connection lives as long as one of its operations is under way, or an answer is awaited. It
+// goes by the key pair that the options' TLS has now; without TLS: over TCP.
 std::shared_ptr<WebConnection> MakeWebConnection(boost::asio::ip::tcp::socket socket,
-                                                 boost::asio::ssl::context* tls, WebShared& shared);
+                                                 WebShared& shared);
 
 }  // namespace corbslam::services
 

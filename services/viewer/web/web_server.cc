@@ -1,48 +1,20 @@
 #include "services/viewer/web/web_server.h"
 
-#include <glog/logging.h>
-
-#include <boost/asio/buffer.hpp>
 #include <boost/asio/io_context.hpp>
-#include <boost/asio/ssl/context.hpp>
 #include <deque>
 #include <thread>
 #include <utility>
 
-#include "absl/strings/str_cat.h"
 #include "services/http/http_listener.h"
 #include "services/viewer/web/web_connection.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::services {
-namespace {
-
-using TlsContext = boost::asio::ssl::context;
-
-absl::StatusOr<std::unique_ptr<TlsContext>> MakeTls(const KeyPair& pair) {
-  auto tls = std::make_unique<TlsContext>(TlsContext::tls_server);
-  boost::system::error_code error;
-  tls->set_options(TlsContext::default_workarounds | TlsContext::no_sslv2 | TlsContext::no_sslv3 |
-                   TlsContext::no_tlsv1 | TlsContext::no_tlsv1_1);
-  tls->use_certificate_chain(boost::asio::buffer(pair.certificate_pem), error);
-  if (!error) {
-    tls->use_private_key(boost::asio::buffer(pair.key_pem), TlsContext::pem, error);
-  }
-  if (error) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("TLS: the key pair can't be used: ", error.message()));
-  }
-  return tls;
-}
-
-}  // namespace
-
 // Holds the thread, and what only that thread touches once it runs.
 class WebServer::Loop {
  public:
-  Loop(WebHandler* handler, const WebServerOptions& options, std::unique_ptr<TlsContext> tls)
+  Loop(WebHandler* handler, const WebServerOptions& options)
       : options_(options),
-        tls_(std::move(tls)),
         shared_{*handler, options_, std::make_shared<LoopPoster>(&context_)},
         listener_(context_) {}
   ~Loop() {
@@ -69,13 +41,12 @@ class WebServer::Loop {
     if (open_.size() >= options_.max_connections) return;
     boost::system::error_code ignored;
     socket.set_option(boost::asio::ip::tcp::no_delay(true), ignored);
-    const auto connection = MakeWebConnection(std::move(socket), tls_.get(), shared_);
+    const auto connection = MakeWebConnection(std::move(socket), shared_);
     open_.push_back(connection);
     connection->Start();
   }
 
   const WebServerOptions options_;
-  const std::unique_ptr<TlsContext> tls_;
   WebShared shared_;
   boost::asio::io_context context_{/*concurrency_hint=*/1};
   HttpListener listener_;
@@ -86,11 +57,7 @@ class WebServer::Loop {
 absl::StatusOr<std::unique_ptr<WebServer>> WebServer::Start(const std::string& address,
                                                             WebHandler* handler,
                                                             const WebServerOptions& options) {
-  std::unique_ptr<TlsContext> tls;
-  if (options.tls) {
-    ASSIGN_OR_RETURN(tls, MakeTls(*options.tls));
-  }
-  auto loop = std::make_unique<Loop>(handler, options, std::move(tls));
+  auto loop = std::make_unique<Loop>(handler, options);
   ASSIGN_OR_RETURN(std::string listening, loop->Listen(address));
   std::unique_ptr<WebServer> server(new WebServer(std::move(listening), std::move(loop)));
   server->loop_->Start();

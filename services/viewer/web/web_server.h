@@ -10,14 +10,14 @@
 
 #include "absl/status/statusor.h"
 #include "absl/time/time.h"
-#include "services/security/pem_files.h"
 #include "services/viewer/web/web_message.h"
+#include "services/viewer/web/web_tls.h"
 
 namespace corbslam::services {
 
 struct WebServerOptions {
-  // Nullopt: no TLS.
-  std::optional<KeyPair> tls = std::nullopt;
+  // Null: no TLS. It may be replaced while the server runs.
+  std::shared_ptr<const WebTls> tls = nullptr;
   // Names by which browsers may call it beside IP addresses and localhost (web_host.h); requests to
   // others get 421. Nullopt: any. With TLS the certificate says it, and browsers see to that.
   std::optional<std::vector<std::string>> hosts = std::nullopt;
@@ -36,8 +36,7 @@ struct WebServerOptions {
 class WebServer {
  public:
   // Listens on an address that CheckHttpAddress takes; for port 0 the system chooses one. `handler`
-  // is not owned and must outlive the server. UNAVAILABLE if it can't listen, with why;
-  // INVALID_ARGUMENT if the key pair can't be used.
+  // is not owned and must outlive the server. UNAVAILABLE if it can't listen, with why.
   static absl::StatusOr<std::unique_ptr<WebServer>> Start(const std::string& address,
                                                           WebHandler* handler,
                                                           const WebServerOptions& options = {});

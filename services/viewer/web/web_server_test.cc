@@ -252,7 +252,7 @@ TEST_F(WebServerTest, ServesWithTls) {
   auto pair = ReadKeyPair(certificates.Options("store").certificate_file,
                           certificates.Options("store").key_file);
   ASSERT_TRUE(pair.ok()) << pair.status();
-  options.tls = *pair;
+  options.tls = *WebTls::Make(*pair);
   Start(options);
   WebSocketClient client(address(), "/stream", {.tls = true});
   ASSERT_TRUE(client.stands());
@@ -264,9 +264,7 @@ TEST_F(WebServerTest, ServesWithTls) {
 TEST(WebServerStartTest, SaysWhatIsWrong) {
   Echo echo;
   EXPECT_EQ(WebServer::Start("nowhere", &echo).status().code(), absl::StatusCode::kInvalidArgument);
-  WebServerOptions options;
-  options.tls = KeyPair{"no certificate", "no key"};
-  EXPECT_THAT(WebServer::Start("127.0.0.1:0", &echo, options).status().message(),
+  EXPECT_THAT(WebTls::Make({"no certificate", "no key"}).status().message(),
               HasSubstr("key pair can't be used"));
 }
 
