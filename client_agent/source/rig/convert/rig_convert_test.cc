@@ -43,6 +43,7 @@ cam1:
   distortion_model: none
   intrinsics: [-0.2, 0.59, 158.1, 158.2, 252.4, 255.0]
   resolution: [512, 512]
+  timeshift_cam_imu: 0.0
 )";
 
 constexpr char kRosLeft[] = R"(image_width: 640
@@ -325,6 +326,119 @@ TEST(RigConvertTest, ReadsEuroc) {
   EXPECT_NEAR(*converted->rig.close_depth_m, 5.5, 1e-9);
 }
 
+// What `rostopic echo` and `ros2 topic echo` print.
+TEST(RigConvertTest, ReadsRosMessages) {
+  const std::string left =
+      "header:\n  seq: 1\nheight: 376\nwidth: 1241\ndistortion_model: \"plumb_bob\"\n"
+      "D: [0, 0, 0, 0, 0]\nK: [718.8, 0, 607.1, 0, 718.8, 185.2, 0, 0, 1]\n"
+      "R: [1, 0, 0, 0, 1, 0, 0, 0, 1]\nP: [718.8, 0, 607.1, 0, 0, 718.8, 185.2, 0, 0, 0, 1, 0]\n"
+      "binning_x: 0\nroi:\n  x_offset: 0\n  y_offset: 0\n---\n";
+  const std::string right = absl::StrReplaceAll(left, {{"607.1, 0, 0,", "607.1, -359.4, 0,"}});
+  const auto convert = [](const std::string& a, const std::string& b) {
+    RigFiles files = One("echo_left.yaml", a);
+    files.paths.push_back(WriteText("echo_right.yaml", b));
+    return ConvertRig(files);
+  };
+  const auto lower = [](const std::string& text) {
+    return absl::StrReplaceAll(text, {{"\nD:", "\nd:"}, {"K:", "k:"}, {"R:", "r:"}, {"P:", "p:"}});
+  };
+  for (const auto& converted : {convert(left, right), convert(lower(left), lower(right))}) {
+    ASSERT_TRUE(converted.ok()) << converted.status();
+    EXPECT_EQ(converted->format, "ros");
+    EXPECT_EQ(converted->rig.cameras[0].width_px, 1241);
+    EXPECT_NEAR(converted->rig.right_from_left.translation.x(), -359.4 / 718.8, 1e-12);
+  }
+  const auto says = [&](const char* from, const char* to) {
+    const std::string bad = absl::StrReplaceAll(left, {{from, to}});
+    return std::string(convert(bad, right).status().message());
+  };
+  EXPECT_THAT(says("binning_x: 0", "binning_x: 2"), HasSubstr("binning_x is 2"));
+  EXPECT_THAT(says("x_offset: 0", "x_offset: 8"), HasSubstr("roi.x_offset is 8"));
+  EXPECT_THAT(says("K: [718.8, 0,", "K: [718.8, 3,"), HasSubstr("K has a skew of 3 px"));
+  EXPECT_THAT(says("width: 1241", "width: 1241.5"), HasSubstr("must be a whole number"));
+}
+
+RigFiles OpenCvFiles(const std::string& intrinsics, const std::string& extrinsics) {
+  return {
+      .paths = {WriteText("intrinsics.yml", intrinsics), WriteText("extrinsics.yml", extrinsics)},
+      .format = "",
+      .size = PictureSize{640, 480},
+      .trust = false};
+}
+
+TEST(RigConvertTest, OpenCvsFourNumbersNeedTheirLens) {
+  const std::string four =
+      absl::StrReplaceAll(kOpenCv, {{"0.24, 0., 0., 0.01, 0., 0., 0., 0., 0., 0. ]", "]"},
+                                    {"-0.28, 0.08, 0., 0., 0. ]", "-0.28, 0.08, 0.01, 0.002 ]"}});
+  RigFiles files = OpenCvFiles(absl::StrReplaceAll(four, {{"0., 0., ]", "0., 0. ]"}}), kOpenCvPair);
+  EXPECT_THAT(std::string(ConvertRig(files).status().message()),
+              HasSubstr("D1 has 4 numbers: of cv::fisheye"));
+  files.lens = "equidistant";
+  auto converted = ConvertRig(files);
+  ASSERT_TRUE(converted.ok()) << converted.status();
+  EXPECT_EQ(std::get<Equidistant>(converted->rig.cameras[1].raw.lens).k4, 0.002);
+  files.lens = "radial-tangential";
+  converted = ConvertRig(files);
+  ASSERT_TRUE(converted.ok()) << converted.status();
+  EXPECT_EQ(std::get<RadialTangential>(converted->rig.cameras[1].raw.lens).p2, 0.002);
+  files.lens = "wide";
+  EXPECT_THAT(std::string(ConvertRig(files).status().message()), HasSubstr("--lens is 'wide'"));
+  RigFiles kalibr = One("camchain.yaml", kKalibr);
+  kalibr.lens = "equidistant";
+  EXPECT_THAT(std::string(ConvertRig(kalibr).status().message()),
+              HasSubstr("--lens is of OpenCV's files"));
+}
+
+TEST(RigConvertTest, OpenCvsFilesMustAgree) {
+  const std::string m1 =
+      "M1: {rows: 3, cols: 3, dt: d, data: [530, 0, 341, 0, 531, 230, 0, 0, 1]}\n";
+  EXPECT_THAT(std::string(ConvertRig(OpenCvFiles(kOpenCv, kOpenCvPair + m1)).status().message()),
+              HasSubstr("M1 differs in"));
+  const std::string skewed = absl::StrReplaceAll(kOpenCv, {{"530., 0.,", "530., 0.6,"}});
+  EXPECT_THAT(std::string(ConvertRig(OpenCvFiles(skewed, kOpenCvPair)).status().message()),
+              HasSubstr("M1 has a skew of 0.6 px"));
+  const std::string turned = absl::StrReplaceAll(kOpenCvPair, {{"-0.083", "0.083"}});
+  EXPECT_THAT(std::string(ConvertRig(OpenCvFiles(kOpenCv, turned)).status().message()),
+              HasSubstr("exchanged, or is the motion inverted?"));
+}
+
+// ORB-SLAM2's own file has values that begin right behind the colon.
+TEST(RigConvertTest, ReadsOpenCvsYamlWithoutBlanks) {
+  const std::string crowded =
+      absl::StrReplaceAll(kOrb2Rgbd, {{"Camera.fps: 30.0", "Camera.fps:30.0\nViewer.Size:2"}});
+  const auto converted = ConvertRig(One("TUM1.yaml", crowded));
+  ASSERT_TRUE(converted.ok()) << converted.status();
+  EXPECT_EQ(converted->rig.rate_hz, 30);
+  const auto pair =
+      ConvertRig(OpenCvFiles(absl::StrReplaceAll(kOpenCv, {{"data: [", "data:["}}), kOpenCvPair));
+  ASSERT_TRUE(pair.ok()) << pair.status();
+  EXPECT_EQ(pair->rig.cameras[1].raw.cy_px, 234);
+}
+
+TEST(RigConvertTest, SaysWhatItCannotKnowOfOrbSlam) {
+  const std::string old = absl::StrReplaceAll(
+      kOrb2Rgbd, {{"DepthMapFactor: 5000.0", "Camera.type: KannalaBrandt8\nTlr: [1, 0]"}});
+  EXPECT_THAT(std::string(ConvertRig(One("old.yaml", old)).status().message()),
+              HasSubstr("Tlr is of ORB-SLAM3's older settings, whose format is not known"));
+  const auto smaller = ConvertRig(One("new.yaml", std::string(kOrb3) + "Camera.newWidth: 256\n"));
+  ASSERT_TRUE(smaller.ok()) << smaller.status();
+  EXPECT_THAT(smaller->notes[0], HasSubstr("Camera.newWidth is left out"));
+  const std::string cut = absl::StrReplaceAll(kOrb3, {{"Camera.width: 512", "Camera.width: 1e12"}});
+  EXPECT_THAT(std::string(ConvertRig(One("cut.yaml", cut)).status().message()),
+              HasSubstr("must be a whole number"));
+}
+
+TEST(RigConvertTest, OffersTrustAsTheConvertersFlag) {
+  const auto says = [](const char* to) {
+    const std::string text = absl::StrReplaceAll(kKalibr, {{"254.9", to}});
+    return std::string(ConvertRig(One("camchain.yaml", text)).status().message());
+  };
+  EXPECT_THAT(says("25.4"), HasSubstr("If it is right, say --trust-calibration"));
+  const std::string negative = absl::StrReplaceAll(kKalibr, {{"[190.9,", "[-190.9,"}});
+  EXPECT_THAT(std::string(ConvertRig(One("camchain.yaml", negative)).status().message()),
+              ::testing::Not(HasSubstr("trust")));
+}
+
 TEST(RigConvertTest, SaysWhatIsWrong) {
   const struct {
     std::string from, to, says;
@@ -334,7 +448,17 @@ TEST(RigConvertTest, SaysWhatIsWrong) {
                {"equidistant", "fov", "cam0.distortion_model: a lens that is 'fov'"},
                {"[512, 512]", "[512]", "cam0.resolution is no list of 2"},
                {"254.9", "25.4", "can't be"},
-               {"-0.101", "0.101", "mostly along +x"}};
+               {"-0.101", "0.101", "left and right exchanged, or is the motion inverted?"},
+               {"-0.101", "-101", "the cameras are 101.0"},
+               {"  distortion_model: equidistant\n", "", "cam0.distortion_model is missing, and"},
+               {"distortion_model: equidistant", "distortion_model: none", "is none, and"},
+               {"  timeshift_cam_imu: 0.0\n", "", "is of one of cam0 and cam1 alone"},
+               {"shift_cam_imu: 0.004", "shift_cam_imu: .nan", "cam0.timeshift_cam_imu is no"},
+               {"[512, 512]", "[512.9, 512]", "is 512.9, must be a whole number"},
+               {"[512, 512]", "[1e12, 512]", "is 1e+12, must be a whole number"},
+               {"  camera_model: ds", "  resolution: [1, 1]\n  camera_model: ds",
+                "resolution is there twice"},
+               {"[190.9,", "[-190.9,", "can't be: must be finite and above 0"}};
   for (const auto& [from, to, says] : cases) {
     const std::string text = absl::StrReplaceAll(kKalibr, {{from, to}});
     const absl::Status status = ConvertRig(One("camchain.yaml", text)).status();
