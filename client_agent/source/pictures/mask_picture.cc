@@ -80,8 +80,8 @@ absl::Status CheckValues(absl::string_view name, const cv::Mat& mask) {
 
 double MaskedPercent(const PictureMask& mask) {
   if (mask.empty()) return 0;
-  return 100.0 *
-         (1.0 - static_cast<double>(cv::countNonZero(mask)) / static_cast<double>(mask.total()));
+  const auto total = static_cast<double>(mask.total());
+  return 100 * (total - cv::countNonZero(mask)) / total;
 }
 
 absl::StatusOr<PictureMask> DecodeMaskPicture(absl::string_view name, const std::string& encoded) {

@@ -140,7 +140,8 @@ bool RigCheck::IsUsable() const {
 
 absl::StatusOr<RigCheck> CheckRig(const FrameReader& reader, const SourceSpec& spec) {
   Inspection inspection = LookIntoSource(reader, spec, kThorough);
-  if (spec.layout == SourceLayout::kRegistered) {
+  const bool is_pair = std::holds_alternative<StereoCalibration>(reader.calibration());
+  if (is_pair && spec.layout == SourceLayout::kRegistered) {
     // What a simulation draws is not checked for what a camera does; its rows are measured.
     inspection.pairs = JudgeSample(reader.calibration(), inspection.sample).pairs;
   }

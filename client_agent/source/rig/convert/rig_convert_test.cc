@@ -449,7 +449,7 @@ TEST(RigConvertTest, SaysWhatIsWrong) {
                {"[512, 512]", "[512]", "cam0.resolution is no list of 2"},
                {"254.9", "25.4", "can't be"},
                {"-0.101", "0.101", "left and right exchanged, or is the motion inverted?"},
-               {"-0.101", "-101", "the cameras are 101.0"},
+               {"-0.101", "-101", "the cameras are 101 m apart"},
                {"  distortion_model: equidistant\n", "", "cam0.distortion_model is missing, and"},
                {"distortion_model: equidistant", "distortion_model: none", "is none, and"},
                {"  timeshift_cam_imu: 0.0\n", "", "is of one of cam0 and cam1 alone"},
