@@ -1,9 +1,12 @@
 #include "services/agent_service/mask_png.h"
 
+#include <glog/logging.h>
+
 #include "absl/status/status.h"
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "client_agent/source/pictures/mask_picture.h"
+#include "slam/util/status_macros.h"
 
 namespace corbslam::services {
 namespace {
@@ -22,7 +25,11 @@ absl::StatusOr<PictureMask> DecodeMask(const std::string& png) {
   if (!absl::StartsWith(png, kPngSignature)) {
     return absl::InvalidArgumentError("png does not begin as a PNG does");
   }
-  return client_agent::DecodeMaskPicture("png", png);
+  ASSIGN_OR_RETURN(PictureMask mask, client_agent::DecodeMaskPicture("png", png));
+  const double percent = client_agent::MaskedPercent(mask);
+  LOG_IF(WARNING, percent > client_agent::kWideMask_percent)
+      << "a mask that was set leaves out " << percent << " % of the picture: is it inverted?";
+  return mask;
 }
 
 }  // namespace corbslam::services

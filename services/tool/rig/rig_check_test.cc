@@ -67,7 +67,7 @@ TEST(RigCheckTest, SaysWhatRowsCannotShow) {
 }
 
 TEST(RigCheckTest, ABareWallIsWrong) {
-  const RigCheck check = Check(LayeredStereo({.noise = 0, .contrast = 0}));
+  const RigCheck check = Check(LayeredStereo({.contrast = 0}));
   EXPECT_FALSE(check.IsUsable());
   EXPECT_THAT(FormatRigCheck(check), HasSubstr("pair-not-judged: no pair could be judged"));
   EXPECT_THAT(FormatRigCheck(check), HasSubstr("WRONG: "));
