@@ -30,7 +30,7 @@ struct Format {
 const std::vector<Format>& Formats() {
   static const auto* const formats = new std::vector<Format>{
       {"kalibr", {"cam0"}, &ReadKalibr},
-      {"ros", {"camera_matrix", "projection_matrix", "K", "P", "k", "p"}, &ReadRosPair},
+      {"ros", {"camera_matrix", "projection_matrix", "P", "p"}, &ReadRosPair},
       {"euroc", {"T_BS"}, &ReadEurocPair},
       {"orbslam", {"Camera.fx", "Camera1.fx", "LEFT.K"}, &ReadOrbSlam},
       {"opencv", {"M1", "K1", "cameraMatrix1", "R", "T"}, &ReadOpenCvStereo},
