@@ -33,9 +33,16 @@ std::string NameOf(size_t region) {
   return kNames[region];
 }
 
-bool SpeaksOfThePair(const SourceFindings& found) {
+constexpr absl::string_view kRowsApart = "pair-rows-apart";
+
+bool HasRowsApart(const SourceFindings& found) {
+  return std::any_of(found.begin(), found.end(),
+                     [](const SourceFinding& finding) { return finding.code == kRowsApart; });
+}
+
+bool HasOtherOfPair(const SourceFindings& found) {
   return std::any_of(found.begin(), found.end(), [](const SourceFinding& finding) {
-    return absl::StartsWith(finding.code, "pair-");
+    return absl::StartsWith(finding.code, "pair-") && finding.code != kRowsApart;
   });
 }
 
@@ -66,26 +73,27 @@ SourceFindings FindingsOfRegions(const PairRegions& measured, const SourceFindin
     if (HasError(found)) return {};
     return {TellNoPair(measured)};
   }
-  if (SpeaksOfThePair(found)) return {};
+  if (HasOtherOfPair(found)) return {};
+  // What all rows have in common is said already.
+  const double common_px = HasRowsApart(found) ? measured.all.row_offset_px : 0;
   std::string where;
   double most_px = 0;
   for (size_t i = 0; i < measured.regions.size(); ++i) {
     const RegionRows& region = measured.regions[i];
-    if (region.matches < kRegionMatches || std::abs(region.row_offset_px) <= kMostRegionRows_px) {
-      continue;
-    }
+    const double apart_px = std::abs(region.row_offset_px - common_px);
+    if (region.matches < kRegionMatches || apart_px <= kMostRegionRows_px) continue;
     absl::StrAppendFormat(&where, "%s%s %+.2f px", where.empty() ? "" : ", ", NameOf(i),
                           region.row_offset_px);
-    most_px = std::max(most_px, std::abs(region.row_offset_px));
+    most_px = std::max(most_px, apart_px);
   }
   if (where.empty()) return {};
   return {{most_px > kHopelessRegionRows_px ? FindingLevel::kError : FindingLevel::kWarning,
            "lens-rows-apart",
-           absl::StrFormat("rows agree over the whole picture and are apart in parts of it: %s "
-                           "(right picture lower: +; a right rig has at most %.0f px). The lens or "
-                           "the focal length is not that of these cameras: check lens, "
-                           "lens_numbers and focal_px, or calibrate again with the board in the "
-                           "corners, too",
+           absl::StrFormat("rows are apart in parts of the picture and not alike in all: %s "
+                           "(right picture lower: +; a right rig has at most %.0f px). Lens, focal "
+                           "length or how the cameras are turned is not that of these cameras: "
+                           "check lens, lens_numbers, focal_px and right_from_left, or calibrate "
+                           "again with the board in the corners, too",
                            where, kMostRegionRows_px)}};
 }
 

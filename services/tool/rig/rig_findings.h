@@ -17,8 +17,9 @@ size_t JudgedRegions(const client_agent::PairRegions& measured);
 
 // Returns `pair-not-judged`, an error, where no pair could be judged (and `found`
 // has no error that says why), and `lens-rows-apart` where
-// rows are apart in a part of the pictures: what a wrong lens or focal length does. The latter only
-// where `found` holds nothing about the pair already: other causes move rows everywhere.
+// rows are apart in a part of the pictures: what a wrong lens or focal length does. The latter not
+// where `found` has another cause (pair-late, pair-exchanged); where it has pair-rows-apart,
+// regions are held against what all have in common.
 client_agent::SourceFindings FindingsOfRegions(const client_agent::PairRegions& measured,
                                                const client_agent::SourceFindings& found);
 

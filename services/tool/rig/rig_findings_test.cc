@@ -53,8 +53,13 @@ TEST(RigFindingsTest, FewMatchesSayNothingAboutARegion) {
 TEST(RigFindingsTest, WhatIsWrongEverywhereIsNotSaidAgainByRegion) {
   PairRegions measured = Right();
   for (auto& region : measured.regions) region.row_offset_px = 2.5;
-  EXPECT_THAT(FindingsOfRegions(measured, {{FindingLevel::kWarning, "pair-rows-apart", ""}}),
-              SizeIs(0));
+  measured.all.row_offset_px = 2.5;
+  const SourceFindings apart = {{FindingLevel::kWarning, "pair-rows-apart", ""}};
+  EXPECT_THAT(FindingsOfRegions(measured, apart), SizeIs(0));
+  measured.regions[8].row_offset_px = 12;
+  ASSERT_THAT(FindingsOfRegions(measured, apart), SizeIs(1));
+  EXPECT_THAT(FindingsOfRegions(measured, apart)[0].text, HasSubstr("all: bottom right +12.00 px"));
+  EXPECT_THAT(FindingsOfRegions(measured, {{FindingLevel::kWarning, "pair-late", ""}}), SizeIs(0));
 }
 
 TEST(RigFindingsTest, WithoutAPairNothingIsUsable) {

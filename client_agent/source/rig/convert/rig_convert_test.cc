@@ -203,6 +203,8 @@ TEST(RigConvertTest, ReadsRosMessages) {
     const std::string bad = absl::StrReplaceAll(left, {{from, to}});
     return std::string(convert(bad, right).status().message());
   };
+  EXPECT_THAT(says("R: [1,", "R: [-1,"), HasSubstr("R holds no rotation"));
+  EXPECT_THAT(says("P: [718.8,", "P: [0,"), HasSubstr("was this camera calibrated?"));
   EXPECT_THAT(says("binning_x: 0", "binning_x: 2"), HasSubstr("binning_x is 2"));
   EXPECT_THAT(says("x_offset: 0", "x_offset: 8"), HasSubstr("roi.x_offset is 8"));
   EXPECT_THAT(says("K: [718.8, 0,", "K: [718.8, 3,"), HasSubstr("K has a skew of 3 px"));

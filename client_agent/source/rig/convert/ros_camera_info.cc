@@ -105,7 +105,12 @@ absl::Status Read(const YAML::Node& file, const std::string& path, CameraInfo& i
   const Eigen::Matrix3d error =
       info.rectified_from_camera * info.rectified_from_camera.transpose() -
       Eigen::Matrix3d::Identity();
-  if (error.norm() < 0.01) return absl::OkStatus();
+  if (!(info.rectified_fx_px > 0)) {
+    return absl::InvalidArgumentError(
+        absl::StrCat(path, ": ", names.p, " has fx ", info.rectified_fx_px,
+                     ", must be above 0: was this camera calibrated?"));
+  }
+  if (error.norm() < 0.01 && info.rectified_from_camera.determinant() > 0) return absl::OkStatus();
   return absl::InvalidArgumentError(absl::StrCat(path, ": ", names.r, " holds no rotation"));
 }
 
