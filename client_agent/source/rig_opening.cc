@@ -1,5 +1,6 @@
 #include "client_agent/source/rig_opening.h"
 
+#include <filesystem>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -26,11 +27,42 @@ absl::Status CheckSize(const SourceSpec& spec, const RigCamera& camera,
                    first.rows, ": give the rig of this camera, at this size"));
 }
 
+// What is done to a camera's frames once.
+struct Alignment {
+  int64_t second_offset_ns = 0;
+  bool registers_depth = false;
+  bool operator==(const Alignment&) const = default;
+};
+
+Alignment AlignmentOf(const Rig& rig, std::optional<bool> registers) {
+  const bool has_camera = rig.kind == RigKind::kRgbd && rig.depth.camera.has_value();
+  return {SecondTimeOffset_ns(rig), has_camera && registers.value_or(true)};
+}
+
+// A robot's recording (docs/recording.md) has frames as they were tracked: with aligned stamps and
+// registered depth. Its own rig says so; the robot's would do both again.
+absl::Status CheckNotDoneTwice(const SourceSpec& spec, const Rig& rig) {
+  const std::filesystem::path folder(spec.directory);
+  std::error_code ignored;
+  if (!std::filesystem::exists(folder / "recording.json", ignored)) return absl::OkStatus();
+  const std::string own_file = (folder / "rig.yaml").string();
+  const absl::StatusOr<Rig> own = ReadRigFile(own_file);
+  const Alignment done = own.ok() ? AlignmentOf(*own, spec.opening.registers) : Alignment();
+  if (AlignmentOf(rig, spec.opening.registers) == done) return absl::OkStatus();
+  return absl::InvalidArgumentError(absl::StrCat(
+      spec.opening.rig_file, ": has another time_offset_s or depth.camera than ", own_file,
+      ", and ", spec.directory,
+      " holds what a robot tracked, whose stamps are aligned and whose depth is registered "
+      "already: give --rig ",
+      own_file));
+}
+
 }  // namespace
 
 absl::StatusOr<int64_t> SecondTimeOffsetOf_ns(const SourceSpec& spec) {
   if (spec.opening.rig_file.empty()) return 0;
   ASSIGN_OR_RETURN(const Rig rig, ReadRigFile(spec.opening.rig_file));
+  RETURN_IF_ERROR(CheckNotDoneTwice(spec, rig));
   return SecondTimeOffset_ns(rig);
 }
 
@@ -41,6 +73,7 @@ absl::Status TakeRig(const SourceSpec& spec, RigKind kind, ListedSequence& seque
     return absl::InvalidArgumentError(
         absl::StrCat(path, ": is of ", NameOf(rig.kind), ", this recording is of ", NameOf(kind)));
   }
+  RETURN_IF_ERROR(CheckNotDoneTwice(spec, rig));
   RETURN_IF_ERROR(CheckSize(spec, rig.cameras[0], sequence.frames));
   ASSIGN_OR_RETURN(SourceFindings findings, JudgeRig(rig, path, spec.opening.trust_calibration));
   ASSIGN_OR_RETURN(sequence.calibration, CalibrationOf(rig));

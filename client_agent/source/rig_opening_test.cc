@@ -94,6 +94,55 @@ TEST(RigOpeningTest, NotesATimeOffsetThatMeansNothingHere) {
   EXPECT_EQ(findings[0].code, "time-offset-unused");
 }
 
+// Frames of a robot's recording were aligned before they were written.
+TEST(RigOpeningTest, ARecordingIsNotAlignedTwice) {
+  const fs::path folder = MakeFolder();
+  std::ofstream(folder / "recording.json") << "{}";
+  const auto open = [&](const std::string& rig) {
+    const auto spec = ParseSourceSpec(absl::StrCat("kitti:", folder.string(), "?rig=", rig));
+    return OpenReader(spec.value());
+  };
+  const std::string late = WriteRig(
+      absl::StrCat("kind: stereo\nrectified: true\nbaseline_m: 0.1\n", kCameras,
+                   "  - {size_px: [160, 120], focal_px: [100, 100], principal_px: [81, 60], "
+                   "time_offset_s: 0.01}\n"));
+  const std::string message(open(late).status().message());
+  EXPECT_THAT(message, HasSubstr("another time_offset_s or depth.camera"));
+  EXPECT_THAT(message, HasSubstr("give --rig " + (folder / "rig.yaml").string()));
+  fs::copy_file(late, folder / "rig.yaml");
+  EXPECT_TRUE(open((folder / "rig.yaml").string()).ok());
+  fs::remove(folder / "rig.yaml");
+  EXPECT_TRUE(open(PairOf(kCameras)).ok());
+}
+
+TEST(RigOpeningTest, SaysHowMuchAMaskLeavesOut) {
+  const std::string mask_file = ::testing::TempDir() + "/opening_mask.png";
+  cv::Mat mask(120, 160, CV_8UC1, cv::Scalar(255));
+  const auto open = [&](int black_rows) {
+    mask.rowRange(0, black_rows).setTo(0);
+    cv::imwrite(mask_file, mask);
+    const std::string rig = PairOf(kCameras);
+    std::ofstream(rig, std::ios::app) << "mask: opening_mask.png\n";
+    return Open("rig=" + rig);
+  };
+  const auto quarter = open(30);
+  ASSERT_TRUE(quarter.ok()) << quarter.status();
+  EXPECT_THAT(DescribeInWords((*quarter)->description()),
+              ::testing::Contains(
+                  std::pair<std::string, std::string>("mask", "leaves out 25.0 % of the picture")));
+  EXPECT_TRUE((*quarter)->description().remarks.findings.empty());
+  const auto most = open(96);
+  ASSERT_TRUE(most.ok()) << most.status();
+  ASSERT_EQ((*most)->description().remarks.findings.size(), 1u);
+  EXPECT_EQ((*most)->description().remarks.findings[0].code, "mask-wide");
+  EXPECT_THAT(std::string(open(120).status().message()), HasSubstr("is it inverted?"));
+  const std::string rig = PairOf(kCameras);
+  std::ofstream(rig, std::ios::app) << "mask: nowhere.png\n";
+  const std::string message(Open("rig=" + rig).status().message());
+  EXPECT_THAT(message, HasSubstr("opening_rig.yaml: mask: "));
+  EXPECT_THAT(message, HasSubstr("nowhere.png"));
+}
+
 // A file whose name holds what ends an option.
 TEST(RigOpeningTest, TakesAnyNameOfAFile) {
   const fs::path named = fs::path(::testing::TempDir()) / "a&b,c%26d.yaml";

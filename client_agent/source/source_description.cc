@@ -4,6 +4,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "client_agent/source/pictures/mask_picture.h"
 #include "slam/util/text_file.h"
 
 namespace corbslam::client_agent {
@@ -75,7 +76,12 @@ Intrinsics RecordedIntrinsics(const SensorCalibration& calibration) {
 
 void DescribeCamera(const SensorCalibration& calibration, SourceDescription& description) {
   description.intrinsics = RecordedIntrinsics(calibration);
-  std::visit([&](const auto& kind) { Describe(kind, description); }, calibration);
+  std::visit(
+      [&](const auto& kind) {
+        Describe(kind, description);
+        description.masked_percent = MaskedPercent(kind.mask);
+      },
+      calibration);
 }
 
 std::vector<std::pair<std::string, std::string>> DescribeInWords(
@@ -91,6 +97,10 @@ std::vector<std::pair<std::string, std::string>> DescribeInWords(
   }
   if (description.depth_units_per_m.has_value()) {
     lines.push_back({"depth", DescribeDepth(description)});
+  }
+  if (description.masked_percent > 0) {
+    lines.push_back(
+        {"mask", absl::StrFormat("leaves out %.1f %% of the picture", description.masked_percent)});
   }
   if (description.is_live) {
     lines.push_back({"times", description.times_from});

@@ -24,6 +24,7 @@ struct SourceDescription {
   std::optional<double> depth_units_per_m;  // Set for an RGB-D camera only.
   std::string depth_units_from;
   std::string depth_registration;  // What is done to depth, for people. Empty: it is registered.
+  double masked_percent = 0;       // Of the (first) picture, where the rig has a mask.
   bool is_live = false;  // A camera: how many frames there will be, and when, nobody knows.
   // Number of all frames of the sequence, selected or not.
   size_t frames = 0;

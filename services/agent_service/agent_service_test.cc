@@ -220,7 +220,9 @@ TEST_F(AgentServiceTest, AMaskIsAGreyPngOfThePicturesSize) {
 
   for (const std::string& bad :
        {std::string("no PNG"), good.substr(0, 60), png_of(mask.t()), std::string(5 << 20, 'x'),
-        png_of(cv::Mat::zeros(48, 64, CV_8UC3)), png_of(cv::Mat::zeros(48, 64, CV_16UC1))}) {
+        png_of(cv::Mat::zeros(48, 64, CV_8UC3)), png_of(cv::Mat::zeros(48, 64, CV_16UC1)),
+        png_of(cv::Mat(48, 64, CV_8UC4, cv::Scalar::all(255))), png_of(mask + 12),
+        png_of(cv::Mat::zeros(48, 64, CV_8UC1))}) {
     const grpc::Status status = set(bad);
     EXPECT_NE(status.error_code(), grpc::StatusCode::OK) << bad.size();
     EXPECT_FALSE(status.error_message().empty());

@@ -1,6 +1,6 @@
-#include <opencv2/core.hpp>
 #include <utility>
 
+#include "client_agent/source/pictures/mask_picture.h"
 #include "services/agent_service/agent_service.h"
 #include "services/agent_service/mask_png.h"
 #include "services/server/unary.h"
@@ -9,16 +9,6 @@
 namespace corbslam::services {
 
 using client_agent::AgentOrders;
-
-namespace {
-
-double MaskedPercent(const PictureMask& mask) {
-  if (mask.empty()) return 0;
-  return 100.0 *
-         (1.0 - static_cast<double>(cv::countNonZero(mask)) / static_cast<double>(mask.total()));
-}
-
-}  // namespace
 
 grpc::ServerUnaryReactor* AgentService::Give(grpc::CallbackServerContext* context, Order order) {
   return AnswerOn(pool_, context, [this, order = std::move(order)]() -> absl::Status {
@@ -53,7 +43,7 @@ grpc::ServerUnaryReactor* AgentService::SetMask(grpc::CallbackServerContext* con
   return Give(context, [request, response](AgentOrders& orders) -> absl::Status {
     ASSIGN_OR_RETURN(const PictureMask mask, DecodeMask(request->png()));
     RETURN_IF_ERROR(orders.SetMask(mask));
-    response->set_masked_percent(MaskedPercent(mask));
+    response->set_masked_percent(client_agent::MaskedPercent(mask));
     return absl::OkStatus();
   });
 }

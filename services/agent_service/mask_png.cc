@@ -1,11 +1,12 @@
 #include "services/agent_service/mask_png.h"
 
-#include <opencv2/core.hpp>
-#include <opencv2/imgcodecs.hpp>
+#include <glog/logging.h>
 
 #include "absl/status/status.h"
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
+#include "client_agent/source/pictures/mask_picture.h"
+#include "slam/util/status_macros.h"
 
 namespace corbslam::services {
 namespace {
@@ -24,15 +25,10 @@ absl::StatusOr<PictureMask> DecodeMask(const std::string& png) {
   if (!absl::StartsWith(png, kPngSignature)) {
     return absl::InvalidArgumentError("png does not begin as a PNG does");
   }
-  // OpenCV reads from the bytes alone. It throws for pictures beyond its limits.
-  const cv::Mat bytes(1, static_cast<int>(png.size()), CV_8UC1, const_cast<char*>(png.data()));
-  cv::Mat mask;
-  try {
-    mask = cv::imdecode(bytes, cv::IMREAD_UNCHANGED);
-  } catch (const cv::Exception& error) {
-    return absl::InvalidArgumentError(absl::StrCat("png can't be decoded: ", error.err));
-  }
-  if (mask.empty()) return absl::InvalidArgumentError("png can't be decoded");
+  ASSIGN_OR_RETURN(PictureMask mask, client_agent::DecodeMaskPicture("png", png));
+  const double percent = client_agent::MaskedPercent(mask);
+  LOG_IF(WARNING, percent > client_agent::kWideMask_percent)
+      << "a mask that was set leaves out " << percent << " % of the picture: is it inverted?";
   return mask;
 }
 

@@ -9,7 +9,8 @@
 
 namespace corbslam::services {
 
-// Returns the mask of a PNG, empty for no bytes. INVALID_ARGUMENT for what is none. Its size is
+// Returns the mask of a PNG, empty for no bytes. INVALID_ARGUMENT for what is none, as
+// DecodeMaskPicture says it; a mask that leaves out most of the picture is in the log. Its size is
 // checked by who uses it (CheckMask).
 absl::StatusOr<PictureMask> DecodeMask(const std::string& png);
 

@@ -79,7 +79,9 @@ absl::Status Validate(const RawStereo& raw) {
   if (!(distance > 1e-4 && distance < 1e3) || right_x < 0.5 * distance) {
     return absl::InvalidArgumentError(absl::StrCat(
         "right_from_left: the right camera is ", distance, " m from the left one, ", right_x,
-        " m of it along +x; must be 0.0001 to 1000 m away and mostly along +x"));
+        " m of it along +x; must be 0.0001 to 1000 m away and mostly along +x",
+        right_x < -0.5 * distance ? ": are left and right exchanged, or is the motion inverted?"
+                                  : ""));
   }
   return absl::OkStatus();
 }

@@ -14,6 +14,7 @@ struct Judged {
   double value;
   double least, low, high, most;
   absl::string_view advice;
+  bool is_nothing = false;  // No camera has it, whatever one trusts: no number, or not above 0.
 };
 
 constexpr absl::string_view kOtherSize =
@@ -30,7 +31,8 @@ Judged PrincipalPoint(absl::string_view name, double c_px, int side_px) {
           0.35,
           0.65,
           0.7,
-          kOtherSize};
+          kOtherSize,
+          !std::isfinite(c_px) || side_px <= 0};
 }
 
 // Judges a focal length by the wider side: 0.25 sees 127 degrees, 4 sees 14.
@@ -41,18 +43,23 @@ Judged FocalLength(absl::string_view name, double f_px, int side_px) {
           0.25,
           4,
           20,
-          kOtherSize};
+          kOtherSize,
+          !(f_px > 0) || !std::isfinite(f_px) || side_px <= 0};
 }
 
 absl::StatusOr<SourceFindings> Judge(const std::vector<Judged>& numbers, absl::string_view from,
                                      bool trust) {
   SourceFindings findings;
   for (const Judged& j : numbers) {
+    if (j.is_nothing) {
+      return absl::InvalidArgumentError(
+          absl::StrCat(from, ": ", j.what, " can't be: must be finite and above 0"));
+    }
     if (j.value >= j.low && j.value <= j.high) continue;
     const bool possible = j.value >= j.least && j.value <= j.most;
     const std::string text =
         absl::StrCat(from, ": ", j.what, possible ? " is improbable: " : " can't be: ", j.advice);
-    if (!possible && !(trust && std::isfinite(j.value))) {
+    if (!possible && !trust) {
       return absl::InvalidArgumentError(
           absl::StrCat(text, " If it is right, say ?trust-calibration"));
     }
@@ -78,7 +85,7 @@ absl::StatusOr<SourceFindings> CheckIntrinsics(const Intrinsics& intrinsics, abs
 absl::StatusOr<SourceFindings> CheckBaseline(double baseline_m, absl::string_view from,
                                              bool trust) {
   return Judge({{absl::StrCat("a baseline of ", baseline_m, " m"), baseline_m, 0.005, 0.02, 2, 5,
-                 kOtherUnit}},
+                 kOtherUnit, !(baseline_m > 0) || !std::isfinite(baseline_m)}},
                from, trust);
 }
 

@@ -12,9 +12,11 @@
 
 namespace corbslam::client_agent {
 
-// Calls `use` with the file's top level, a map whose keys differ. Returns NOT_FOUND where the file
-// can't be opened; INVALID_ARGUMENT names the file and the line of what is no YAML, no map, or a
-// key that is there twice. What `use` throws (yaml-cpp does) becomes INVALID_ARGUMENT too.
+// Calls `use` with the file's top level, a map; keys differ in it and in every map within. A file
+// that begins with %YAML:1.0 is read as OpenCV reads it: "key:value" needs no blank. Returns
+// NOT_FOUND where the file can't be opened; INVALID_ARGUMENT names the file and the line of what is
+// no YAML, no map, or a key that is there twice. What `use` throws (yaml-cpp does) becomes
+// INVALID_ARGUMENT too.
 absl::Status UseYamlFields(const std::string& path,
                            const std::function<absl::Status(const YAML::Node&)>& use);
 

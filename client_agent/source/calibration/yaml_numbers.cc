@@ -1,5 +1,9 @@
 #include "client_agent/source/calibration/yaml_numbers.h"
 
+#include <algorithm>
+#include <cmath>
+
+#include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "client_agent/source/calibration/yaml_fields.h"
 #include "slam/util/status_macros.h"
@@ -20,6 +24,13 @@ bool AppendNumbers(const YAML::Node& list, std::vector<double>& numbers) {
     }
   }
   return true;
+}
+
+// Returns whether a motion is of a camera on its robot; others are from camera to camera.
+bool IsOfBody(absl::string_view field) {
+  constexpr absl::string_view kOfBody[] = {"T_BS", "body", "imu", "Tbc", "T_b_c"};
+  return std::any_of(std::begin(kOfBody), std::end(kOfBody),
+                     [&](absl::string_view part) { return absl::StrContains(field, part); });
 }
 
 absl::Status NoMotion(const std::string& path, absl::string_view field, absl::string_view why) {
@@ -51,12 +62,18 @@ absl::StatusOr<double> ReadNumber(const YAML::Node& node, const std::string& pat
 absl::StatusOr<PictureSize> ReadSize(const YAML::Node& list, const std::string& path,
                                      absl::string_view field) {
   ASSIGN_OR_RETURN(const std::vector<double> size, ReadNumbers(list, path, field, 2, 2));
-  for (const double side_px : size) {
-    if (side_px >= 1 && side_px <= kMaxSide_px) continue;
+  return ToSize(size[0], size[1], path, field);
+}
+
+absl::StatusOr<PictureSize> ToSize(double width_px, double height_px, const std::string& path,
+                                   absl::string_view field) {
+  for (const double side_px : {width_px, height_px}) {
+    if (side_px >= 1 && side_px <= kMaxSide_px && side_px == std::floor(side_px)) continue;
     return absl::InvalidArgumentError(absl::StrCat(path, ": a side of the ", field, " is ", side_px,
-                                                   ", must be in [1, ", kMaxSide_px, "]"));
+                                                   ", must be a whole number in [1, ", kMaxSide_px,
+                                                   "]"));
   }
-  return PictureSize{static_cast<int>(size[0]), static_cast<int>(size[1])};
+  return PictureSize{static_cast<int>(width_px), static_cast<int>(height_px)};
 }
 
 absl::StatusOr<Rigid3d> ToRigid(const std::vector<double>& m, const std::string& path,
@@ -75,9 +92,11 @@ absl::StatusOr<Rigid3d> ToRigid(const std::vector<double>& m, const std::string&
   }
   const Eigen::Vector3d translation(m[3], m[7], m[11]);
   if (!(translation.norm() <= kMaxLever_m)) {
-    return NoMotion(
-        path, field,
-        absl::StrCat("the camera is ", translation.norm(), " m from the body: is it in metres?"));
+    return NoMotion(path, field,
+                    IsOfBody(field) ? absl::StrCat("the camera is ", translation.norm(),
+                                                   " m from the body: is it in metres?")
+                                    : absl::StrCat("the cameras are ", translation.norm(),
+                                                   " m apart: is it in metres?"));
   }
   return Rigid3d{Eigen::Quaterniond(rotation).normalized(), translation};
 }

@@ -22,13 +22,18 @@ absl::StatusOr<std::vector<double>> ReadNumbers(const YAML::Node& list, const st
 absl::StatusOr<double> ReadNumber(const YAML::Node& node, const std::string& path,
                                   absl::string_view field);
 
-// Returns a picture's width and height, pixels, 1 to 16,384. Errors as ReadNumbers.
+// Returns a picture's width and height, pixels, whole numbers from 1 to 16,384. Errors as
+// ReadNumbers.
 struct PictureSize {
   int width_px = 0;
   int height_px = 0;
 };
 absl::StatusOr<PictureSize> ReadSize(const YAML::Node& list, const std::string& path,
                                      absl::string_view field);
+
+// The same of two numbers that were read.
+absl::StatusOr<PictureSize> ToSize(double width_px, double height_px, const std::string& path,
+                                   absl::string_view field);
 
 // Returns the motion of a 4x4 matrix, given by rows, whose translation is in metres.
 // INVALID_ARGUMENT names file and field where it is no rigid motion, or a camera so far away that

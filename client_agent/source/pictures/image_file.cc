@@ -16,26 +16,8 @@ namespace {
 
 constexpr size_t kFirstPictures = 10;
 
-absl::StatusOr<std::string> ReadBytes(const std::string& path) {
-  std::error_code error;
-  if (!std::filesystem::exists(path, error)) {
-    return absl::NotFoundError(absl::StrCat("no picture ", path));
-  }
-  const uintmax_t size = std::filesystem::file_size(path, error);
-  std::ifstream file(path, std::ios::binary);
-  if (error || !file) {
-    return absl::InvalidArgumentError(absl::StrCat(path, ": can't be read"));
-  }
-  std::string bytes(size, '\0');
-  file.read(bytes.data(), static_cast<std::streamsize>(size));
-  if (file.gcount() != static_cast<std::streamsize>(size) || bytes.empty()) {
-    return absl::InvalidArgumentError(absl::StrCat(path, ": an empty file"));
-  }
-  return bytes;
-}
-
 absl::StatusOr<cv::Mat> ReadImage(const std::string& path, int flags) {
-  ASSIGN_OR_RETURN(const std::string bytes, ReadBytes(path));
+  ASSIGN_OR_RETURN(const std::string bytes, ReadPictureBytes(path));
   if (IsCutShort(bytes)) {
     return absl::InvalidArgumentError(
         absl::StrCat(path, ": the picture is cut short after ", bytes.size(), " bytes"));
@@ -55,6 +37,24 @@ absl::StatusOr<cv::Mat> ReadImage(const std::string& path, int flags) {
 }
 
 }  // namespace
+
+absl::StatusOr<std::string> ReadPictureBytes(const std::string& path) {
+  std::error_code error;
+  if (!std::filesystem::exists(path, error)) {
+    return absl::NotFoundError(absl::StrCat("no picture ", path));
+  }
+  const uintmax_t size = std::filesystem::file_size(path, error);
+  std::ifstream file(path, std::ios::binary);
+  if (error || !file) {
+    return absl::InvalidArgumentError(absl::StrCat(path, ": can't be read"));
+  }
+  std::string bytes(size, '\0');
+  file.read(bytes.data(), static_cast<std::streamsize>(size));
+  if (file.gcount() != static_cast<std::streamsize>(size) || bytes.empty()) {
+    return absl::InvalidArgumentError(absl::StrCat(path, ": an empty file"));
+  }
+  return bytes;
+}
 
 absl::StatusOr<cv::Mat> ReadGreyImage(const std::string& path) {
   ASSIGN_OR_RETURN(cv::Mat image, ReadImage(path, cv::IMREAD_GRAYSCALE | cv::IMREAD_ANYDEPTH |

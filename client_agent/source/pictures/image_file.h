@@ -11,6 +11,9 @@
 
 namespace corbslam::client_agent {
 
+// Returns what the file holds. NOT_FOUND or INVALID_ARGUMENT, naming the file.
+absl::StatusOr<std::string> ReadPictureBytes(const std::string& path);
+
 // Returns CV_8UC1, or CV_16UC1 where the file has 16 bits; colour becomes grey. Returns NOT_FOUND
 // or INVALID_ARGUMENT, naming the file: one that is no picture, or one that is cut short.
 absl::StatusOr<cv::Mat> ReadGreyImage(const std::string& path);

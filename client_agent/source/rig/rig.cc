@@ -5,8 +5,9 @@
 #include <variant>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
 #include "client_agent/source/calibration/plausibility.h"
-#include "client_agent/source/pictures/image_file.h"
+#include "client_agent/source/pictures/mask_picture.h"
 #include "client_agent/source/rig/rig_depth.h"
 #include "slam/camera/close_depth.h"
 #include "slam/util/status_macros.h"
@@ -111,15 +112,30 @@ absl::Status ValidateTimeOffset(const Rig& rig) {
 
 absl::StatusOr<PictureMask> ReadMask(const Rig& rig) {
   if (rig.mask_file.empty()) return PictureMask();
-  ASSIGN_OR_RETURN(const cv::Mat mask, ReadGreyImage(rig.mask_file));
+  ASSIGN_OR_RETURN(PictureMask mask, ReadMaskPicture(rig.mask_file));
   const RigCamera& camera = rig.cameras[0];
-  if (mask.type() == CV_8UC1 && mask.cols == camera.width_px && mask.rows == camera.height_px) {
-    return mask;
+  if (mask.cols == camera.width_px && mask.rows == camera.height_px) return mask;
+  return absl::InvalidArgumentError(
+      absl::StrCat(rig.mask_file, ": a mask of ", mask.cols, "x", mask.rows,
+                   " pixels, the camera's pictures have ", camera.width_px, "x", camera.height_px,
+                   "; give one of this size, black where the robot itself is seen"));
+}
+
+// Adds what is improbable about the mask, and names the rig's file beside the mask's.
+absl::Status JudgeMask(const Rig& rig, absl::string_view from, SourceFindings& findings) {
+  const absl::StatusOr<PictureMask> mask = ReadMask(rig);
+  if (!mask.ok()) {
+    return absl::Status(mask.status().code(),
+                        absl::StrCat(from, ": mask: ", mask.status().message()));
   }
-  return absl::InvalidArgumentError(absl::StrCat(
-      rig.mask_file, ": a mask of ", mask.cols, "x", mask.rows, " pixels of ", mask.elemSize1() * 8,
-      " bits, the camera's pictures have ", camera.width_px, "x", camera.height_px,
-      "; give one of this size and 8 bits, black where the robot itself is seen"));
+  const double percent = MaskedPercent(*mask);
+  if (percent <= kWideMask_percent) return absl::OkStatus();
+  findings.push_back(
+      {FindingLevel::kWarning, "mask-wide",
+       absl::StrFormat("%s: the mask %s leaves out %.1f %% of the picture (more than %.0f %%): is "
+                       "it inverted? It is black where the robot itself is seen",
+                       from, rig.mask_file, percent, kWideMask_percent)});
+  return absl::OkStatus();
 }
 
 double Baseline_m(const Rig& rig) {
@@ -178,6 +194,7 @@ int64_t SecondTimeOffset_ns(const Rig& rig) {
 
 absl::StatusOr<SourceFindings> JudgeRig(const Rig& rig, absl::string_view from, bool trust) {
   SourceFindings findings;
+  RETURN_IF_ERROR(JudgeMask(rig, from, findings));
   std::vector<RigCamera> cameras = rig.cameras;
   if (rig.depth.camera.has_value()) cameras.push_back(*rig.depth.camera);
   for (const RigCamera& camera : cameras) {

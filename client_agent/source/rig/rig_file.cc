@@ -40,6 +40,12 @@ absl::StatusOr<RigCamera> ReadCamera(const Part& part, const std::set<std::strin
   if (part.Has("lens_numbers")) {
     ASSIGN_OR_RETURN(numbers, part.Numbers("lens_numbers", 0, 14));
   }
+  if (numbers.empty() && word != "none") {
+    return part.Bad(absl::StrCat(part.Named("lens_numbers"), " is missing, which a lens that is '",
+                                 word,
+                                 "' has: give them, or leave lens out for a pinhole that "
+                                 "does not distort"));
+  }
   const auto lens = LensOfWords(word, numbers);
   if (!lens.ok()) return part.Bad(absl::StrCat(part.Named("lens"), ": ", lens.status().message()));
   camera.raw.lens = *lens;

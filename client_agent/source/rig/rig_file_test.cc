@@ -107,6 +107,14 @@ TEST(RigFileTest, ReadsARectifiedPair) {
   EXPECT_EQ(stereo.right_cx_offset_px, 8);
 }
 
+TEST(RigFileTest, YamlsTrueMayHaveCapitals) {
+  for (const char* word : {"True", "TRUE"}) {
+    const auto rig = Read(absl::StrReplaceAll(kRectified, {{"true", word}}));
+    ASSERT_TRUE(rig.ok()) << rig.status();
+    EXPECT_TRUE(rig->rectified);
+  }
+}
+
 TEST(RigFileTest, ReadsAnRgbdCamera) {
   const auto rig = Read(kRgbd);
   ASSERT_TRUE(rig.ok()) << rig.status();
@@ -142,6 +150,8 @@ TEST(RigFileTest, AMaskIsBesideTheFileAndOfThePicturesSize) {
 
   ASSERT_TRUE(cv::imwrite(folder + "/mask.png", mask.colRange(0, 600)));
   EXPECT_THAT(std::string(CalibrationOf(*rig).status().message()), HasSubstr("a mask of 600x480"));
+  EXPECT_THAT(std::string(JudgeRig(*rig, path, true).status().message()),
+              HasSubstr("with_mask/rig.yaml: mask: "));
   std::filesystem::remove(folder + "/mask.png");
   EXPECT_THAT(std::string(CalibrationOf(*rig).status().message()), HasSubstr("mask.png"));
 }
@@ -197,6 +207,13 @@ TEST(RigFileTest, RefusesByNameWhatNoRigHas) {
       {kStereo, "[-0.013, 0.021, -0.013, 0.003]", "[0.1]", "cameras[1].lens: 1 numbers"},
       {kStereo, "lens: equidistant", "lens: wide", "a lens that is 'wide'"},
       {kStereo, "    lens: equidistant\n", "", "cameras[1].lens is missing"},
+      {kStereo, "    lens_numbers: [-0.013, 0.021, -0.013, 0.003]\n", "",
+       "cameras[1].lens_numbers is missing"},
+      {kStereo, "[-0.28340811, 0.07395907, 0.00019359, 1.76187114e-05]", "[]",
+       "cameras[0].lens_numbers is missing"},
+      {kStereo, "    lens: equidistant\n", "    lens: equidistant\n    lens: radtan\n",
+       "lens is there twice"},
+      {kRectified, "[640, 400]", "[640.5, 400]", "is 640.5, must be a whole number"},
       {kStereo, "[367.215, 248.375]", "[367.215]", "cameras[0].principal_px is no list of 2"},
       {kStereo, "[457.587, 456.134]", "[0, 456.134]", "fx_px is 0"},
       {kRectified, "[329, 199]", "[329, 203]", "principal_px's y is 199"},

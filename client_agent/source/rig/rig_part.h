@@ -11,6 +11,7 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "client_agent/source/calibration/yaml_fields.h"
@@ -65,10 +66,11 @@ class Part {
   absl::Status Set(const char* field, bool& flag) const {
     if (!Has(field)) return absl::OkStatus();
     const std::string word = node_[field].IsScalar() ? node_[field].Scalar() : "";
-    if (word != "true" && word != "false") {
+    const std::string lower = absl::AsciiStrToLower(word);  // YAML has true, True and TRUE.
+    if (lower != "true" && lower != "false") {
       return Bad(absl::StrCat(Named(field), " is '", word, "', must be true or false"));
     }
-    flag = word == "true";
+    flag = lower == "true";
     return absl::OkStatus();
   }
   absl::StatusOr<std::string> Word(const char* field) const {

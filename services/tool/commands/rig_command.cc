@@ -169,6 +169,9 @@ void AddConvert(CLI::App& rig, Command& chosen) {
                                    "; else found out from the files"));
   convert->add_option("--size", arguments->size,
                       "WIDTHxHEIGHT of the pictures, where the files leave it out");
+  convert->add_option("--lens", arguments->files.lens,
+                      "Of OpenCV's D with 4 numbers: radial-tangential, or equidistant "
+                      "(cv::fisheye)");
   convert->add_option("--rate", arguments->rate_hz, "Frames a second");
   convert->add_option("--mask", arguments->mask, "Picture that is black where the robot is seen");
   convert->add_flag("--trust-calibration", arguments->files.trust,

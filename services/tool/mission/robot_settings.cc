@@ -8,6 +8,7 @@
 #include "absl/strings/escaping.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/strip.h"
+#include "client_agent/source/pictures/mask_picture.h"
 #include "services/convert/resource_names.h"
 #include "services/security/pem_files.h"
 #include "services/security/robot_settings_signature.h"
@@ -62,6 +63,9 @@ absl::Status PutGiven(const RobotSettingsFlags& flags, v1::RobotSettings& settin
   if (flags.uplink_kbps) settings.set_uplink_kbps(*flags.uplink_kbps);
   if (!flags.mask) return absl::OkStatus();
   ASSIGN_OR_RETURN(*settings.mutable_mask_png(), ReadSecurityFile("--mask", *flags.mask));
+  // What the robot would refuse is not signed.
+  RETURN_IF_ERROR(
+      client_agent::DecodeMaskPicture("--mask " + *flags.mask, settings.mask_png()).status());
   return absl::OkStatus();
 }
 

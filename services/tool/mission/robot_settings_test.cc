@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <fstream>
+
 #include "services/security/robot_settings_signature.h"
 #include "services/security/testing/token_keys.h"
 
@@ -77,6 +79,10 @@ TEST_F(ToolRobotSettingsTest, AVersionFarAheadIsNotFollowed) {
 TEST_F(ToolRobotSettingsTest, WhatCannotBeReadIsRefusedByName) {
   EXPECT_THAT(std::string(Make({.unset = {"colour"}}, nullptr).status().message()),
               HasSubstr("--unset is colour"));
+  const std::string no_mask = ::testing::TempDir() + "/no_mask.png";
+  std::ofstream(no_mask) << "no picture";
+  EXPECT_THAT(std::string(Make({.mask = no_mask}, nullptr).status().message()),
+              HasSubstr("no_mask.png: can't be decoded"));
   EXPECT_THAT(std::string(Make({.mask = "/nowhere.png"}, nullptr).status().message()),
               HasSubstr("/nowhere.png"));
 }

@@ -11,6 +11,7 @@
 #include "client_agent/source_checks/live_sample.h"
 #include "client_agent/source_checks/picture_statistics.h"
 #include "client_agent/source_checks/source_checks.h"
+#include "services/tool/rig/rig_findings.h"
 #include "services/tool/rig/rig_picture.h"
 #include "slam/util/status_macros.h"
 
@@ -35,6 +36,7 @@ using client_agent::SampleOptions;
 using client_agent::SourceDescription;
 using client_agent::SourceFinding;
 using client_agent::SourceFindings;
+using client_agent::SourceLayout;
 using client_agent::SourceSpec;
 using client_agent::StereoJudgement;
 using client_agent::TakeLiveSample;
@@ -106,6 +108,9 @@ absl::StatusOr<RigCheck> Report(const SensorCalibration& calibration,
                                     camera.fx_px, camera.fy_px, camera.cx_px, camera.cy_px,
                                     camera.width_px, camera.height_px, camera.baseline_m)});
   check.regions = MeasureRegions(preparation, inspection.pairs);
+  for (SourceFinding& finding : FindingsOfRegions(*check.regions, check.findings)) {
+    check.findings.push_back(std::move(finding));
+  }
   check.picture = DrawPair(preparation, inspection.sample, inspection.pairs);
   return check;
 }
@@ -113,7 +118,16 @@ absl::StatusOr<RigCheck> Report(const SensorCalibration& calibration,
 std::string Verdict(const RigCheck& check) {
   if (!check.IsUsable()) return "WRONG: nothing right can come of this rig and these pictures.\n";
   if (!check.findings.empty()) return "USABLE, with what is improbable above.\n";
-  return "RIGHT: the pictures agree with the rig.\n";
+  if (!check.regions.has_value()) return "RIGHT: the pictures agree with the rig.\n";
+  const size_t unseen = check.regions->regions.size() - JudgedRegions(*check.regions);
+  const std::string where =
+      unseen == 0 ? ""
+                  : absl::StrCat(" ", unseen, " of ", check.regions->regions.size(),
+                                 " regions had too few matches to say anything about the lens.");
+  return absl::StrCat(
+      "RIGHT: the pictures agree with the rig.", where,
+      " Rows can't show a wrong baseline, nor the same wrong focal length or lens on both sides: "
+      "measure a known length.\n");
 }
 
 }  // namespace
@@ -125,7 +139,12 @@ bool RigCheck::IsUsable() const {
 }
 
 absl::StatusOr<RigCheck> CheckRig(const FrameReader& reader, const SourceSpec& spec) {
-  const Inspection inspection = LookIntoSource(reader, spec, kThorough);
+  Inspection inspection = LookIntoSource(reader, spec, kThorough);
+  const bool is_pair = std::holds_alternative<StereoCalibration>(reader.calibration());
+  if (is_pair && spec.layout == SourceLayout::kRegistered) {
+    // What a simulation draws is not checked for what a camera does; its rows are measured.
+    inspection.pairs = JudgeSample(reader.calibration(), inspection.sample).pairs;
+  }
   return Report(reader.calibration(), DescribeInWords(reader.description()), inspection);
 }
 

@@ -61,6 +61,37 @@ TEST(RigCheckTest, SaysThatARightRigIsRight) {
   EXPECT_EQ(check.picture.rows, 360);
 }
 
+TEST(RigCheckTest, SaysWhatRowsCannotShow) {
+  EXPECT_THAT(FormatRigCheck(Check(LayeredStereo())),
+              HasSubstr("can't show a wrong baseline, nor the same wrong focal length"));
+}
+
+TEST(RigCheckTest, ABareWallIsWrong) {
+  const RigCheck check = Check(LayeredStereo({.contrast = 0}));
+  EXPECT_FALSE(check.IsUsable());
+  EXPECT_THAT(FormatRigCheck(check), HasSubstr("pair-not-judged: no pair could be judged"));
+  EXPECT_THAT(FormatRigCheck(check), HasSubstr("WRONG: "));
+}
+
+// The layered scene's own cameras are pinholes: both are told to distort, one of them more.
+TEST(RigCheckTest, AWrongLensIsNotRight) {
+  SampleSource source = LayeredStereo();
+  auto& stereo = std::get<StereoCalibration>(source.calibration);
+  const Camera camera = stereo.camera;
+  RawStereo raw;
+  raw.left = {camera.fx_px, camera.fy_px, camera.cx_px, camera.cy_px,
+              RadialTangential{.k1 = -0.02}};
+  raw.right = {camera.fx_px, camera.fy_px, camera.cx_px, camera.cy_px,
+               RadialTangential{.k1 = 0.02}};
+  raw.right_from_left.translation = {-camera.baseline_m, 0, 0};
+  raw.width_px = camera.width_px;
+  raw.height_px = camera.height_px;
+  stereo.raw = raw;
+  const std::string text = FormatRigCheck(Check(std::move(source)));
+  EXPECT_THAT(text, Not(HasSubstr("RIGHT: "))) << text;
+  EXPECT_THAT(text, HasSubstr("lens-rows-apart")) << text;
+}
+
 TEST(RigCheckTest, NamesASwappedPair) {
   const RigCheck check = Check(LayeredStereo(), "exchanged");
   EXPECT_FALSE(check.IsUsable());

@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "client_agent/source/calibration/lens_words.h"
@@ -40,10 +42,18 @@ absl::StatusOr<LensModel> ReadLens(const YAML::Node& camera, const Model& model,
                               intrinsics.begin() + static_cast<std::ptrdiff_t>(model.lens_numbers));
   const YAML::Node word = camera["distortion_model"];
   const std::string distortion = word.IsDefined() && word.IsScalar() ? word.Scalar() : "none";
+  const std::string field = absl::StrCat(name, ".distortion_coeffs");
   if (distortion != "none") {
-    const std::string field = absl::StrCat(name, ".distortion_coeffs");
     ASSIGN_OR_RETURN(const auto more, ReadNumbers(camera["distortion_coeffs"], path, field, 1, 14));
     numbers.insert(numbers.end(), more.begin(), more.end());
+  } else if (const YAML::Node unused = camera["distortion_coeffs"]; unused.IsDefined()) {
+    ASSIGN_OR_RETURN(const auto none, ReadNumbers(unused, path, field, 0, 14));
+    if (std::any_of(none.begin(), none.end(), [](double number) { return number != 0; })) {
+      return Bad(path, absl::StrCat(name, ".distortion_model is ",
+                                    word.IsDefined() ? "none" : "missing", ", and ", field,
+                                    " has numbers: say which lens they are of (radtan, "
+                                    "equidistant), or leave them out"));
+    }
   }
   if (!model.lens.empty() && distortion != "none" && distortion != "radtan") {
     return Bad(path,
@@ -80,6 +90,28 @@ absl::StatusOr<Rigid3d> ReadMotion(const YAML::Node& node, const std::string& pa
   return ToRigid(rows, path, field);
 }
 
+// Kalibr's is what makes a stamp the IMU's; a rig keeps by how much the cameras differ. Nothing is
+// known of that where one camera alone has it.
+absl::Status ReadTimeShifts(const YAML::Node& file, const std::string& path, Rig& rig) {
+  const char* field = "timeshift_cam_imu";
+  size_t given = 0;
+  for (size_t i = 0; i < rig.cameras.size(); ++i) {
+    const std::string name = absl::StrCat("cam", i);
+    const YAML::Node shift = file[name][field];
+    if (!shift.IsDefined()) continue;
+    ++given;
+    ASSIGN_OR_RETURN(rig.cameras[i].time_offset_s,
+                     ReadNumber(shift, path, absl::StrCat(name, ".", field)));
+  }
+  const bool is_zero = std::all_of(rig.cameras.begin(), rig.cameras.end(),
+                                   [](const auto& camera) { return camera.time_offset_s == 0; });
+  if (given != 1 || is_zero) return absl::OkStatus();
+  return Bad(path, absl::StrCat(field,
+                                " is of one of cam0 and cam1 alone, so that nobody knows by "
+                                "how much they differ: give it of both, or of neither where the "
+                                "cameras take their pictures together"));
+}
+
 // Takes the first camera's clock for the rig's.
 void KeepTimeDifference(Rig& rig, std::vector<std::string>& notes) {
   const double shift_s = rig.cameras[0].time_offset_s;
@@ -102,10 +134,11 @@ absl::Status Read(const YAML::Node& file, const std::string& path, ConvertedRig&
   Rig& rig = converted.rig;
   for (const std::string name : {"cam0", "cam1"}) {
     ASSIGN_OR_RETURN(rig.cameras.emplace_back(), ReadCamera(file[name], path, name));
-    const YAML::Node shift = file[name]["timeshift_cam_imu"];
-    // Kalibr's is what makes a stamp the IMU's; a rig keeps by how much the cameras differ.
-    if (double shift_s = 0; ReadFinite(shift, shift_s)) rig.cameras.back().time_offset_s = shift_s;
+    if (file[name]["distortion_model"].IsDefined()) continue;
+    converted.notes.push_back(
+        absl::StrCat(name, " has no distortion_model: its lens is taken not to distort"));
   }
+  RETURN_IF_ERROR(ReadTimeShifts(file, path, rig));
   KeepTimeDifference(rig, converted.notes);
   ASSIGN_OR_RETURN(rig.right_from_left,
                    ReadMotion(file["cam1"]["T_cn_cnm1"], path, "cam1.T_cn_cnm1"));

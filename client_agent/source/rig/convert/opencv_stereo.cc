@@ -24,7 +24,12 @@ absl::Status Collect(const YAML::Node& file, const std::string& path, Matrices& 
     const YAML::Node data = entry.second.IsMap() ? entry.second["data"] : entry.second;
     if (!data.IsDefined() || !data.IsSequence()) continue;
     const auto numbers = ReadNumbers(data, path, name, 1, 64);
-    if (numbers.ok()) matrices[name] = {*numbers, path};
+    if (!numbers.ok()) continue;
+    const auto [known, is_new] = matrices.try_emplace(name, Found{*numbers, path});
+    if (is_new || known->second.numbers == *numbers) continue;
+    return absl::InvalidArgumentError(absl::StrCat(name, " differs in ", known->second.path,
+                                                   " and ", path,
+                                                   ": give those of one calibration"));
   }
   return absl::OkStatus();
 }
@@ -45,20 +50,37 @@ absl::StatusOr<Found> Find(const Matrices& matrices, const std::vector<std::stri
                    ": give the intrinsics' file and the extrinsics'"));
 }
 
+// calibrateCamera's four numbers look like cv::fisheye's, and mean something else.
+absl::StatusOr<LensModel> ReadLens(const Found& d, const std::string& name, const RigFiles& files) {
+  const bool known =
+      files.lens.empty() || files.lens == "radial-tangential" || files.lens == "equidistant";
+  if (!known) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("--lens is '", files.lens, "', must be radial-tangential or equidistant"));
+  }
+  if (files.lens.empty() && d.numbers.size() == 4) {
+    return absl::InvalidArgumentError(
+        absl::StrCat(d.path, ": ", name,
+                     " has 4 numbers: of cv::fisheye (k1 k2 k3 k4) give --lens equidistant, of "
+                     "calibrateCamera (k1 k2 p1 p2) --lens radial-tangential"));
+  }
+  const auto lens = LensOfWords(files.lens.empty() ? "radial-tangential" : files.lens, d.numbers);
+  if (lens.ok()) return lens;
+  return absl::InvalidArgumentError(
+      absl::StrCat(d.path, ": ", name, ": ", lens.status().message()));
+}
+
 absl::StatusOr<RigCamera> ReadCamera(const Matrices& matrices, int number, const RigFiles& files) {
   const std::string n = absl::StrCat(number);
   ASSIGN_OR_RETURN(const Found k,
                    Find(matrices, {"M" + n, "K" + n, "cameraMatrix" + n}, 9, 9, files));
   ASSIGN_OR_RETURN(const Found d,
                    Find(matrices, {"D" + n, "distCoeffs" + n, "dist" + n}, 4, 14, files));
+  RETURN_IF_ERROR(CheckCameraMatrix(k.numbers, k.path, "M" + n));
   ASSIGN_OR_RETURN(const PictureSize size, NeedSize(files));
-  const auto lens = LensOfWords("radial-tangential", d.numbers);
-  if (!lens.ok()) {
-    return absl::InvalidArgumentError(
-        absl::StrCat(d.path, ": D", n, ": ", lens.status().message()));
-  }
+  ASSIGN_OR_RETURN(const LensModel lens, ReadLens(d, "D" + n, files));
   RigCamera camera;
-  camera.raw = {k.numbers[0], k.numbers[4], k.numbers[2], k.numbers[5], *lens};
+  camera.raw = {k.numbers[0], k.numbers[4], k.numbers[2], k.numbers[5], lens};
   camera.width_px = size.width_px;
   camera.height_px = size.height_px;
   return camera;

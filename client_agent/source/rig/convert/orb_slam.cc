@@ -75,7 +75,7 @@ absl::StatusOr<PictureSize> ReadSizeOf(const Settings& settings, const RigFiles&
   if (!settings.Has(width) || !settings.Has(height)) return NeedSize(files);
   ASSIGN_OR_RETURN(const double width_px, settings.Number(width));
   ASSIGN_OR_RETURN(const double height_px, settings.Number(height));
-  return PictureSize{static_cast<int>(width_px), static_cast<int>(height_px)};
+  return ToSize(width_px, height_px, settings.path(), absl::StrCat(width, ", ", height));
 }
 
 absl::StatusOr<RigCamera> ReadCamera(const Settings& settings, const RigFiles& files,
@@ -110,6 +110,7 @@ absl::StatusOr<Side> ReadSide(const Settings& settings, const RigFiles& files,
   ASSIGN_OR_RETURN(const auto p, settings.Matrix(name + ".P", 12, 12));
   ASSIGN_OR_RETURN(const PictureSize size,
                    ReadSizeOf(settings, files, name + ".width", name + ".height"));
+  RETURN_IF_ERROR(CheckCameraMatrix(k, settings.path(), name + ".K"));
   side.camera.raw = {k[0], k[4], k[2], k[5], {}};
   ASSIGN_OR_RETURN(side.camera.raw.lens, LensOf(settings, name + ".D", "radial-tangential", d));
   side.camera.width_px = size.width_px;
@@ -168,6 +169,12 @@ absl::Status ReadCameras(const Settings& settings, const RigFiles& files, Rig& r
   ASSIGN_OR_RETURN(const auto units3, settings.Maybe("RGBD.DepthMapFactor"));
   if (units3.has_value()) return ReadRgbd(settings, files, "Camera1", *units3, rig);
   if (units2.has_value()) return ReadRgbd(settings, files, "Camera", *units2, rig);
+  if (settings.Has("Tlr") && !settings.Has("Stereo.T_c1_c2")) {
+    return settings.Bad(
+        "Tlr is of ORB-SLAM3's older settings, whose format is not known here: write Camera1.fx "
+        "..., Camera2.fx ... and Stereo.T_c1_c2 (4x4, from the right camera to the left one), as "
+        "its settings of File.version 1.0 have them");
+  }
   if (settings.Has("LEFT.K")) return ReadRawPair2(settings, files, rig);
   if (settings.Has("Camera1.fx")) {
     if (settings.Has("Stereo.T_c1_c2") || settings.Has("Stereo.b")) {
@@ -179,6 +186,15 @@ absl::Status ReadCameras(const Settings& settings, const RigFiles& files, Rig& r
   return settings.Bad(
       "these settings are of one camera without depth (no Camera.bf, Stereo.T_c1_c2, Stereo.b or "
       "DepthMapFactor): its map has no scale, which is not offered");
+}
+
+void NoteOtherSize(const Settings& settings, std::vector<std::string>& notes) {
+  for (const char* field : {"Camera.newWidth", "Camera.newHeight", "Camera.imageScale"}) {
+    if (!settings.Has(field)) continue;
+    notes.push_back(absl::StrCat(field,
+                                 " is left out: the rig is of pictures in the size that was "
+                                 "calibrated; a source's scale=S makes them smaller"));
+  }
 }
 
 // The camera's frame in the IMU's: Tbc of ORB-SLAM2's time, IMU.T_b_c1 of today's.
@@ -199,6 +215,7 @@ absl::StatusOr<ConvertedRig> ReadOrbSlam(const RigFiles& files) {
   RETURN_IF_ERROR(UseYamlFields(path, [&](const YAML::Node& file) -> absl::Status {
     const Settings settings(path, file);
     RETURN_IF_ERROR(ReadCameras(settings, files, converted.rig));
+    NoteOtherSize(settings, converted.notes);
     ASSIGN_OR_RETURN(converted.rig.rate_hz, settings.Maybe("Camera.fps"));
     return ReadBody(settings, converted.rig);
   }));

@@ -32,8 +32,8 @@ absl::StatusOr<KittiRows> FindRows(const std::string& path) {
     if (fields.size() != 3 || fields[0] != "S_rect_00") return absl::OkStatus();
     ASSIGN_OR_RETURN(const std::vector<double> size,
                      ParseNumbers({fields[1], fields[2]}, path, line));
-    rows = {"P_rect_00", "P_rect_01",
-            PictureSize{static_cast<int>(size[0]), static_cast<int>(size[1])}};
+    ASSIGN_OR_RETURN(const PictureSize whole, ToSize(size[0], size[1], path, "S_rect_00"));
+    rows = {"P_rect_00", "P_rect_01", whole};
     return absl::OkStatus();
   }));
   return rows;

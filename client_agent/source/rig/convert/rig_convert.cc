@@ -1,12 +1,14 @@
 #include "client_agent/source/rig/convert/rig_convert.h"
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <functional>
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
+#include "absl/strings/str_replace.h"
 #include "client_agent/source/calibration/yaml_fields.h"
 #include "client_agent/source/rig/convert/rig_readers.h"
 #include "slam/util/status_macros.h"
@@ -14,6 +16,9 @@
 
 namespace corbslam::client_agent {
 namespace {
+
+// Of the focal length: less is rounding.
+constexpr double kMostSkew = 1e-6;
 
 struct Format {
   absl::string_view name;
@@ -25,7 +30,7 @@ struct Format {
 const std::vector<Format>& Formats() {
   static const auto* const formats = new std::vector<Format>{
       {"kalibr", {"cam0"}, &ReadKalibr},
-      {"ros", {"camera_matrix", "projection_matrix"}, &ReadRosPair},
+      {"ros", {"camera_matrix", "projection_matrix", "P", "p"}, &ReadRosPair},
       {"euroc", {"T_BS"}, &ReadEurocPair},
       {"orbslam", {"Camera.fx", "Camera1.fx", "LEFT.K"}, &ReadOrbSlam},
       {"opencv", {"M1", "K1", "cameraMatrix1", "R", "T"}, &ReadOpenCvStereo},
@@ -91,9 +96,15 @@ absl::StatusOr<const Format*> FindFormat(const RigFiles& files) {
 
 // Notes what is improbable; refuses what can't be.
 absl::Status CheckPlausible(const RigFiles& files, ConvertedRig& converted) {
-  ASSIGN_OR_RETURN(const SourceFindings findings,
-                   JudgeRig(converted.rig, absl::StrJoin(files.paths, ", "), files.trust));
-  for (const SourceFinding& finding : findings) converted.notes.push_back(finding.text);
+  const absl::StatusOr<SourceFindings> findings =
+      JudgeRig(converted.rig, absl::StrJoin(files.paths, ", "), files.trust);
+  if (!findings.ok()) {
+    // Sources have it as an option, the converter as a flag.
+    return absl::Status(findings.status().code(),
+                        absl::StrReplaceAll(findings.status().message(),
+                                            {{"?trust-calibration", "--trust-calibration"}}));
+  }
+  for (const SourceFinding& finding : *findings) converted.notes.push_back(finding.text);
   return absl::OkStatus();
 }
 
@@ -111,6 +122,19 @@ absl::Status ExpectFiles(const RigFiles& files, size_t count, absl::string_view 
       absl::StrCat("given ", files.paths.size(), " files, wanted: ", what));
 }
 
+absl::Status CheckCameraMatrix(const std::vector<double>& k, const std::string& path,
+                               absl::string_view field) {
+  const double limit_px = kMostSkew * std::abs(k[0]);
+  if (!(std::abs(k[1]) <= limit_px)) {
+    return absl::InvalidArgumentError(
+        absl::StrCat(path, ": ", field, " has a skew of ", k[1],
+                     " px, which a rig has no place for: calibrate without skew"));
+  }
+  if (k[3] == 0 && k[6] == 0 && k[7] == 0 && k[8] == 1) return absl::OkStatus();
+  return absl::InvalidArgumentError(
+      absl::StrCat(path, ": ", field, " is no camera matrix by its rows: fx 0 cx, 0 fy cy, 0 0 1"));
+}
+
 absl::StatusOr<PictureSize> NeedSize(const RigFiles& files) {
   if (files.size.has_value()) return *files.size;
   return absl::InvalidArgumentError(
@@ -121,6 +145,10 @@ absl::StatusOr<PictureSize> NeedSize(const RigFiles& files) {
 absl::StatusOr<ConvertedRig> ConvertRig(const RigFiles& files) {
   if (files.paths.empty()) return absl::InvalidArgumentError("no file of a calibration is given");
   ASSIGN_OR_RETURN(const Format* const format, FindFormat(files));
+  if (!files.lens.empty() && format->read != &ReadOpenCvStereo) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("--lens is of OpenCV's files, which don't say it; these are ", format->name));
+  }
   ASSIGN_OR_RETURN(ConvertedRig converted, format->read(files));
   converted.format = std::string(format->name);
   RETURN_IF_ERROR(CheckPlausible(files, converted));

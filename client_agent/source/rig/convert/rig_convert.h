@@ -20,6 +20,9 @@ struct RigFiles {
   std::string format;
   // Size of the pictures, for formats that leave it out.
   std::optional<PictureSize> size;
+  // What OpenCV's D is of, which its files don't say: "radial-tangential" or "equidistant" (of
+  // cv::fisheye). Empty: known by the count of numbers, where that is not 4.
+  std::string lens = {};
   bool trust = false;  // Also improbable calibrations are taken.
 };
 

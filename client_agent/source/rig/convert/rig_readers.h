@@ -32,6 +32,11 @@ Rigid3d MotionOfRectified(const Eigen::Matrix3d& left_rotation,
 // INVALID_ARGUMENT says how many files the format wants, unless it is given `count`.
 absl::Status ExpectFiles(const RigFiles& files, size_t count, absl::string_view what);
 
+// INVALID_ARGUMENT names file and field, unless the nine numbers are those of a camera matrix by
+// its rows, without skew, which no rig has.
+absl::Status CheckCameraMatrix(const std::vector<double>& k, const std::string& path,
+                               absl::string_view field);
+
 // Returns the size that was asked for; INVALID_ARGUMENT says that the format leaves it out.
 absl::StatusOr<PictureSize> NeedSize(const RigFiles& files);
 
