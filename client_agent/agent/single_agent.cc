@@ -317,6 +317,8 @@ void SingleAgent::EndLocalMap() {
 void SingleAgent::Watch(const Features& features) {
   std::optional<SourceFinding> finding = input_watch_.Add(features);
   if (!finding.has_value()) return;
+  // A robot whose camera never ends has no report in which it could stand.
+  LOG(WARNING) << options_.name << ": " << finding->text << " [" << finding->code << "]";
   absl::MutexLock lock(&mutex_);
   status_.input_findings.push_back(*std::move(finding));
 }
