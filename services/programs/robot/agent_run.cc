@@ -87,7 +87,7 @@ absl::Status PlayStream(
   LeftOutLog left_out;
   SlowSourceLog slow;
   std::optional<int> drive;
-  NoPoseLog no_pose;
+  NoPoseLog no_pose(MaskedShare(stream.calibration()));
   while (true) {
     const absl::StatusOr<std::optional<StreamFrame>> next = paced.Next();
     WatchStream(stream, paced, left_out, slow, limit, frames);
