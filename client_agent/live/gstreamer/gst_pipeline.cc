@@ -18,10 +18,14 @@ std::string AppSink(LiveSide side) {
                       " max-buffers=2 drop=true sync=false emit-signals=false ");
 }
 
+const char* ConverterName(LiveSide side) {
+  return side == LiveSide::kFirst ? "corbslam_grey_first" : "corbslam_grey_second";
+}
+
 // Colour becomes grey. Of 16 bits not all may be used: GreyScaler makes 8 of them.
 std::string GreySink(const std::string& pipeline, LiveSide side) {
-  return absl::StrCat(pipeline, " ! videoconvert ! video/x-raw,format=(string){GRAY8,GRAY16_LE} ! ",
-                      AppSink(side));
+  return absl::StrCat(pipeline, " ! videoconvert name=", ConverterName(side),
+                      " ! video/x-raw,format=(string){GRAY8,GRAY16_LE} ! ", AppSink(side));
 }
 
 // Nothing is converted: what isn't depth must not become depth. A source that can give it does; of
@@ -117,6 +121,23 @@ void InitialiseGst() {
 
 const char* SinkName(LiveSide side) {
   return side == LiveSide::kFirst ? "corbslam_first" : "corbslam_second";
+}
+
+bool ComesWithSixteenBits(GstElement* sink, LiveSide side) {
+  GstObject* const pipeline = gst_object_get_parent(GST_OBJECT(sink));
+  if (pipeline == nullptr) return false;
+  GstElement* const converter = gst_bin_get_by_name(GST_BIN(pipeline), ConverterName(side));
+  gst_object_unref(pipeline);
+  if (converter == nullptr) return false;
+  GstPad* const pad = gst_element_get_static_pad(converter, "sink");
+  gst_object_unref(converter);
+  GstCaps* const caps = gst_pad_get_current_caps(pad);
+  gst_object_unref(pad);
+  if (caps == nullptr) return false;
+  const char* const format = gst_structure_get_string(gst_caps_get_structure(caps, 0), "format");
+  const bool is_so = format != nullptr && absl::StartsWith(format, "GRAY16");
+  gst_caps_unref(caps);
+  return is_so;
 }
 
 absl::StatusOr<ElementPtr> ParsePipeline(const GstCameraOptions& options) {
