@@ -17,6 +17,7 @@
 #include "client_agent/live/gstreamer/grey_scaler.h"
 #include "client_agent/live/gstreamer/gst_picture.h"
 #include "client_agent/live/gstreamer/gst_pipeline.h"
+#include "client_agent/source/pictures/grey_depth.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::client_agent {
@@ -62,6 +63,7 @@ class GstCamera : public LiveCamera {
     std::atomic<int64_t> newest_ns = 0;
     std::atomic<bool> ended = false;
     std::atomic<bool> is_wrong = false;
+    std::optional<bool> has_16_bits;  // Of its source's grey; nullopt: no picture came yet.
   };
 
   // Makes the pipeline and waits until it plays.
@@ -94,6 +96,7 @@ class GstCamera : public LiveCamera {
     sink.pictures = 0;
     sink.first_ns = sink.newest_ns = 0;
     sink.ended = sink.is_wrong = false;
+    sink.has_16_bits.reset();
     GstElement* element = gst_bin_get_by_name(GST_BIN(pipeline), SinkName(sink.side));
     GstAppSinkCallbacks callbacks = {};
     callbacks.new_sample = &GstCamera::OnSample;
@@ -126,7 +129,9 @@ class GstCamera : public LiveCamera {
       if (stop_.HasBeenNotified()) return;
       // The next start would give the same pictures.
       if (absl::IsInvalidArgument(ended)) return pairing_->End(ended);
-      if (!options_.restarts.value_or(is_live_ && !ended.ok())) return pairing_->End(ended);
+      // A side that ended without an error has ended.
+      const bool went_away = is_live_ && absl::IsUnavailable(ended);
+      if (!options_.restarts.value_or(went_away)) return pairing_->End(ended);
       LOG(WARNING) << "the camera went away: "
                    << (ended.ok() ? "its pipeline ended" : ended.message())
                    << "; waiting for it to come back";
@@ -207,15 +212,15 @@ class GstCamera : public LiveCamera {
     const int64_t last_ns = ended.pictures > 0 ? ended.newest_ns : other.first_ns;
     const bool goes_on = pictures > 0 && other.newest_ns > last_ns + kGoesOn_ns;
     if (!goes_on && now < watch.changed + kSilent) return std::nullopt;
-    return absl::UnavailableError(
-        absl::StrCat(NameOfSide(options_, ended.side), " ended after ", ended.pictures.load(),
-                     " pictures, and ", NameOfSide(options_, other.side),
-                     goes_on ? " goes on" : " did not end", ": a frame has both"));
+    return absl::DataLossError(absl::StrCat(
+        NameOfSide(options_, ended.side), " ended after ", ended.pictures.load(), " pictures, and ",
+        NameOfSide(options_, other.side), goes_on ? " goes on" : " did not end",
+        ": a frame has both. Is the next picture of it missing, or cut short?"));
   }
 
   // Two recordings of one drive have as many pictures.
   void TellCounts() const {
-    if (options_.layout != GstLayout::kTwoPipelines || is_live_) return;
+    if (options_.layout != GstLayout::kTwoPipelines) return;
     if (first_.pictures == second_.pictures) return;
     LOG(WARNING) << NameOfSide(options_, LiveSide::kFirst) << " ended after "
                  << first_.pictures.load() << " pictures, "
@@ -253,13 +258,19 @@ class GstCamera : public LiveCamera {
     const int64_t time_ns = TimeOf(element, sample);
     if (sink.pictures++ == 0) sink.first_ns = time_ns;
     sink.newest_ns = time_ns;
-    if (!is_depth) image = grey_scaler_.ToEightBits(*image);
+    if (!is_depth) image = ToEightBits(*image, element, sink);
     if (options_.layout == GstLayout::kTwoPipelines) {
       return pairing_->Push(sink.side, {time_ns, *std::move(image)});
     }
     auto [first, second] = SplitPicture(*image, options_.layout == GstLayout::kSideBySide);
     pairing_->Push(LiveSide::kFirst, {time_ns, std::move(first)});
     pairing_->Push(LiveSide::kSecond, {time_ns, std::move(second)});
+  }
+
+  // Dark video of 10 bits is dark: only what has 16 bits itself is judged by its brightest pixels.
+  cv::Mat ToEightBits(const cv::Mat& grey, GstElement* element, Sink& sink) {
+    if (!sink.has_16_bits.has_value()) sink.has_16_bits = ComesWithSixteenBits(element, sink.side);
+    return *sink.has_16_bits ? grey_scaler_.ToEightBits(grey) : ScaleGreyTo8(grey, 16);
   }
 
   // Ends the stream with the format that came, once.

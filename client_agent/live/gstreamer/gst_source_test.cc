@@ -273,14 +273,13 @@ TEST(GstSourceTest, OneSidesEndIsAnEnd) {
   const std::string source =
       absl::StrCat("gst:", TestCamera(1000, "is-live=true"), " || ", TestCamera(4, "is-live=true"),
                    "?rig=", WriteRig(kSmallStereoRig));
-  const auto stream = OpenLive(source + "&restart=0");
+  const auto stream = OpenLive(source);
   ASSERT_TRUE(stream.ok()) << stream.status();
   const absl::Status end = Play(**stream).end;
   EXPECT_THAT(
       std::string(end.message()),
       HasSubstr("the right pipeline ended after 4 pictures, and the left pipeline goes on"));
-  // It went away: a live one is waited for, also where nobody says so.
-  const auto restarts = OpenLive(source + "&pair_within_ms=25");
+  const auto restarts = OpenLive(source + "&restart=1&pair_within_ms=25");
   ASSERT_TRUE(restarts.ok()) << restarts.status();
   const Played played = Play(**restarts, 5);
   EXPECT_EQ(played.frames.size(), 5u) << played.end;
