@@ -17,7 +17,6 @@
 #include "client_agent/live/gstreamer/grey_scaler.h"
 #include "client_agent/live/gstreamer/gst_picture.h"
 #include "client_agent/live/gstreamer/gst_pipeline.h"
-#include "client_agent/source/pictures/grey_depth.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::client_agent {
@@ -63,7 +62,6 @@ class GstCamera : public LiveCamera {
     std::atomic<int64_t> newest_ns = 0;
     std::atomic<bool> ended = false;
     std::atomic<bool> is_wrong = false;
-    std::optional<bool> has_16_bits;  // Of its source's grey; nullopt: no picture came yet.
   };
 
   // Makes the pipeline and waits until it plays.
@@ -96,7 +94,6 @@ class GstCamera : public LiveCamera {
     sink.pictures = 0;
     sink.first_ns = sink.newest_ns = 0;
     sink.ended = sink.is_wrong = false;
-    sink.has_16_bits.reset();
     GstElement* element = gst_bin_get_by_name(GST_BIN(pipeline), SinkName(sink.side));
     GstAppSinkCallbacks callbacks = {};
     callbacks.new_sample = &GstCamera::OnSample;
@@ -258,19 +255,13 @@ class GstCamera : public LiveCamera {
     const int64_t time_ns = TimeOf(element, sample);
     if (sink.pictures++ == 0) sink.first_ns = time_ns;
     sink.newest_ns = time_ns;
-    if (!is_depth) image = ToEightBits(*image, element, sink);
+    if (!is_depth) image = grey_scaler_.ToEightBits(*image);
     if (options_.layout == GstLayout::kTwoPipelines) {
       return pairing_->Push(sink.side, {time_ns, *std::move(image)});
     }
     auto [first, second] = SplitPicture(*image, options_.layout == GstLayout::kSideBySide);
     pairing_->Push(LiveSide::kFirst, {time_ns, std::move(first)});
     pairing_->Push(LiveSide::kSecond, {time_ns, std::move(second)});
-  }
-
-  // Dark video of 10 bits is dark: only what has 16 bits itself is judged by its brightest pixels.
-  cv::Mat ToEightBits(const cv::Mat& grey, GstElement* element, Sink& sink) {
-    if (!sink.has_16_bits.has_value()) sink.has_16_bits = ComesWithSixteenBits(element, sink.side);
-    return *sink.has_16_bits ? grey_scaler_.ToEightBits(grey) : ScaleGreyTo8(grey, 16);
   }
 
   // Ends the stream with the format that came, once.

@@ -22,10 +22,42 @@ const char* ConverterName(LiveSide side) {
   return side == LiveSide::kFirst ? "corbslam_grey_first" : "corbslam_grey_second";
 }
 
-// Colour becomes grey. Of 16 bits not all may be used: GreyScaler makes 8 of them.
+const char* FilterName(LiveSide side) {
+  return side == LiveSide::kFirst ? "corbslam_filter_first" : "corbslam_filter_second";
+}
+
+// Colour becomes grey, and a source that can choose chooses 8 bits. KeepSixteenBits is about one
+// that can't.
 std::string GreySink(const std::string& pipeline, LiveSide side) {
   return absl::StrCat(pipeline, " ! videoconvert name=", ConverterName(side),
-                      " ! video/x-raw,format=(string){GRAY8,GRAY16_LE} ! ", AppSink(side));
+                      " ! capsfilter name=", FilterName(side),
+                      " caps=\"video/x-raw,format=GRAY8\" ! ", AppSink(side));
+}
+
+// A camera that gives grey of 16 bits may use fewer: GreyScaler makes 8 of them, and not the
+// converter, which would keep the upper ones.
+GstPadProbeReturn OnConvertersCaps(GstPad*, GstPadProbeInfo* info, gpointer filter) {
+  GstEvent* const event = GST_PAD_PROBE_INFO_EVENT(info);
+  if (GST_EVENT_TYPE(event) != GST_EVENT_CAPS) return GST_PAD_PROBE_OK;
+  GstCaps* came = nullptr;
+  gst_event_parse_caps(event, &came);
+  const char* const format = gst_structure_get_string(gst_caps_get_structure(came, 0), "format");
+  const bool is_sixteen = format != nullptr && absl::StartsWith(format, "GRAY16");
+  GstCaps* const wanted = gst_caps_new_simple("video/x-raw", "format", G_TYPE_STRING,
+                                              is_sixteen ? "GRAY16_LE" : "GRAY8", nullptr);
+  g_object_set(filter, "caps", wanted, nullptr);
+  gst_caps_unref(wanted);
+  return GST_PAD_PROBE_OK;
+}
+
+void KeepSixteenBits(GstElement* pipeline, LiveSide side) {
+  GstElement* const converter = gst_bin_get_by_name(GST_BIN(pipeline), ConverterName(side));
+  if (converter == nullptr) return;
+  GstPad* const pad = gst_element_get_static_pad(converter, "sink");
+  gst_object_unref(converter);
+  gst_pad_add_probe(pad, GST_PAD_PROBE_TYPE_EVENT_DOWNSTREAM, &OnConvertersCaps,
+                    gst_bin_get_by_name(GST_BIN(pipeline), FilterName(side)), &gst_object_unref);
+  gst_object_unref(pad);
 }
 
 // Nothing is converted: what isn't depth must not become depth. A source that can give it does; of
@@ -123,29 +155,16 @@ const char* SinkName(LiveSide side) {
   return side == LiveSide::kFirst ? "corbslam_first" : "corbslam_second";
 }
 
-bool ComesWithSixteenBits(GstElement* sink, LiveSide side) {
-  GstObject* const pipeline = gst_object_get_parent(GST_OBJECT(sink));
-  if (pipeline == nullptr) return false;
-  GstElement* const converter = gst_bin_get_by_name(GST_BIN(pipeline), ConverterName(side));
-  gst_object_unref(pipeline);
-  if (converter == nullptr) return false;
-  GstPad* const pad = gst_element_get_static_pad(converter, "sink");
-  gst_object_unref(converter);
-  GstCaps* const caps = gst_pad_get_current_caps(pad);
-  gst_object_unref(pad);
-  if (caps == nullptr) return false;
-  const char* const format = gst_structure_get_string(gst_caps_get_structure(caps, 0), "format");
-  const bool is_so = format != nullptr && absl::StartsWith(format, "GRAY16");
-  gst_caps_unref(caps);
-  return is_so;
-}
-
 absl::StatusOr<ElementPtr> ParsePipeline(const GstCameraOptions& options) {
   InitialiseGst();
   GError* error = nullptr;
   ElementPtr pipeline(gst_parse_launch_full(DescribePipeline(options).c_str(), nullptr,
                                             GST_PARSE_FLAG_FATAL_ERRORS, &error));
-  if (error == nullptr && pipeline != nullptr) return pipeline;
+  if (error == nullptr && pipeline != nullptr) {
+    KeepSixteenBits(pipeline.get(), LiveSide::kFirst);
+    KeepSixteenBits(pipeline.get(), LiveSide::kSecond);
+    return pipeline;
+  }
   const std::string why = error != nullptr ? error->message : "no reason is given";
   if (error != nullptr) g_error_free(error);
   return BadPipeline(why);

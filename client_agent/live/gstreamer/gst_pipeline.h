@@ -25,10 +25,6 @@ void InitialiseGst();
 // doesn't understand, or which package has a part that is missing.
 absl::StatusOr<ElementPtr> ParsePipeline(const GstCameraOptions& options);
 
-// Returns whether a grey side's pictures come with 16 bits from their source, of which it may not
-// use all, and are no video whose range is known. Asked with a picture there.
-bool ComesWithSixteenBits(GstElement* sink, LiveSide side);
-
 // Returns the name of the element that takes a side's pictures, an appsink. Users' elements have
 // other names.
 const char* SinkName(LiveSide side);
