@@ -17,6 +17,7 @@
 #include "client_agent/live/gstreamer/grey_scaler.h"
 #include "client_agent/live/gstreamer/gst_picture.h"
 #include "client_agent/live/gstreamer/gst_pipeline.h"
+#include "client_agent/live/gstreamer/gst_sides.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::client_agent {
@@ -26,13 +27,6 @@ constexpr absl::Duration kBetweenStarts = absl::Seconds(1);
 constexpr GstClockTime kBusWait_ns = 100 * GST_MSECOND;
 constexpr GstClockTime kStartWait_ns = 10 * GST_SECOND;
 
-// A side has ended, and the other one has not, once that is so much later by its own times, or gave
-// nothing for so long.
-constexpr int64_t kGoesOn_ns = 1'000'000'000;
-constexpr absl::Duration kSilent = absl::Seconds(5);
-// What is no live source plays as fast as it can where its own times pass so much faster than ours.
-constexpr double kFast = 2;
-constexpr double kFastAfter_s = 1;
 constexpr char kWrong[] = "corbslam-wrong";  // A message of ours on the bus, with `why`.
 
 class GstCamera : public LiveCamera {
@@ -53,14 +47,10 @@ class GstCamera : public LiveCamera {
   }
 
  private:
-  // What a side gave since its pipeline was started.
   struct Sink {
     GstCamera* camera;
     LiveSide side;
-    std::atomic<uint64_t> pictures = 0;
-    std::atomic<int64_t> first_ns = 0;
-    std::atomic<int64_t> newest_ns = 0;
-    std::atomic<bool> ended = false;
+    GstSide gave = {};
     std::atomic<bool> is_wrong = false;
   };
 
@@ -91,13 +81,12 @@ class GstCamera : public LiveCamera {
   }
 
   static void Connect(GstElement* pipeline, Sink& sink) {
-    sink.pictures = 0;
-    sink.first_ns = sink.newest_ns = 0;
-    sink.ended = sink.is_wrong = false;
+    sink.gave.Reset();
+    sink.is_wrong = false;
     GstElement* element = gst_bin_get_by_name(GST_BIN(pipeline), SinkName(sink.side));
     GstAppSinkCallbacks callbacks = {};
     callbacks.new_sample = &GstCamera::OnSample;
-    callbacks.eos = [](GstAppSink*, gpointer data) { static_cast<Sink*>(data)->ended = true; };
+    callbacks.eos = [](GstAppSink*, gpointer data) { static_cast<Sink*>(data)->gave.ended = true; };
     gst_app_sink_set_callbacks(GST_APP_SINK(element), &callbacks, &sink, nullptr);
     gst_object_unref(element);
   }
@@ -151,29 +140,27 @@ class GstCamera : public LiveCamera {
   // that ended while the other goes on.
   absl::Status WaitForEnd(GstElement* pipeline) {
     GstBus* bus = gst_element_get_bus(pipeline);
-    const absl::Time started = absl::Now();
-    EndWatch watch;
+    SideWatch watch(options_, first_.gave, second_.gave);
     std::optional<absl::Status> end;
-    bool told_fast = is_live_;
     while (!end.has_value() && !stop_.HasBeenNotified()) {
       GstMessage* message = gst_bus_timed_pop_filtered(
           bus, kBusWait_ns,
           static_cast<GstMessageType>(GST_MESSAGE_ERROR | GST_MESSAGE_EOS | GST_MESSAGE_WARNING |
                                       GST_MESSAGE_APPLICATION));
       if (message != nullptr) {
-        end = Judge(message);
+        end = Judge(message, watch);
         gst_message_unref(message);
       } else {
-        end = OneSideEnded(watch, absl::Now());
+        end = watch.OneSideEnded(absl::Now());
       }
-      if (!told_fast) told_fast = TellFast(absl::Now() - started);
+      if (!is_live_) watch.TellFast(absl::Now());
     }
     gst_object_unref(bus);
     return end.value_or(absl::OkStatus());
   }
 
   // Returns the end that a message of the bus means; nullopt where it means none.
-  std::optional<absl::Status> Judge(GstMessage* message) const {
+  std::optional<absl::Status> Judge(GstMessage* message, const SideWatch& watch) const {
     switch (GST_MESSAGE_TYPE(message)) {
       case GST_MESSAGE_WARNING:
         LOG(WARNING) << WordsOf(options_, message);
@@ -181,60 +168,13 @@ class GstCamera : public LiveCamera {
       case GST_MESSAGE_ERROR:
         return absl::UnavailableError(WordsOf(options_, message));
       case GST_MESSAGE_EOS:
-        TellCounts();
+        watch.TellCounts();
         return absl::OkStatus();
       default:
         const GstStructure* const said = gst_message_get_structure(message);
         if (said == nullptr || gst_structure_has_name(said, kWrong) == FALSE) return std::nullopt;
         return absl::InvalidArgumentError(gst_structure_get_string(said, "why"));
     }
-  }
-
-  // What is known of the side that goes on when the other has ended.
-  struct EndWatch {
-    uint64_t pictures = 0;
-    absl::Time changed = absl::InfiniteFuture();
-  };
-
-  std::optional<absl::Status> OneSideEnded(EndWatch& watch, absl::Time now) const {
-    if (options_.layout != GstLayout::kTwoPipelines || first_.ended == second_.ended) {
-      return std::nullopt;
-    }
-    const Sink& ended = first_.ended ? first_ : second_;
-    const Sink& other = first_.ended ? second_ : first_;
-    const uint64_t pictures = other.pictures;
-    if (watch.changed == absl::InfiniteFuture() || pictures != watch.pictures) {
-      watch = {pictures, now};
-    }
-    const int64_t last_ns = ended.pictures > 0 ? ended.newest_ns : other.first_ns;
-    const bool goes_on = pictures > 0 && other.newest_ns > last_ns + kGoesOn_ns;
-    if (!goes_on && now < watch.changed + kSilent) return std::nullopt;
-    return absl::DataLossError(absl::StrCat(
-        NameOfSide(options_, ended.side), " ended after ", ended.pictures.load(), " pictures, and ",
-        NameOfSide(options_, other.side), goes_on ? " goes on" : " did not end",
-        ": a frame has both. Is the next picture of it missing, or cut short?"));
-  }
-
-  // Two recordings of one drive have as many pictures.
-  void TellCounts() const {
-    if (options_.layout != GstLayout::kTwoPipelines) return;
-    if (first_.pictures == second_.pictures) return;
-    LOG(WARNING) << NameOfSide(options_, LiveSide::kFirst) << " ended after "
-                 << first_.pictures.load() << " pictures, "
-                 << NameOfSide(options_, LiveSide::kSecond) << " after " << second_.pictures.load()
-                 << ": is a picture of one missing, or cut short?";
-  }
-
-  // Says that a source that nobody holds back plays as fast as it can; returns whether it did.
-  bool TellFast(absl::Duration since) const {
-    const double span_s = 1e-9 * static_cast<double>(first_.newest_ns - first_.first_ns);
-    if (span_s < kFast * absl::ToDoubleSeconds(since) + kFastAfter_s) return false;
-    LOG(WARNING) << "the pipeline plays faster than its pictures' own times, " << span_s << " s in "
-                 << absl::ToDoubleSeconds(since)
-                 << " s: newer frames replace those that are not taken yet, and most are lost. A "
-                    "recording is played in its own time where its pipelines end in identity "
-                    "sync=true";
-    return true;
   }
 
   static GstFlowReturn OnSample(GstAppSink* sink, gpointer data) {
@@ -253,8 +193,7 @@ class GstCamera : public LiveCamera {
       return Refuse(element, sample, sink);
     }
     const int64_t time_ns = TimeOf(element, sample);
-    if (sink.pictures++ == 0) sink.first_ns = time_ns;
-    sink.newest_ns = time_ns;
+    sink.gave.Add(time_ns);
     if (!is_depth) image = grey_scaler_.ToEightBits(*image);
     if (options_.layout == GstLayout::kTwoPipelines) {
       return pairing_->Push(sink.side, {time_ns, *std::move(image)});

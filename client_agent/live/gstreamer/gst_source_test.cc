@@ -285,6 +285,14 @@ TEST(GstSourceTest, OneSidesEndIsAnEnd) {
   EXPECT_EQ(played.frames.size(), 5u) << played.end;
 }
 
+TEST(GstSourceTest, AnErrorNamesItsElementAndItsSide) {
+  const auto stream = OpenLive(
+      absl::StrCat("gst:", TestCamera(20), " || ", TestCamera(20),
+                   " ! identity name=broken error-after=4?rig=", WriteRig(kSmallStereoRig)));
+  const absl::Status end = stream.ok() ? Play(**stream).end : stream.status();
+  EXPECT_THAT(std::string(end.message()), HasSubstr("the right pipeline: broken: "));
+}
+
 // The side of a picture that is cut short, and its element, are named.
 TEST(GstSourceTest, ACutPictureIsSaid) {
   const Listener listener("the left pipeline");
