@@ -87,7 +87,7 @@ TEST(AgentTest, WhatTheSensorFindsIsLoggedWhenItIsFound) {
   cv::resize(left(cv::Rect(0, 0, 160, 120)), left, left.size(), 0, 0, cv::INTER_CUBIC);
   const cv::Mat covered(480, 640, CV_8UC1, cv::Scalar(9));
   WatchLog log;
-  for (int i = 1; i <= 60; ++i) {
+  for (int64_t i = 1; i <= 60; ++i) {
     EXPECT_EQ(log.told, i <= 50 ? 0 : 1) << i;
     ASSERT_TRUE((*agent)->Track({i * 100'000'000, left, covered, cv::Mat()}).ok());
   }
