@@ -11,7 +11,6 @@
 #include "absl/status/status.h"
 #include "absl/synchronization/mutex.h"
 #include "slam/exchange/uplink.h"
-#include "slam/sensor/image_check.h"
 #include "slam/sensor/sensor.h"
 
 namespace corbslam::client_agent {
@@ -69,13 +68,17 @@ class AgentOrders {
     return absl::OkStatus();
   }
 
-  // INVALID_ARGUMENT for a mask of another size than the camera's pictures, or of another type.
-  absl::Status SetMask(const PictureMask& mask) {
+  // Says that the camera's pictures were recorded in this size and scaled to what the agent takes
+  // (?scale); people's masks are of what was recorded.
+  void SetRecordedSize(int width_px, int height_px) {
     absl::MutexLock lock(&mutex_);
-    if (const absl::Status fits = CheckMask(mask, camera_); !fits.ok()) return fits;
-    next_.mask = mask;
-    return absl::OkStatus();
+    recorded_.width_px = width_px;
+    recorded_.height_px = height_px;
   }
+
+  // Takes a mask of the size that was recorded, or of that of the pictures as they are tracked.
+  // INVALID_ARGUMENT for another size or type.
+  absl::Status SetMask(const PictureMask& mask);
 
   // Takes the place of limits that no frame has followed yet.
   void SetLimits(const ChangedLimits& limits) {
@@ -115,6 +118,7 @@ class AgentOrders {
  private:
   mutable absl::Mutex mutex_;
   Camera camera_ ABSL_GUARDED_BY(mutex_);
+  Camera recorded_ ABSL_GUARDED_BY(mutex_);  // Its size alone; 0: as the camera's.
   OrdersForFrame next_ ABSL_GUARDED_BY(mutex_);
   bool map_is_empty_ ABSL_GUARDED_BY(mutex_) = false;  // Since a new one was ordered.
   bool was_paused_ ABSL_GUARDED_BY(mutex_) = false;    // At the last Take.

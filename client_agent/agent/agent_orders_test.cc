@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <opencv2/core.hpp>
 #include <string>
 #include <vector>
 
@@ -96,6 +97,19 @@ TEST(AgentOrdersTest, AMaskMustHaveThePicturesSizeAndOnlyGreys) {
               HasSubstr("48x64"));
   EXPECT_TRUE(absl::IsInvalidArgument(orders.SetMask(cv::Mat::zeros(48, 64, CV_8UC3))));
   EXPECT_FALSE(orders.Take().mask.has_value());
+  // Of pictures that are scaled the mask is that of the recorded ones, as a rig's is.
+  orders.SetRecordedSize(128, 97);
+  cv::Mat recorded(97, 128, CV_8UC1, cv::Scalar(255));
+  recorded.colRange(0, 32) = cv::Scalar(0);
+  ASSERT_TRUE(orders.SetMask(recorded).ok());
+  const cv::Mat scaled = *orders.Take().mask;
+  EXPECT_EQ(scaled.size(), cv::Size(64, 48));
+  EXPECT_EQ(cv::countNonZero(scaled), 48 * 48);
+  EXPECT_EQ(cv::countNonZero(scaled == 255), 48 * 48);
+  EXPECT_TRUE(orders.SetMask(scaled).ok());
+  EXPECT_EQ(orders.Take().mask->cols, 64);
+  EXPECT_THAT(std::string(orders.SetMask(cv::Mat::zeros(96, 128, CV_8UC1)).message()),
+              HasSubstr("expected 128x97"));
   // An empty one takes the mask away.
   EXPECT_TRUE(orders.SetMask(cv::Mat()).ok());
   EXPECT_TRUE(orders.Take().mask.has_value());

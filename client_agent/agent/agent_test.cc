@@ -1,6 +1,7 @@
 // Tests the whole robot on recorded images (CORBSLAM_DATA_DIR), and what of it needs none.
 #include "client_agent/agent/agent.h"
 
+#include <glog/logging.h>
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -9,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "absl/strings/match.h"
 #include "client_agent/source/recorded_sequence.h"
 
 namespace corbslam::client_agent {
@@ -55,6 +57,41 @@ TEST(AgentTest, BlackImagesAreNoErrorAndWrongOnesAre) {
   EXPECT_FALSE((*agent)->GetNearMap({}).has_value()) << "it knows no place";
   EXPECT_TRUE((*agent)->Finish(absl::Seconds(10)).ok());
   EXPECT_EQ((*agent)->GetStatus().frames, 1);
+}
+
+class WatchLog : public google::LogSink {
+ public:
+  WatchLog() { google::AddLogSink(this); }
+  ~WatchLog() override { google::RemoveLogSink(this); }
+  void send(google::LogSeverity, const char*, const char*, int, const struct ::tm*,
+            const char* message, size_t length) override {
+    const absl::string_view line(message, length);
+    told += absl::StrContains(line, "kim: stereo points are") &&
+                    absl::StrContains(line, "[stereo-points-few]")
+                ? 1
+                : 0;
+  }
+  int told = 0;
+};
+
+// A live robot has no end at which somebody could read what its sensor found.
+TEST(AgentTest, WhatTheSensorFindsIsLoggedWhenItIsFound) {
+  AgentOptions options;
+  options.name = "kim";
+  options.deterministic = true;
+  options.sensor.orb.features = 300;
+  auto agent = Agent::Create(options, TestCalibration(), ShippedVocabulary(), nullptr);
+  ASSERT_TRUE(agent.ok()) << agent.status();
+  cv::Mat left(480, 640, CV_8UC1);
+  cv::RNG(5).fill(left, cv::RNG::UNIFORM, 0, 256);
+  cv::resize(left(cv::Rect(0, 0, 160, 120)), left, left.size(), 0, 0, cv::INTER_CUBIC);
+  const cv::Mat covered(480, 640, CV_8UC1, cv::Scalar(9));
+  WatchLog log;
+  for (int64_t i = 1; i <= 60; ++i) {
+    EXPECT_EQ(log.told, i <= 50 ? 0 : 1) << i;
+    ASSERT_TRUE((*agent)->Track({i * 100'000'000, left, covered, cv::Mat()}).ok());
+  }
+  EXPECT_EQ((*agent)->GetStatus().input_findings.size(), 1u);
 }
 
 class RecordedAgentTest : public ::testing::Test {

@@ -32,19 +32,43 @@ absl::Status CheckPicture(absl::string_view which, const cv::Mat& image, int typ
       ", the rig is of ", size.width, "x", size.height, " ", cv::typeToString(type)));
 }
 
+// Returns the offset that the frames' times need.
+int64_t UsedOffset_ns(const Rig& rig, const LiveOptions& options) {
+  return options.one_stamp ? 0 : SecondTimeOffset_ns(rig);
+}
+
+SourceFindings FindUnusedOffset(const Rig& rig, const LiveOptions& options) {
+  const int64_t offset_ns = SecondTimeOffset_ns(rig);
+  if (!options.one_stamp || offset_ns == 0) return {};
+  SourceFinding finding{
+      FindingLevel::kWarning, "time-offset-unused",
+      absl::StrCat(options.name, ": the rig's second camera is ",
+                   1e-6 * static_cast<double>(offset_ns),
+                   " ms later by time_offset_s, which is not used: both pictures of a frame come "
+                   "with one stamp here. If they were taken apart, trigger the cameras together")};
+  LOG(WARNING) << finding.text << " [" << finding.code << "]";
+  return {std::move(finding)};
+}
+
+absl::StatusOr<DepthPreparation> DepthOf(const Rig& rig, const LiveOptions& options) {
+  if (rig.kind == RigKind::kRgbd) return DepthPreparation::Make(rig, options.registers);
+  if (!options.registers.value_or(false)) return DepthPreparation();
+  return absl::InvalidArgumentError(options.name + ": register=1 is of RGB-D rigs");
+}
+
 }  // namespace
+
+absl::Status LiveStream::Check(const Rig& rig, const LiveOptions& options) {
+  RETURN_IF_ERROR(CalibrationOf(rig).status());
+  return DepthOf(rig, options).status();
+}
 
 absl::StatusOr<std::unique_ptr<FrameStream>> LiveStream::Open(const Rig& rig,
                                                               std::unique_ptr<LiveCamera> camera,
                                                               const LiveOptions& options) {
   ASSIGN_OR_RETURN(SensorCalibration calibration, CalibrationOf(rig));
-  DepthPreparation depth;
-  if (rig.kind == RigKind::kRgbd) {
-    ASSIGN_OR_RETURN(depth, DepthPreparation::Make(rig, options.registers));
-    if (depth.registers()) LOG(INFO) << options.name << ": depth is " << depth.in_words();
-  } else if (options.registers.value_or(false)) {
-    return absl::InvalidArgumentError(options.name + ": register=1 is of RGB-D rigs");
-  }
+  ASSIGN_OR_RETURN(DepthPreparation depth, DepthOf(rig, options));
+  if (depth.registers()) LOG(INFO) << options.name << ": depth is " << depth.in_words();
   std::unique_ptr<LiveStream> stream(
       new LiveStream(rig, std::move(calibration), std::move(depth), std::move(camera), options));
   RETURN_IF_ERROR(stream->camera_->Start(stream->pairing_));
@@ -57,8 +81,9 @@ LiveStream::LiveStream(const Rig& rig, SensorCalibration calibration, DepthPrepa
       rate_hz_(rig.rate_hz),
       calibration_(std::move(calibration)),
       depth_(std::move(depth)),
-      pairing_(/*both=*/true, options.pair_within_ns, SecondTimeOffset_ns(rig)),
+      pairing_(/*both=*/true, options.pair_within_ns, UsedOffset_ns(rig, options)),
       rate_(rig.rate_hz),
+      findings_(FindUnusedOffset(rig, options)),
       camera_(std::move(camera)) {}
 
 LiveStream::~LiveStream() { camera_->Stop(); }

@@ -34,6 +34,8 @@ struct LiveOptions {
   // RGB-D: whether depth is registered to the pictures here; nullopt: as the rig says. False where
   // the device or its pipeline does it.
   std::optional<bool> registers = {};
+  // Both pictures of a frame have one stamp: the rig's time_offset_s is not used, which is said.
+  bool one_stamp = false;
 };
 
 // Frames are the newest there are. Pictures of another size or type than the rig's are left out;
@@ -41,6 +43,8 @@ struct LiveOptions {
 // that falls is logged.
 class LiveStream : public FrameStream {
  public:
+  // Returns what Open would refuse of the rig and the options, without a camera.
+  static absl::Status Check(const Rig& rig, const LiveOptions& options);
   // Starts the camera. INVALID_ARGUMENT for an impossible rig.
   static absl::StatusOr<std::unique_ptr<FrameStream>> Open(const Rig& rig,
                                                            std::unique_ptr<LiveCamera> camera,
@@ -51,6 +55,7 @@ class LiveStream : public FrameStream {
   std::optional<double> interval_s() const override;
   absl::StatusOr<NextFrame> Next(absl::Time deadline) override;
   LeftOutFrames left_out() const override;
+  SourceFindings findings() const override { return findings_; }
   uint64_t overtaken() const override { return pairing_.counts().overtaken; }
   std::optional<CameraCounts> camera_counts() const override { return pairing_.counts(); }
   PoseListener* pose_listener() override { return camera_->pose_listener(); }
@@ -69,6 +74,7 @@ class LiveStream : public FrameStream {
   const DepthPreparation depth_;  // RGB-D only.
   PicturePairing pairing_;
   RateWatch rate_;
+  SourceFindings findings_;
   LeftOutFrames wrong_;
   size_t wrong_in_a_row_ = 0;
   bool ended_ = false;

@@ -42,7 +42,9 @@ class LiveStreamTest : public ::testing::Test {
  protected:
   void Open(const Rig& rig) {
     auto opened = LiveStream::Open(rig, std::make_unique<HandCamera>(pairing_, stopped_),
-                                   {"gst:test", 1'000'000});
+                                   {.name = "gst:test",
+                                    .pair_within_ns = one_stamp_ ? 0 : 1'000'000,
+                                    .one_stamp = one_stamp_});
     ASSERT_TRUE(opened.ok()) << opened.status();
     stream_ = *std::move(opened);
   }
@@ -54,6 +56,7 @@ class LiveStreamTest : public ::testing::Test {
 
   PicturePairing* pairing_ = nullptr;
   bool stopped_ = false;
+  bool one_stamp_ = false;
   std::unique_ptr<FrameStream> stream_;
 };
 
@@ -140,6 +143,38 @@ TEST_F(LiveStreamTest, DepthOfACameraOfItsOwnIsRegistered) {
   Push(2, Grey(7), cv::Mat(120, 160, CV_16UC1, cv::Scalar(900)));
   EXPECT_TRUE(std::holds_alternative<NoFrameYet>(*stream_->Next(absl::InfinitePast())));
   EXPECT_THAT(stream_->left_out().last, HasSubstr("the rig is of 80x60"));
+}
+
+// What calibrators always leave, 0.1 ms, must not part the two halves of one picture.
+TEST_F(LiveStreamTest, AnOffsetWithinOneStampIsNotUsedAndThatIsSaid) {
+  Rig rig = RectifiedPair();
+  rig.cameras[1].time_offset_s = 1e-4;
+  one_stamp_ = true;
+  Open(rig);
+  Push(1, Grey(40), Grey(50));
+  EXPECT_TRUE(std::holds_alternative<StreamFrame>(*stream_->Next(absl::InfinitePast())));
+  EXPECT_EQ(stream_->left_out().count, 0u);
+  ASSERT_EQ(stream_->findings().size(), 1u);
+  EXPECT_EQ(stream_->findings()[0].code, "time-offset-unused");
+  EXPECT_THAT(stream_->findings()[0].text, HasSubstr("0.1 ms later"));
+
+  one_stamp_ = false;
+  rig.cameras[1].time_offset_s = 0.012;
+  Open(rig);
+  EXPECT_TRUE(stream_->findings().empty());
+  Push(1, Grey(40), Grey(50));
+  EXPECT_TRUE(std::holds_alternative<NoFrameYet>(*stream_->Next(absl::InfinitePast())));
+}
+
+TEST_F(LiveStreamTest, ACheckRefusesWhatOpeningWould) {
+  EXPECT_TRUE(LiveStream::Check(RectifiedPair(), {.name = "gst:test"}).ok());
+  EXPECT_THAT(LiveStream::Check(RectifiedPair(), {.name = "gst:test", .registers = true}).message(),
+              HasSubstr("register=1 is of RGB-D rigs"));
+  Rig rig;
+  rig.kind = RigKind::kRgbd;
+  rig.cameras = {{{100, 100, 80, 60, {}}, 160, 120}};
+  EXPECT_THAT(LiveStream::Check(rig, {.name = "gst:test", .registers = true}).message(),
+              HasSubstr("through which lens"));
 }
 
 TEST_F(LiveStreamTest, RefusesAnImpossibleRig) {

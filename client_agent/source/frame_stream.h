@@ -12,6 +12,7 @@
 #include "absl/status/statusor.h"
 #include "absl/time/time.h"
 #include "client_agent/source/pose_listener.h"
+#include "client_agent/source/source_finding.h"
 #include "slam/sensor/sensor.h"
 
 namespace corbslam::client_agent {
@@ -73,6 +74,9 @@ class FrameStream {
   // Returns how many frames a newer one replaced before they were taken: a camera's, whose frames
   // do not wait.
   virtual uint64_t overtaken() const { return 0; }
+  // Returns what looked wrong so far in how the camera gives its pictures, or in what they show; it
+  // was logged when it was found.
+  virtual SourceFindings findings() const { return {}; }
   // Nullopt: the stream is of no live camera.
   virtual std::optional<CameraCounts> camera_counts() const { return std::nullopt; }
   // Returns who wants to hear what became of the stream's frames, and lives as long as the stream;

@@ -69,6 +69,8 @@ class ScaledReader : public FrameReader {
         scaling_(scaling),
         calibration_(reader_->calibration()),
         description_(reader_->description()) {
+    description_.unscaled_px = {description_.intrinsics.width_px,
+                                description_.intrinsics.height_px};
     std::visit([&](auto& kind) { Scale(scaling_, kind); }, calibration_);
     DescribeCamera(calibration_, description_);
     absl::StrAppend(&description_.layout, ", scaled by ", scale);

@@ -19,6 +19,8 @@ struct SourceDescription {
   std::string layout;        // Name for people: "KITTI odometry, grey".
   std::string camera_model;  // For people: "rectified stereo pair, pinhole".
   Intrinsics intrinsics;     // Intrinsics and size of the recorded (left) pictures.
+  // Their size before they were scaled (?scale).
+  std::optional<std::pair<int, int>> unscaled_px;
   std::string intrinsics_from;
   std::optional<double> baseline_m;         // Set for a stereo pair only.
   std::optional<double> depth_units_per_m;  // Set for an RGB-D camera only.

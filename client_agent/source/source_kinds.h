@@ -50,6 +50,8 @@ class KindSettings {
   virtual absl::StatusOr<std::unique_ptr<FrameReader>> Open() const = 0;
   // True: the source is a camera, which OpenLive opens, and Open says so.
   virtual bool is_live() const { return false; }
+  // True: also an improbable calibration is to be taken (?trust-calibration).
+  virtual bool trusts_calibration() const { return false; }
   // Returns what OpenLive would refuse before it starts the camera or waits for anybody.
   virtual absl::Status CheckLive() const { return Validate(); }
   // Opens the camera and starts it. Errors say what to do. One that waits for its camera ends with

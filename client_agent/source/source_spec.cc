@@ -80,8 +80,11 @@ absl::Status ParseRobot(absl::string_view value, SequencePart& part) {
 }
 
 std::string ListKnownOptions(const SourceSpec& spec) {
-  std::vector<absl::string_view> names = {"frames", "stride",  "offset", "reverse",
-                                          "robot",  "overlap", "gamma",  "noise"};
+  std::vector<absl::string_view> names;
+  // A camera's frames are played as they come.
+  if (spec.settings == nullptr || !spec.settings->is_live()) {
+    names = {"frames", "stride", "offset", "reverse", "robot", "overlap", "gamma", "noise"};
+  }
   if (spec.settings == nullptr) names.insert(names.end(), {"seed", "truth_frame"});
   const std::vector<absl::string_view> more =
       spec.settings == nullptr ? OpeningOptionNames(spec.layout) : spec.settings->OptionNames();

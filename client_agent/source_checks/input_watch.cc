@@ -64,7 +64,7 @@ std::optional<SourceFinding> InputWatch::Judge() const {
         absl::StrFormat("%s %.1f %% of the features in the last %d frames: less than %.0f %% is no "
                         "basis for a map. %s",
                         is_stereo_ ? "stereo points are" : "depth was found for", 100 * with_depth,
-                        kFrames, 100 * (is_stereo_ ? kLeastStereo : kLeastDepth),
+                        kFrames, 100 * least,
                         is_stereo_ ? "Are left and right pictures of one time and rectified, and "
                                      "is neither covered?"
                                    : "Is the scene out of the sensor's range, or the depth "

@@ -6,6 +6,7 @@
 namespace corbslam::client_agent {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 
 // `with_depth` of `count` features have a disparity of `disparity_px`.
@@ -34,7 +35,8 @@ TEST(InputWatchTest, TellsAPairThatIsNoneOnceAfterItsFirstFrames) {
   InputWatch watch{SensorCalibration(StereoCalibration())};
   EXPECT_THAT(Feed(watch, MakeFeatures(2000, 150), 49), IsEmpty());
   EXPECT_THAT(Feed(watch, MakeFeatures(2000, 150), 1),
-              ElementsAre(HasSubstr("stereo-points-few: stereo points are 7.5 %")));
+              ElementsAre(AllOf(HasSubstr("stereo-points-few: stereo points are 7.5 %"),
+                                HasSubstr("less than 12 % is no basis"))));
   EXPECT_THAT(Feed(watch, MakeFeatures(2000, 90), 300), IsEmpty());
 }
 
@@ -42,7 +44,8 @@ TEST(InputWatchTest, TellsThatDepthFailsLaterAndThatItFailsAgain) {
   InputWatch watch{SensorCalibration(RgbdCalibration())};
   EXPECT_THAT(Feed(watch, MakeFeatures(1000, 700), 100), IsEmpty());
   EXPECT_THAT(Feed(watch, MakeFeatures(1000, 0), 60),
-              ElementsAre(HasSubstr("depth-points-few: depth was found for")));
+              ElementsAre(AllOf(HasSubstr("depth-points-few: depth was found for"),
+                                HasSubstr("less than 2 % is no basis"))));
   EXPECT_THAT(Feed(watch, MakeFeatures(1000, 700), 60), IsEmpty());
   EXPECT_THAT(Feed(watch, MakeFeatures(1000, 0), 60),
               ElementsAre(HasSubstr("depth-points-few: depth was found for")));

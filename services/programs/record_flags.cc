@@ -67,6 +67,11 @@ void AddRecordFlags(CLI::App& app, RecordFlags& flags) {
 absl::Status CheckRecording(const RecordFlags& flags) {
   if (flags.folder.empty()) return absl::OkStatus();
   const std::string folder = FolderOf(flags, absl::Now());
+  if (const size_t at = folder.find('{'); at != std::string::npos) {
+    return absl::InvalidArgumentError(absl::StrCat("--record: ", flags.folder, ": ",
+                                                   folder.substr(at, folder.find('}', at) - at + 1),
+                                                   " is no field that is known: {time} is"));
+  }
   if (const absl::Status status = CheckRecordingFolder(folder); !status.ok()) {
     return absl::Status(status.code(), absl::StrCat("--record: ", status.message()));
   }

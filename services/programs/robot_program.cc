@@ -277,6 +277,9 @@ absl::Status Drive(const RobotFlags& flags, const Surroundings& around, const Ro
                                   *source.stream));
   ASSIGN_OR_RETURN(const auto agent, Agent::Create(options, calibration, vocabulary,
                                                    observers.Watch(uplink), std::move(spool)));
+  if (const auto& size_px = source.description.unscaled_px; size_px.has_value()) {
+    around.orders->SetRecordedSize(size_px->first, size_px->second);
+  }
   around.settings->GiveMask();
   Agent* const watched = observers.Watch(agent.get());
   const auto recording =

@@ -3,19 +3,21 @@
 #include <glog/logging.h>
 #include <gst/app/gstappsink.h>
 #include <gst/gst.h>
-#include <gst/video/video.h>
 
 #include <atomic>
-#include <mutex>
 #include <optional>
+#include <string>
 #include <thread>
 #include <utility>
 
-#include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/synchronization/notification.h"
+#include "absl/time/clock.h"
 #include "absl/time/time.h"
+#include "client_agent/live/gstreamer/grey_scaler.h"
 #include "client_agent/live/gstreamer/gst_picture.h"
+#include "client_agent/live/gstreamer/gst_pipeline.h"
+#include "client_agent/live/gstreamer/gst_sides.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::client_agent {
@@ -25,69 +27,7 @@ constexpr absl::Duration kBetweenStarts = absl::Seconds(1);
 constexpr GstClockTime kBusWait_ns = 100 * GST_MSECOND;
 constexpr GstClockTime kStartWait_ns = 10 * GST_SECOND;
 
-struct Unref {
-  void operator()(GstElement* element) const { gst_object_unref(element); }
-};
-using ElementPtr = std::unique_ptr<GstElement, Unref>;
-
-std::string SinkOf(const std::string& pipeline, const char* name, bool depth) {
-  return absl::StrCat(
-      pipeline, " ! videoconvert ! video/x-raw,format=", depth ? "GRAY16_LE" : "GRAY8",
-      " ! appsink name=", name, " max-buffers=2 drop=true sync=false emit-signals=false ");
-}
-
-std::string DescribePipeline(const GstCameraOptions& options) {
-  std::string text = SinkOf(options.first, "first", false);
-  if (options.layout == GstLayout::kTwoPipelines) {
-    text += SinkOf(options.second, "second", options.second_is_depth);
-  }
-  return text;
-}
-
-void InitialiseGst() {
-  static std::once_flag once;
-  std::call_once(once, [] { gst_init(nullptr, nullptr); });
-}
-
-// Where Debian has the elements that cameras want.
-constexpr std::pair<absl::string_view, absl::string_view> kPackages[] = {
-    {"aravissrc", "libaravis-0.8-0"},         {"bayer2rgb", "gstreamer1.0-plugins-bad"},
-    {"v4l2src", "gstreamer1.0-plugins-good"}, {"jpegdec", "gstreamer1.0-plugins-good"},
-    {"rtspsrc", "gstreamer1.0-plugins-good"}, {"avdec_h264", "gstreamer1.0-libav"}};
-
-absl::Status BadPipeline(absl::string_view why) {
-  for (const auto& [element, package] : kPackages) {
-    if (!absl::StrContains(why, absl::StrCat("\"", element, "\""))) continue;
-    return absl::InvalidArgumentError(
-        absl::StrCat("GStreamer lacks a part: ", why, "; Debian's package ", package, " has it"));
-  }
-  return absl::InvalidArgumentError(absl::StrCat(
-      "GStreamer does not understand the pipeline: ", why, " (gst-launch-1.0 -v tries it)"));
-}
-
-absl::StatusOr<ElementPtr> Parse(const GstCameraOptions& options) {
-  InitialiseGst();
-  GError* error = nullptr;
-  ElementPtr pipeline(gst_parse_launch_full(DescribePipeline(options).c_str(), nullptr,
-                                            GST_PARSE_FLAG_FATAL_ERRORS, &error));
-  if (error == nullptr && pipeline != nullptr) return pipeline;
-  const std::string why = error != nullptr ? error->message : "no reason is given";
-  if (error != nullptr) g_error_free(error);
-  return BadPipeline(why);
-}
-
-// Returns what an error message of the bus says.
-absl::Status ErrorOf(GstMessage* message) {
-  GError* error = nullptr;
-  gchar* detail = nullptr;
-  gst_message_parse_error(message, &error, &detail);
-  const absl::Status status = absl::UnavailableError(
-      absl::StrCat(GST_OBJECT_NAME(message->src), ": ", error->message,
-                   detail != nullptr ? absl::StrCat(" (", detail, ")") : ""));
-  g_error_free(error);
-  g_free(detail);
-  return status;
-}
+constexpr char kWrong[] = "corbslam-wrong";  // A message of ours on the bus, with `why`.
 
 class GstCamera : public LiveCamera {
  public:
@@ -110,13 +50,15 @@ class GstCamera : public LiveCamera {
   struct Sink {
     GstCamera* camera;
     LiveSide side;
+    GstSide gave = {};
+    std::atomic<bool> is_wrong = false;
   };
 
   // Makes the pipeline and waits until it plays.
   absl::StatusOr<ElementPtr> Play() {
-    ASSIGN_OR_RETURN(ElementPtr pipeline, Parse(options_));
-    Connect(pipeline.get(), "first", first_);
-    if (options_.layout == GstLayout::kTwoPipelines) Connect(pipeline.get(), "second", second_);
+    ASSIGN_OR_RETURN(ElementPtr pipeline, ParsePipeline(options_));
+    Connect(pipeline.get(), first_);
+    if (options_.layout == GstLayout::kTwoPipelines) Connect(pipeline.get(), second_);
     // The system's monotonic clock stamps everything, so that frames after a new start follow.
     GstClock* clock = gst_system_clock_obtain();
     gst_pipeline_use_clock(GST_PIPELINE(pipeline.get()), clock);
@@ -138,20 +80,28 @@ class GstCamera : public LiveCamera {
     return gst_element_get_state(pipeline, nullptr, nullptr, kStartWait_ns);
   }
 
-  void Connect(GstElement* pipeline, const char* name, Sink& sink) {
-    GstElement* element = gst_bin_get_by_name(GST_BIN(pipeline), name);
+  static void Connect(GstElement* pipeline, Sink& sink) {
+    sink.gave.Reset();
+    sink.is_wrong = false;
+    GstElement* element = gst_bin_get_by_name(GST_BIN(pipeline), SinkName(sink.side));
     GstAppSinkCallbacks callbacks = {};
     callbacks.new_sample = &GstCamera::OnSample;
+    callbacks.eos = [](GstAppSink*, gpointer data) { static_cast<Sink*>(data)->gave.ended = true; };
     gst_app_sink_set_callbacks(GST_APP_SINK(element), &callbacks, &sink, nullptr);
     gst_object_unref(element);
   }
 
-  static absl::Status FirstError(GstElement* pipeline) {
+  absl::Status FirstError(GstElement* pipeline) const {
     GstBus* bus = gst_element_get_bus(pipeline);
     GstMessage* message = gst_bus_pop_filtered(bus, GST_MESSAGE_ERROR);
     gst_object_unref(bus);
-    if (message == nullptr) return absl::UnavailableError("the pipeline does not start");
-    const absl::Status status = ErrorOf(message);
+    if (message == nullptr) {
+      return absl::UnavailableError(
+          "the pipeline does not start, and none of its elements says why: does it ask for a "
+          "format, a size or a framerate that its source does not have? (gst-launch-1.0 -v tries "
+          "it)");
+    }
+    const absl::Status status = absl::UnavailableError(WordsOf(options_, message));
     gst_message_unref(message);
     return status;
   }
@@ -163,7 +113,11 @@ class GstCamera : public LiveCamera {
       gst_element_set_state(pipeline.get(), GST_STATE_NULL);
       pipeline.reset();
       if (stop_.HasBeenNotified()) return;
-      if (!options_.restarts.value_or(is_live_ && !ended.ok())) return pairing_->End(ended);
+      // The next start would give the same pictures.
+      if (absl::IsInvalidArgument(ended)) return pairing_->End(ended);
+      // A side that ended without an error has ended.
+      const bool went_away = is_live_ && absl::IsUnavailable(ended);
+      if (!options_.restarts.value_or(went_away)) return pairing_->End(ended);
       LOG(WARNING) << "the camera went away: "
                    << (ended.ok() ? "its pipeline ended" : ended.message())
                    << "; waiting for it to come back";
@@ -182,41 +136,90 @@ class GstCamera : public LiveCamera {
     return nullptr;
   }
 
-  // Returns OK at the pipeline's end and when stopped, else the pipeline's error.
+  // Returns OK at the pipeline's end and when stopped, else the pipeline's error, or that of a side
+  // that ended while the other goes on.
   absl::Status WaitForEnd(GstElement* pipeline) {
     GstBus* bus = gst_element_get_bus(pipeline);
-    absl::Status status;
-    while (!stop_.HasBeenNotified()) {
+    SideWatch watch(options_, first_.gave, second_.gave);
+    std::optional<absl::Status> end;
+    while (!end.has_value() && !stop_.HasBeenNotified()) {
       GstMessage* message = gst_bus_timed_pop_filtered(
-          bus, kBusWait_ns, static_cast<GstMessageType>(GST_MESSAGE_ERROR | GST_MESSAGE_EOS));
-      if (message == nullptr) continue;
-      if (GST_MESSAGE_TYPE(message) == GST_MESSAGE_ERROR) status = ErrorOf(message);
-      gst_message_unref(message);
-      break;
+          bus, kBusWait_ns,
+          static_cast<GstMessageType>(GST_MESSAGE_ERROR | GST_MESSAGE_EOS | GST_MESSAGE_WARNING |
+                                      GST_MESSAGE_APPLICATION));
+      if (message != nullptr) {
+        end = Judge(message, watch);
+        gst_message_unref(message);
+      } else {
+        end = watch.OneSideEnded(absl::Now());
+      }
+      if (!is_live_) watch.TellFast(absl::Now());
     }
     gst_object_unref(bus);
-    return status;
+    return end.value_or(absl::OkStatus());
+  }
+
+  // Returns the end that a message of the bus means; nullopt where it means none.
+  std::optional<absl::Status> Judge(GstMessage* message, const SideWatch& watch) const {
+    switch (GST_MESSAGE_TYPE(message)) {
+      case GST_MESSAGE_WARNING:
+        LOG(WARNING) << WordsOf(options_, message);
+        return std::nullopt;
+      case GST_MESSAGE_ERROR:
+        return absl::UnavailableError(WordsOf(options_, message));
+      case GST_MESSAGE_EOS:
+        watch.TellCounts();
+        return absl::OkStatus();
+      default:
+        const GstStructure* const said = gst_message_get_structure(message);
+        if (said == nullptr || gst_structure_has_name(said, kWrong) == FALSE) return std::nullopt;
+        return absl::InvalidArgumentError(gst_structure_get_string(said, "why"));
+    }
   }
 
   static GstFlowReturn OnSample(GstAppSink* sink, gpointer data) {
     auto& self = *static_cast<Sink*>(data);
     GstSample* sample = gst_app_sink_pull_sample(sink);
     if (sample == nullptr) return GST_FLOW_EOS;
-    self.camera->Take(GST_ELEMENT(sink), sample, self.side);
+    self.camera->Take(GST_ELEMENT(sink), sample, self);
     gst_sample_unref(sample);
     return GST_FLOW_OK;
   }
 
-  void Take(GstElement* sink, GstSample* sample, LiveSide side) {
+  void Take(GstElement* element, GstSample* sample, Sink& sink) {
     std::optional<cv::Mat> image = CopyPicture(sample);
-    if (!image.has_value()) return;
-    const int64_t time_ns = TimeOf(sink, sample);
+    const bool is_depth = options_.second_is_depth && sink.side == LiveSide::kSecond;
+    if (!image.has_value() || (is_depth && image->type() != CV_16UC1)) {
+      return Refuse(element, sample, sink);
+    }
+    const int64_t time_ns = TimeOf(element, sample);
+    sink.gave.Add(time_ns);
+    if (!is_depth) image = grey_scaler_.ToEightBits(*image);
     if (options_.layout == GstLayout::kTwoPipelines) {
-      return pairing_->Push(side, {time_ns, *std::move(image)});
+      return pairing_->Push(sink.side, {time_ns, *std::move(image)});
     }
     auto [first, second] = SplitPicture(*image, options_.layout == GstLayout::kSideBySide);
     pairing_->Push(LiveSide::kFirst, {time_ns, std::move(first)});
     pairing_->Push(LiveSide::kSecond, {time_ns, std::move(second)});
+  }
+
+  // Ends the stream with the format that came, once.
+  void Refuse(GstElement* element, GstSample* sample, Sink& sink) const {
+    if (sink.is_wrong.exchange(true)) return;
+    const GstCaps* const caps = gst_sample_get_caps(sample);
+    gchar* const format = caps != nullptr ? gst_caps_to_string(caps) : nullptr;
+    const std::string why = absl::StrCat(
+        NameOfSide(options_, sink.side), " gives ", format != nullptr ? format : "no format", ", ",
+        options_.second_is_depth && sink.side == LiveSide::kSecond
+            ? "and depth is GRAY16_LE or GRAY16_BE, in the rig's units (depth.units_per_m): "
+              "nothing "
+              "is converted into depth. Is it the colour camera's? gst:PICTURE || DEPTH"
+            : "which can't be made grey");
+    g_free(format);
+    gst_element_post_message(
+        element, gst_message_new_application(
+                     GST_OBJECT(element),
+                     gst_structure_new(kWrong, "why", G_TYPE_STRING, why.c_str(), nullptr)));
   }
 
   int64_t TimeOf(GstElement* sink, GstSample* sample) {
@@ -244,6 +247,7 @@ class GstCamera : public LiveCamera {
   PicturePairing* pairing_ = nullptr;
   Sink first_ = {this, LiveSide::kFirst};
   Sink second_ = {this, LiveSide::kSecond};
+  GreyScaler grey_scaler_;
   bool is_live_ = false;  // What Play found last.
   std::atomic<bool> told_ = false;
   absl::Notification stop_;
@@ -260,8 +264,12 @@ bool GstHasElement(const std::string& name) {
   return true;
 }
 
+absl::Status CheckGstCamera(const GstCameraOptions& options) {
+  return ParsePipeline(options).status();
+}
+
 absl::StatusOr<std::unique_ptr<LiveCamera>> MakeGstCamera(const GstCameraOptions& options) {
-  RETURN_IF_ERROR(Parse(options).status());
+  RETURN_IF_ERROR(ParsePipeline(options).status());
   return std::make_unique<GstCamera>(options);
 }
 

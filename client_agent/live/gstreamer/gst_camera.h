@@ -24,10 +24,11 @@ struct GstCameraOptions {
   std::string first;
   std::string second;  // For kTwoPipelines only.
   GstLayout layout = GstLayout::kTwoPipelines;
-  bool second_is_depth = false;  // Its pictures are taken as 16 bits.
-  // A pipeline that ends or fails is started again each second, as where a device was unplugged.
-  // Otherwise its end is the stream's. Nullopt: one that fails and whose source is live, as devices
-  // and networks are and files are not.
+  // Its pictures have 16 bits and are taken as they are; of grey ones 8 bits are made (GreyScaler).
+  bool second_is_depth = false;
+  // A pipeline that ends or fails, or one side of which ends while the other goes on, is started
+  // again each second, as where a device was unplugged. Otherwise its end is the stream's. Nullopt:
+  // one that fails and whose source is live, as devices and networks are and files are not.
   std::optional<bool> restarts;
 };
 
@@ -35,6 +36,9 @@ struct GstCameraOptions {
 // buffers' own, on the system's monotonic clock; where a buffer has none it is when it came, by the
 // same clock, which is said once.
 absl::StatusOr<std::unique_ptr<LiveCamera>> MakeGstCamera(const GstCameraOptions& options);
+
+// Returns what MakeGstCamera would refuse. Touches no device.
+absl::Status CheckGstCamera(const GstCameraOptions& options);
 
 // Returns whether this machine's plugins have an element.
 bool GstHasElement(const std::string& name);

@@ -14,7 +14,8 @@ std::optional<cv::Mat> CopyPicture(GstSample* sample) {
     return std::nullopt;
   }
   const GstVideoFormat format = GST_VIDEO_INFO_FORMAT(&info);
-  if (format != GST_VIDEO_FORMAT_GRAY8 && format != GST_VIDEO_FORMAT_GRAY16_LE) {
+  if (format != GST_VIDEO_FORMAT_GRAY8 && format != GST_VIDEO_FORMAT_GRAY16_LE &&
+      format != GST_VIDEO_FORMAT_GRAY16_BE) {
     return std::nullopt;
   }
   GstVideoFrame frame;
@@ -25,6 +26,11 @@ std::optional<cv::Mat> CopyPicture(GstSample* sample) {
                      static_cast<size_t>(GST_VIDEO_FRAME_PLANE_STRIDE(&frame, 0)));
   cv::Mat copy = view.clone();
   gst_video_frame_unmap(&frame);
+  if (format == GST_VIDEO_FORMAT_GRAY16_BE) {
+    for (auto pixel = copy.begin<uint16_t>(); pixel != copy.end<uint16_t>(); ++pixel) {
+      *pixel = static_cast<uint16_t>(*pixel << 8 | *pixel >> 8);
+    }
+  }
   return copy;
 }
 

@@ -10,8 +10,8 @@
 
 namespace corbslam::client_agent {
 
-// Returns a copy of a sample's picture, GRAY8 as CV_8UC1 or GRAY16_LE as CV_16UC1; nullopt where
-// the sample holds no such picture.
+// Returns a copy of a sample's picture, GRAY8 as CV_8UC1, GRAY16_LE or GRAY16_BE as CV_16UC1;
+// nullopt where the sample holds no such picture.
 std::optional<cv::Mat> CopyPicture(GstSample* sample);
 
 // Returns the left and right half (or the upper and lower one); a middle column or row that

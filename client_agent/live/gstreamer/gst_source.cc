@@ -83,6 +83,7 @@ class GstSettings : public KindSettings {
   uint64_t noise_seed() const override { return 1; }
   bool turned() const override { return false; }
   bool is_live() const override { return true; }
+  bool trusts_calibration() const override { return options_.live.trust_calibration; }
 
   absl::StatusOr<std::unique_ptr<FrameReader>> Open() const override {
     return absl::InvalidArgumentError(absl::StrCat(
@@ -92,23 +93,31 @@ class GstSettings : public KindSettings {
     RETURN_IF_ERROR(Validate());
     ASSIGN_OR_RETURN(const Rig rig, ReadLiveRig(kind_, options_.live));
     // Reads the mask.
-    return CalibrationOf(rig).status();
+    RETURN_IF_ERROR(LiveStream::Check(rig, StreamOptionsOf()));
+    return CheckGstCamera(CameraOf(rig));
   }
   absl::StatusOr<std::unique_ptr<FrameStream>> OpenLive(
       const absl::Notification& /*stop*/) const override {
     ASSIGN_OR_RETURN(const Rig rig, ReadLiveRig(kind_, options_.live));
+    ASSIGN_OR_RETURN(std::unique_ptr<LiveCamera> opened, MakeGstCamera(CameraOf(rig)));
+    return LiveStream::Open(rig, std::move(opened), StreamOptionsOf());
+  }
+
+ private:
+  GstCameraOptions CameraOf(const Rig& rig) const {
     GstCameraOptions camera;
     camera.first = PipelineOf(0);
     camera.second = PipelineOf(1);
     camera.layout = LayoutOf();
     camera.second_is_depth = rig.kind == RigKind::kRgbd;
     camera.restarts = options_.live.restarts;
-    ASSIGN_OR_RETURN(std::unique_ptr<LiveCamera> opened, MakeGstCamera(camera));
-    return LiveStream::Open(rig, std::move(opened),
-                            StreamOptions(absl::StrCat(kind_, ":", place_), options_.live));
+    return camera;
   }
-
- private:
+  LiveOptions StreamOptionsOf() const {
+    LiveOptions options = StreamOptions(absl::StrCat(kind_, ":", place_), options_.live);
+    options.one_stamp = LayoutOf() != GstLayout::kTwoPipelines;
+    return options;
+  }
   bool NamesDevices() const { return kind_ != "gst"; }
   // The devices, or the pipelines.
   std::vector<std::string> Cameras() const {

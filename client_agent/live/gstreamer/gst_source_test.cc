@@ -12,6 +12,7 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <string>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -27,7 +28,9 @@
 namespace corbslam::client_agent {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 using testing::kSmallStereoRig;
 using testing::OpenLive;
 
@@ -45,6 +48,13 @@ std::string WriteRig(const std::string& text) {
   const std::string path = ::testing::TempDir() + "/gst_rig.yaml";
   std::ofstream(path) << text;
   return path;
+}
+
+// Returns what is known of a source without its camera.
+absl::Status Check(const std::string& source) {
+  RegisterGstSources();
+  const auto spec = ParseSourceSpec(source);
+  return spec.ok() ? spec->settings->CheckLive() : spec.status();
 }
 
 struct Played {
@@ -67,6 +77,21 @@ Played Play(FrameStream& stream, size_t most = 1000) {
   played.came = played.frames.size() + stream.overtaken();
   return played;
 }
+
+class Listener : public google::LogSink {
+ public:
+  explicit Listener(std::string words) : words_(std::move(words)) { google::AddLogSink(this); }
+  ~Listener() override { google::RemoveLogSink(this); }
+  void send(google::LogSeverity, const char*, const char*, int, const struct ::tm*,
+            const char* message, size_t length) override {
+    told_ += absl::StrContains(absl::string_view(message, length), words_) ? 1 : 0;
+  }
+  int told() const { return told_; }
+
+ private:
+  const std::string words_;
+  std::atomic<int> told_ = 0;
+};
 
 // Two pipelines begin apart by what the machine is busy with: here half a frame may lie between
 // them.
@@ -223,23 +248,9 @@ TEST(GstSourceTest, ACameraThatWentAwayIsWaitedFor) {
   EXPECT_LT(longest_ns, 10'000'000'000);
 }
 
-class Listener : public google::LogSink {
- public:
-  Listener() { google::AddLogSink(this); }
-  ~Listener() override { google::RemoveLogSink(this); }
-  void send(google::LogSeverity, const char*, const char*, int, const struct ::tm*,
-            const char* message, size_t length) override {
-    told_ += absl::StrContains(absl::string_view(message, length), "gives no times") ? 1 : 0;
-  }
-  int told() const { return told_; }
-
- private:
-  std::atomic<int> told_ = 0;
-};
-
 // Those of the machine's monotonic clock, as the times that other pictures have.
 TEST(GstSourceTest, PicturesWithoutTimesHaveThoseAtWhichTheyCameAndItIsSaidOnce) {
-  const Listener listener;
+  const Listener listener("gives no times");
   const auto stream =
       OpenLive(absl::StrCat("gst:fakesrc format=time sizetype=fixed sizemax=38400 num-buffers=8 ! "
                             "video/x-raw,format=GRAY8,width=320,height=120,framerate=20/1 ! "
@@ -255,6 +266,46 @@ TEST(GstSourceTest, PicturesWithoutTimesHaveThoseAtWhichTheyCameAndItIsSaidOnce)
     EXPECT_LE(frame.images.timestamp_ns, now_ns);
     EXPECT_GT(frame.images.timestamp_ns, now_ns - 60'000'000'000);
   }
+}
+
+// Of two pipelines one ends, and the other would go on for good.
+TEST(GstSourceTest, OneSidesEndIsAnEnd) {
+  const std::string source =
+      absl::StrCat("gst:", TestCamera(1000, "is-live=true"), " || ", TestCamera(4, "is-live=true"),
+                   "?rig=", WriteRig(kSmallStereoRig));
+  const auto stream = OpenLive(source);
+  ASSERT_TRUE(stream.ok()) << stream.status();
+  const absl::Status end = Play(**stream).end;
+  EXPECT_THAT(
+      std::string(end.message()),
+      HasSubstr("the right pipeline ended after 4 pictures, and the left pipeline goes on"));
+  const auto restarts = OpenLive(source + "&restart=1&pair_within_ms=25");
+  ASSERT_TRUE(restarts.ok()) << restarts.status();
+  const Played played = Play(**restarts, 5);
+  EXPECT_EQ(played.frames.size(), 5u) << played.end;
+}
+
+TEST(GstSourceTest, AnErrorNamesItsElementAndItsSide) {
+  const auto stream = OpenLive(
+      absl::StrCat("gst:", TestCamera(20), " || ", TestCamera(20),
+                   " ! identity name=broken error-after=4?rig=", WriteRig(kSmallStereoRig)));
+  const absl::Status end = stream.ok() ? Play(**stream).end : stream.status();
+  EXPECT_THAT(std::string(end.message()), HasSubstr("the right pipeline: broken: "));
+}
+
+// The side of a picture that is cut short, and its element, are named.
+TEST(GstSourceTest, ACutPictureIsSaid) {
+  const Listener listener("the left pipeline");
+  const std::string left = Pictures("cut", {160, 120}, CV_8UC1);
+  const std::string cut = absl::StrCat(::testing::TempDir(), "/gst_cut/4.png");
+  std::filesystem::resize_file(cut, std::filesystem::file_size(cut) / 2);
+  const auto stream =
+      OpenLive(absl::StrCat("gst:", left, " || ", Pictures("whole", {160, 120}, CV_8UC1),
+                            "?rig=", WriteRig(kSmallStereoRig)));
+  ASSERT_TRUE(stream.ok()) << stream.status();
+  const Played played = Play(**stream);
+  EXPECT_TRUE(listener.told() > 0 || absl::StrContains(played.end.message(), "the left pipeline"))
+      << played.end;
 }
 
 // What ends by itself has no more to give, unless somebody says otherwise.
@@ -273,6 +324,8 @@ TEST(GstSourceTest, SaysWhatIsWrong) {
     std::string source, says;
   } cases[] = {
       {"gst:nosuchelement?layout=side-by-side&rig=" + rig, "nosuchelement"},
+      {"gst:foo ! bar || baz?rig=" + rig, "foo"},
+      {"gst:videotestsrc || videotestsrc?register=1&rig=" + rig, "register=1 is of RGB-D rigs"},
       {"gst:videotestsrc?rig=" + rig, "a frame has two pictures: name a second camera"},
       {"gst:videotestsrc?layout=side-by-side", "a live camera needs its rig"},
       {"gst:videotestsrc?layout=diagonal&rig=" + rig, "wants side-by-side or one-above"},
@@ -288,7 +341,90 @@ TEST(GstSourceTest, SaysWhatIsWrong) {
     const auto stream = OpenLive(source);
     EXPECT_FALSE(stream.ok()) << source;
     EXPECT_THAT(std::string(stream.status().message()), HasSubstr(says)) << source;
+    // Without the camera the same is known, but for what the device itself says.
+    if (absl::StrContains(source, "/dev/video97")) continue;
+    EXPECT_THAT(std::string(Check(source).message()), HasSubstr(says)) << source;
   }
+}
+
+TEST(GstSourceTest, ACheckPassesWhatCanStart) {
+  EXPECT_TRUE(
+      Check(absl::StrCat("gst:videotestsrc || videotestsrc?rig=", WriteRig(kSmallStereoRig))).ok());
+}
+
+// Users name their elements as they like.
+TEST(GstSourceTest, AnElementMayBeCalledFirst) {
+  const auto stream =
+      OpenLive(absl::StrCat("gst:videotestsrc name=first num-buffers=2 ! "
+                            "video/x-raw,width=320,height=120,framerate=20/1"
+                            "?layout=side-by-side&rig=",
+                            WriteRig(kSmallStereoRig)));
+  EXPECT_TRUE(stream.ok()) << stream.status();
+}
+
+TEST(GstSourceTest, WhatIsNoDepthIsRefusedWithItsFormat) {
+  const std::string colour = TestCamera(20);
+  const std::string depth = Pictures("depth", {160, 120}, CV_16UC1);
+  const std::string grey8 =
+      "videotestsrc num-buffers=20 ! video/x-raw,format=GRAY8,width=160,"
+      "height=120,framerate=20/1";
+  const std::string rgb =
+      "videotestsrc num-buffers=20 ! video/x-raw,format=RGB,width=160,"
+      "height=120,framerate=20/1";
+  for (const auto& [source, says] :
+       {std::pair(depth + " || " + rgb, "RGB"), std::pair(colour + " || " + grey8, "GRAY8")}) {
+    const auto stream = OpenLive(absl::StrCat("gst:", source, "?rig=", WriteRig(kRgbd)));
+    ASSERT_TRUE(stream.ok()) << stream.status();
+    const Played played = Play(**stream);
+    EXPECT_THAT(played.frames, IsEmpty());
+    EXPECT_THAT(std::string(played.end.message()),
+                AllOf(HasSubstr("the depth pipeline gives video/x-raw"), HasSubstr(says),
+                      HasSubstr("depth is GRAY16_LE")));
+  }
+}
+
+// Ten bits of sixteen, as an infra-red camera gives them, are no black picture.
+TEST(GstSourceTest, GreyOfTenBitsIsScaledAsARecordingsIs) {
+  const Listener listener("grey-bits-assumed");
+  const std::string folder = absl::StrCat(::testing::TempDir(), "/gst_ten");
+  std::filesystem::create_directories(folder);
+  cv::Mat picture(120, 320, CV_16UC1);
+  for (int x = 0; x < 320; ++x) picture.col(x) = cv::Scalar(3 * x);
+  for (int i = 0; i < 3; ++i) cv::imwrite(absl::StrCat(folder, "/", i, ".png"), picture);
+  const auto stream =
+      OpenLive(absl::StrCat("gst:multifilesrc location=", folder,
+                            "/%d.png index=0 stop-index=2 caps=image/png,framerate=20/1 ! pngdec"
+                            "?layout=side-by-side&rig=",
+                            WriteRig(kSmallStereoRig)));
+  ASSERT_TRUE(stream.ok()) << stream.status();
+  const Played played = Play(**stream);
+  ASSERT_GE(played.frames.size(), 1u);
+  EXPECT_EQ(played.frames[0].images.grey.at<uint8_t>(5, 100), 300 / 4);
+  EXPECT_EQ(played.frames[0].images.right.at<uint8_t>(5, 100), 780 / 4);
+  EXPECT_EQ(listener.told(), 1);
+}
+
+TEST(GstSourceTest, BothHalvesOfOnePictureHaveItsTime) {
+  const std::string rig = absl::StrReplaceAll(
+      kSmallStereoRig,
+      {{"principal_px: [80, 60]}\n  - ", "principal_px: [80, 60], time_offset_s: 0.012}\n  - "}});
+  ASSERT_NE(rig, kSmallStereoRig);
+  const auto stream = OpenLive(
+      absl::StrCat("gst:", TestCamera(3, "", 320), "?layout=side-by-side&rig=", WriteRig(rig)));
+  ASSERT_TRUE(stream.ok()) << stream.status();
+  EXPECT_GE(Play(**stream).frames.size(), 1u);
+  ASSERT_EQ((*stream)->findings().size(), 1u);
+  EXPECT_EQ((*stream)->findings()[0].code, "time-offset-unused");
+}
+
+// Without identity sync=true ten minutes pass in a second.
+TEST(GstSourceTest, APlaybackThatNobodyHoldsBackIsSaid) {
+  const Listener listener("identity sync=true");
+  const auto stream = OpenLive(absl::StrCat(
+      "gst:", TestCamera(200, "", 320), "?layout=side-by-side&rig=", WriteRig(kSmallStereoRig)));
+  ASSERT_TRUE(stream.ok()) << stream.status();
+  EXPECT_TRUE(Play(**stream).end.ok());
+  EXPECT_EQ(listener.told(), 1);
 }
 
 // As a recording's: the numbers of pictures of another size.

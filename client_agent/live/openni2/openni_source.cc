@@ -58,17 +58,14 @@ class OpenNiSettings : public KindSettings {
   uint64_t noise_seed() const override { return 1; }
   bool turned() const override { return false; }
   bool is_live() const override { return true; }
+  bool trusts_calibration() const override { return live_.trust_calibration; }
   absl::StatusOr<std::unique_ptr<FrameReader>> Open() const override {
     return absl::InvalidArgumentError(
         absl::StrCat(kKind, ":", place_, " is a live camera: client_agent plays it"));
   }
   absl::StatusOr<std::unique_ptr<FrameStream>> OpenLive(
       const absl::Notification& /*stop*/) const override {
-    ASSIGN_OR_RETURN(const Rig rig, ReadLiveRig(kKind, live_));
-    if (rig.kind != RigKind::kRgbd) {
-      return absl::InvalidArgumentError(
-          absl::StrCat(live_.rig, ": is of a stereo pair, ", kKind, " gives RGB-D"));
-    }
+    ASSIGN_OR_RETURN(const Rig rig, ReadRig());
     OpenNiOptions options = OptionsOf(place_, live_, rig);
     ASSIGN_OR_RETURN(std::unique_ptr<OpenNiDevice> device, OpenNiDevice::Open(options));
     // Once it is known whether the device registers, it does so after it was unplugged too.
@@ -80,7 +77,19 @@ class OpenNiSettings : public KindSettings {
                             StreamOptions(absl::StrCat(kKind, ":", place_), live));
   }
 
+  absl::Status CheckLive() const override {
+    ASSIGN_OR_RETURN(const Rig rig, ReadRig());
+    return LiveStream::Check(rig, StreamOptions(absl::StrCat(kKind, ":", place_), live_));
+  }
+
  private:
+  absl::StatusOr<Rig> ReadRig() const {
+    ASSIGN_OR_RETURN(Rig rig, ReadLiveRig(kKind, live_));
+    if (rig.kind == RigKind::kRgbd) return rig;
+    return absl::InvalidArgumentError(
+        absl::StrCat(live_.rig, ": is of a stereo pair, ", kKind, " gives RGB-D"));
+  }
+
   // The device registers where it can, else the rig; where neither does somebody must say that it
   // is done already.
   absl::Status DecideRegistration(const Rig& rig, const OpenNiDevice& device,

@@ -133,6 +133,25 @@ TEST_F(OpenNiSourceTest, PlaysARecordingToItsEnd) {
   EXPECT_TRUE(std::holds_alternative<StreamEnd>(*(*stream)->Next(absl::Now())));
 }
 
+TEST_F(OpenNiSourceTest, ACheckKnowsTheRigsKindAndOptionsWithoutADevice) {
+  const auto check = [](const std::string& rig, const std::string& more) {
+    RegisterOpenNiSources();
+    const std::string path = ::testing::TempDir() + "/openni_checked_rig.yaml";
+    std::ofstream(path) << rig;
+    return ParseSourceSpec(absl::StrCat("openni2:any?rig=", path, more))->settings->CheckLive();
+  };
+  EXPECT_TRUE(check(kRig, "").ok());
+  EXPECT_THAT(std::string(check("rig: 1\nkind: stereo\nrectified: true\nbaseline_m: 0.1\ncameras:\n"
+                                "  - {size_px: [160, 120], focal_px: [100, 100], principal_px: "
+                                "[80, 60]}\n"
+                                "  - {size_px: [160, 120], focal_px: [100, 100], principal_px: "
+                                "[80, 60]}\n",
+                                "")
+                              .message()),
+              HasSubstr("is of a stereo pair"));
+  EXPECT_THAT(std::string(check(kRig, "&register=1").message()), HasSubstr("through which lens"));
+}
+
 TEST_F(OpenNiSourceTest, SaysWhatIsWrong) {
   const std::string with_camera = absl::StrCat(kRig, kDepthCamera);
   const struct {

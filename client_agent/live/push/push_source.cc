@@ -53,6 +53,7 @@ class PushSettings : public KindSettings {
   uint64_t noise_seed() const override { return 1; }
   bool turned() const override { return false; }
   bool is_live() const override { return true; }
+  bool trusts_calibration() const override { return trust_calibration_; }
 
   absl::StatusOr<std::unique_ptr<FrameReader>> Open() const override {
     return absl::InvalidArgumentError(
@@ -64,17 +65,19 @@ class PushSettings : public KindSettings {
     ASSIGN_OR_RETURN(options.rig, ReadRig());
     ASSIGN_OR_RETURN(std::unique_ptr<PushCamera> camera, PushCamera::Open(options));
     ASSIGN_OR_RETURN(const Rig rig, camera->AwaitRig(stop));
-    // Both pictures of a frame have one time.
-    return LiveStream::Open(rig, std::move(camera),
-                            {.name = absl::StrCat("push:", path_), .pair_within_ns = 0});
+    return LiveStream::Open(rig, std::move(camera), OptionsOf());
   }
   absl::Status CheckLive() const override {
     ASSIGN_OR_RETURN(const std::optional<Rig> rig, ReadRig());
-    if (rig.has_value()) RETURN_IF_ERROR(CalibrationOf(*rig).status());
+    if (rig.has_value()) RETURN_IF_ERROR(LiveStream::Check(*rig, OptionsOf()));
     return UnixListener::Check(path_);
   }
 
  private:
+  // Both pictures of a frame have one time.
+  LiveOptions OptionsOf() const {
+    return {.name = absl::StrCat("push:", path_), .pair_within_ns = 0, .one_stamp = true};
+  }
   static absl::Status BadOption(absl::string_view key, absl::string_view value,
                                 absl::string_view wanted) {
     return absl::InvalidArgumentError(

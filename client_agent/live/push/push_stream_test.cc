@@ -96,6 +96,23 @@ class PushStreamTest : public ::testing::Test {
   std::unique_ptr<FrameStream> stream_;
 };
 
+// A frame has one time: what a calibration says beside it must not part its pictures.
+TEST_F(PushStreamTest, ARigsTimeOffsetDoesNotStarveIt) {
+  std::string rig = kSmallRig;
+  const size_t end = rig.rfind('}');
+  ASSERT_NE(end, std::string::npos);
+  rig.insert(end, ", time_offset_s: 0.0001");
+  auto opening = std::async(std::launch::async, [this] { return Open(); });
+  PushConnection driver(Options(rig.c_str()));
+  auto opened = opening.get();
+  ASSERT_TRUE(opened.ok()) << opened.status();
+  stream_ = *std::move(opened);
+  Push(driver, 40, 1000);
+  EXPECT_EQ(Next().frame.timestamp_ns, 1000);
+  ASSERT_EQ(stream_->findings().size(), 1u);
+  EXPECT_EQ(stream_->findings()[0].code, "time-offset-unused");
+}
+
 TEST_F(PushStreamTest, PlaysADriverThatSaysItsRigAndTellsItPoses) {
   auto opening = std::async(std::launch::async, [this] { return Open(); });
   PushConnection driver(Options(kSmallRig));

@@ -65,6 +65,17 @@ void TellListener(const TrackingResult& result, uint64_t dropped, FrameStream& s
   listener->OnPose(pose);
 }
 
+std::string DescribeNothing(const FrameStream& stream, const PlayedFrames& played) {
+  const std::string frames = played.played > 0
+                                 ? absl::StrCat("none of ", played.played, " frames was tracked")
+                                 : "there was no frame to track";
+  return absl::StrCat(frames, ": there is no map. ",
+                      stream.is_live()
+                          ? "corbslam rig check --rig FILE --source SOURCE says what is wrong with "
+                            "what the camera gives"
+                          : "Ask corbslam doctor --source what is wrong with the pictures");
+}
+
 }  // namespace
 
 absl::Status PlayStream(
@@ -76,12 +87,15 @@ absl::Status PlayStream(
   LeftOutLog left_out;
   SlowSourceLog slow;
   std::optional<int> drive;
-  NoPoseLog no_pose;
+  NoPoseLog no_pose(MaskedShare(stream.calibration()));
   while (true) {
     const absl::StatusOr<std::optional<StreamFrame>> next = paced.Next();
     WatchStream(stream, paced, left_out, slow, limit, frames);
     RETURN_IF_ERROR(next.status());
-    if (!next->has_value()) return absl::OkStatus();
+    if (!next->has_value()) {
+      frames.stopped = stop.HasBeenNotified();
+      return absl::OkStatus();
+    }
     if (limit != nullptr && !limit->Takes((*next)->images.timestamp_ns)) continue;
     FollowDrive((*next)->frame, drive, agent);
     ASSIGN_OR_RETURN(const TrackingResult result, agent.Track((*next)->images));
@@ -103,6 +117,8 @@ SourceFindings CollectWarnings(const SourceFindings& at_start, const Agent& agen
   SourceFindings warnings = at_start;
   const AgentStatus status = agent.GetStatus();
   warnings.insert(warnings.end(), status.input_findings.begin(), status.input_findings.end());
+  const SourceFindings seen = stream.findings();
+  warnings.insert(warnings.end(), seen.begin(), seen.end());
   if (const LeftOutFrames left_out = stream.left_out(); left_out.count > 0) {
     warnings.push_back(
         {FindingLevel::kWarning, "frames-left-out", DescribeLeftOut(stream, left_out)});
@@ -118,12 +134,10 @@ SourceFindings CollectWarnings(const SourceFindings& at_start, const Agent& agen
                       " items of the map had impossible values and were not told to the map store; "
                       "the log names them")});
   }
-  if (status.tracked == 0 && played.played > 0) {
+  const bool had_any = played.played > 0 || stream.left_out().count > 0 || !played.stopped;
+  if (status.tracked == 0 && had_any) {
     warnings.push_back(
-        {FindingLevel::kWarning, "nothing-tracked",
-         absl::StrCat("none of ", played.played,
-                      " frames was tracked: there is no map. Ask corbslam doctor --source what is "
-                      "wrong with the pictures")});
+        {FindingLevel::kWarning, "nothing-tracked", DescribeNothing(stream, played)});
   }
   return warnings;
 }

@@ -23,6 +23,7 @@ struct PlayedFrames {
   uint64_t played = 0;
   uint64_t dropped = 0;
   uint64_t left_out = 0;     // Frames that could not be read.
+  bool stopped = false;      // Somebody stopped it before the stream's end.
   BoundedSample latency_ms;  // From a camera's picture to its pose.
   SourcePace source_pace;    // Of a source that makes its frames, at Pace::kSensor.
   RelocalisationCount relocalised;
@@ -41,7 +42,8 @@ absl::Status PlayStream(
     FrameRateLimit* limit = nullptr);
 
 // Returns what looked wrong over a whole run: `at_start`, then what the agent's sensor found,
-// frames that were left out, and that nothing was tracked.
+// the stream in its frames, frames that were left out, and that nothing was tracked: not so where
+// somebody stopped the robot before its first frame.
 client_agent::SourceFindings CollectWarnings(const client_agent::SourceFindings& at_start,
                                              const client_agent::Agent& agent,
                                              const client_agent::FrameStream& stream,

@@ -25,6 +25,8 @@ using client_agent::TrajectoryPose;
 namespace {
 
 using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::Not;
 using ::testing::SizeIs;
 
 // Notes what it is told, in order: stamps in seconds, and -1 for a new local map.
@@ -157,6 +159,38 @@ TEST_F(PlayStreamTest, CountsWhatTheStreamLeftOut) {
   ASSERT_THAT(warnings, SizeIs(2));
   EXPECT_EQ(warnings[0].code, "frames-left-out");
   EXPECT_EQ(warnings[1].code, "nothing-tracked");
+  EXPECT_THAT(warnings[1].text, HasSubstr("corbslam rig check"));
+  EXPECT_THAT(warnings[1].text, Not(HasSubstr("doctor")));
+}
+
+// A stream that ends, or whose pictures were all left out, is no success; a robot that was stopped
+// before its camera gave anything is.
+TEST_F(PlayStreamTest, NoFrameAtAllIsNothingTracked) {
+  stream_.Put(StreamEnd());
+  EXPECT_TRUE(Play().ok());
+  SourceFindings warnings = CollectWarnings({}, agent_, stream_, frames_);
+  ASSERT_THAT(warnings, SizeIs(1));
+  EXPECT_EQ(warnings[0].code, "nothing-tracked");
+  EXPECT_THAT(warnings[0].text, HasSubstr("no frame to track"));
+  stream_.live = false;
+  EXPECT_THAT(CollectWarnings({}, agent_, stream_, frames_)[0].text, HasSubstr("corbslam doctor"));
+  stream_.live = true;
+  frames_ = PlayedFrames();
+  stop_.Notify();
+  EXPECT_TRUE(Play().ok());
+  EXPECT_THAT(CollectWarnings({}, agent_, stream_, frames_), SizeIs(0));
+  stream_.left_out_frames = {79, "no counterpart in time"};
+  warnings = CollectWarnings({}, agent_, stream_, frames_);
+  ASSERT_THAT(warnings, SizeIs(2));
+  EXPECT_EQ(warnings[1].code, "nothing-tracked");
+}
+
+TEST_F(PlayStreamTest, WhatTheStreamFoundIsAmongTheWarnings) {
+  stream_.found = {{client_agent::FindingLevel::kWarning, "pair-late", "the right camera is late"}};
+  frames_.stopped = true;
+  const SourceFindings warnings = CollectWarnings({}, agent_, stream_, frames_);
+  ASSERT_THAT(warnings, SizeIs(1));
+  EXPECT_EQ(warnings[0].code, "pair-late");
 }
 
 }  // namespace

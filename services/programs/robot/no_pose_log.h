@@ -11,9 +11,15 @@
 
 namespace corbslam::services {
 
+// Returns how much of the pictures a calibration's mask leaves out, 0 to 1.
+double MaskedShare(const SensorCalibration& calibration);
+
 // Decides what is worth a line, by the frames' own times. Not thread-safe.
 class NoPoseLog {
  public:
+  // `masked_share` of the pictures is left out by the rig's mask.
+  explicit NoPoseLog(double masked_share = 0) : masked_share_(masked_share) {}
+
   // Takes the next frame's result and pictures. Returns a line once the pose has been missing for a
   // second and then every ten, and one when it is there after such a line; else nullopt.
   std::optional<std::string> Add(const client_agent::TrackingResult& result,
@@ -23,6 +29,7 @@ class NoPoseLog {
   std::optional<std::string> AddTracked(const client_agent::TrackingResult& result);
   double Since_s(int64_t timestamp_ns) const;
 
+  double masked_share_;
   // Of the first frame without a pose.
   std::optional<int64_t> missing_since_ns_;
   double told_s_ = 0;  // For how long it had been missing in the last line; 0: none yet.

@@ -77,6 +77,16 @@ TEST_F(NoPoseLogTest, TellsWhatThePictureLacks) {
   EXPECT_THAT(line_of(WhyNoPose::kMappingPaused, Halves()), HasSubstr("mapping is paused"));
 }
 
+TEST_F(NoPoseLogTest, AMaskThatLeavesMostOutIsNamed) {
+  StereoCalibration calibration;
+  EXPECT_EQ(MaskedShare(calibration), 0);
+  calibration.mask = Grey(0);
+  calibration.mask.colRange(0, 16) = cv::Scalar(255);
+  log_ = NoPoseLog(MaskedShare(calibration));
+  Add(TrackingState::kNotInitialised, WhyNoPose::kFewKeypoints, 12, Halves());
+  EXPECT_THAT(lines_, ElementsAre(HasSubstr("the rig's mask leaves 75 % of it out")));
+}
+
 TEST_F(NoPoseLogTest, BeingLostIsToldEveryTenSecondsAndHowItEnded) {
   Track(5);
   Add(TrackingState::kLost, WhyNoPose::kNotRecognised, 215);

@@ -77,7 +77,9 @@ std::string DescribeEnd(const RobotReport& report) {
   std::string line = absl::StrCat(
       "done: ", report.tracked, " of ", report.frames, " frames tracked, ", report.dropped,
       " dropped; ", report.keyframes, " keyframes, ", report.map_points, " points in ",
-      report.local_maps, report.local_maps == 1 ? " local map" : " local maps");
+      // One is open from the start on.
+      report.keyframes == 0 ? 0 : report.local_maps,
+      report.keyframes > 0 && report.local_maps == 1 ? " local map" : " local maps");
   if (report.outbox.batches > 0) {
     absl::StrAppend(&line, "; ", report.outbox.batches,
                     report.outbox.batches == 1 ? " batch" : " batches", " did not reach the store");

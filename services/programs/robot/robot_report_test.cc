@@ -172,6 +172,10 @@ TEST(RobotReportTest, TheLastLineSaysWhatCameOfIt) {
   EXPECT_EQ(DescribeEnd(report),
             "done: 1790 of 1800 frames tracked, 3 dropped; 145 keyframes, 9000 points in 2 local "
             "maps; 4 batches did not reach the store; source-too-slow");
+  // The local map that is open from the start on is none yet.
+  RobotReport nothing;
+  nothing.local_maps = 1;
+  EXPECT_THAT(DescribeEnd(nothing), ::testing::HasSubstr("0 keyframes, 0 points in 0 local maps"));
 }
 
 TEST(ComputeSpreadTest, HasKnownValues) {

@@ -2,9 +2,11 @@
 
 #include <glog/logging.h>
 
+#include <memory>
 #include <utility>
 
 #include "client_agent/source/live_opening.h"
+#include "client_agent/source_checks/judged_stream.h"
 #include "services/programs/robot/inspected_source.h"
 #include "slam/util/status_macros.h"
 
@@ -12,6 +14,8 @@ namespace corbslam::services {
 
 using client_agent::CheckLiveSource;
 using client_agent::IsLive;
+using client_agent::JudgedStream;
+using client_agent::JudgedStreamOptions;
 using client_agent::LiveSource;
 using client_agent::OpenLiveSource;
 using client_agent::SourceFinding;
@@ -21,7 +25,11 @@ absl::StatusOr<RobotSource> OpenRobotSource(const SourceSpec& spec, bool strict,
                                             const absl::Notification& stop) {
   if (IsLive(spec)) {
     ASSIGN_OR_RETURN(LiveSource camera, OpenLiveSource(spec, stop));
-    return RobotSource{std::move(camera.stream), std::move(camera.description), {}};
+    RETURN_IF_ERROR(JudgeFindings(camera.stream->findings(), strict));
+    const JudgedStreamOptions options{.trust_calibration = spec.settings->trusts_calibration(),
+                                      .strict = strict};
+    auto judged = std::make_unique<JudgedStream>(std::move(camera.stream), options);
+    return RobotSource{std::move(judged), std::move(camera.description), {}};
   }
   ASSIGN_OR_RETURN(InspectedSource inspected, OpenInspectedSource(spec, strict));
   return RobotSource{std::move(inspected.source), std::move(inspected.description),

@@ -16,18 +16,17 @@ namespace corbslam::services {
 struct RobotSource {
   std::unique_ptr<client_agent::FrameStream> stream;
   client_agent::SourceDescription description;
-  // Warnings from opening a sequence and from a sample of its frames. A camera has none yet.
+  // Warnings from opening a sequence and from a sample of its frames. A camera's stream has its
+  // own.
   client_agent::SourceFindings warnings;
 };
 
 // Returns INVALID_ARGUMENT with every error that was found, and with every warning too if `strict`.
-// A camera runs from then on; one that waits for who drives it waits until `stop` (CANCELLED).
-// Selecting or disturbing a camera's frames is INVALID_ARGUMENT.
+// A camera runs from then on, and its first frames are judged when they come (JudgedStream); one
+// that waits for who drives it waits until `stop` (CANCELLED). Selecting or disturbing a camera's
+// frames is INVALID_ARGUMENT.
 absl::StatusOr<RobotSource> OpenRobotSource(const client_agent::SourceSpec& spec, bool strict,
                                             const absl::Notification& stop);
-
-// Says the same without waiting for anybody.
-absl::Status CheckRobotSource(const client_agent::SourceSpec& spec, bool strict);
 
 // Returns what OpenRobotSource would refuse, as far as that can be told without starting a camera.
 absl::Status CheckRobotSource(const client_agent::SourceSpec& spec, bool strict);

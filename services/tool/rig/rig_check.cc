@@ -155,7 +155,10 @@ absl::StatusOr<RigCheck> CheckLiveRig(FrameStream& stream, const SourceDescripti
   const std::optional<double> expected_hz =
       interval_s.has_value() ? std::optional<double>(1 / *interval_s) : std::nullopt;
   StereoJudgement judged = JudgeSample(stream.calibration(), taken.frames);
-  SourceFindings findings = CheckLiveSample(taken, expected_hz);
+  SourceFindings findings = stream.findings();
+  for (SourceFinding& found : CheckLiveSample(taken, expected_hz)) {
+    findings.push_back(std::move(found));
+  }
   findings.insert(findings.end(), judged.findings.begin(), judged.findings.end());
   std::vector<std::pair<std::string, std::string>> lines = DescribeInWords(description);
   for (auto& line : DescribeInWords(taken)) lines.push_back(std::move(line));

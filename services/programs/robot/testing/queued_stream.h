@@ -39,6 +39,7 @@ class QueuedStream : public client_agent::FrameStream {
   std::function<void()> when_empty;
   // What left_out returns.
   client_agent::LeftOutFrames left_out_frames;
+  client_agent::SourceFindings found;  // What findings returns.
   client_agent::PoseListener* listener = nullptr;
 
   const SensorCalibration& calibration() const override { return calibration_; }
@@ -55,6 +56,7 @@ class QueuedStream : public client_agent::FrameStream {
     return next;
   }
   client_agent::LeftOutFrames left_out() const override { return left_out_frames; }
+  client_agent::SourceFindings findings() const override { return found; }
   bool is_live() const override { return live; }
   client_agent::PoseListener* pose_listener() override { return listener; }
 

@@ -1,0 +1,71 @@
+// Judges the first frames of a live pair before anybody maps what they show.
+#ifndef CORBSLAM_CLIENT_AGENT_SOURCE_CHECKS_JUDGED_STREAM_H_
+#define CORBSLAM_CLIENT_AGENT_SOURCE_CHECKS_JUDGED_STREAM_H_
+
+#include <cstddef>
+#include <memory>
+#include <optional>
+
+#include "absl/time/time.h"
+#include "client_agent/source/frame_stream.h"
+#include "client_agent/source_checks/sample.h"
+
+namespace corbslam::client_agent {
+
+struct JudgedStreamOptions {
+  // A pair that is found exchanged is taken, with a warning.
+  bool trust_calibration = false;
+  // Every finding is refused.
+  bool strict = false;
+};
+
+// Gives the frames of a camera once three of them that could be judged were: those before are
+// counted as overtaken, for the newest one wins. A camera that gives a frame only when the one
+// before was used is not kept waiting for longer than kMostHeld; its frames are judged in passing.
+// Where nothing can be judged (a dark start) the next frames are, kMostTries times.
+//
+// What is found is logged. An exchanged pair ends the stream with INVALID_ARGUMENT; other errors of
+// a recorded pair are warnings here, for a second of a camera shows less than a recording does.
+class JudgedStream : public FrameStream {
+ public:
+  static constexpr absl::Duration kMostHeld = absl::Seconds(1);
+  static constexpr size_t kFrames = 3;
+  static constexpr size_t kMostTries = 10;
+
+  JudgedStream(std::unique_ptr<FrameStream> stream, const JudgedStreamOptions& options);
+
+  const SensorCalibration& calibration() const override { return stream_->calibration(); }
+  std::optional<double> interval_s() const override { return stream_->interval_s(); }
+  absl::StatusOr<NextFrame> Next(absl::Time deadline) override;
+  LeftOutFrames left_out() const override { return stream_->left_out(); }
+  uint64_t overtaken() const override { return stream_->overtaken() + skipped_; }
+  SourceFindings findings() const override;
+  std::optional<CameraCounts> camera_counts() const override { return stream_->camera_counts(); }
+  PoseListener* pose_listener() override { return stream_->pose_listener(); }
+  bool is_live() const override { return stream_->is_live(); }
+
+ private:
+  // Takes one of the first frames, or what came in its place.
+  absl::StatusOr<NextFrame> Hold(absl::StatusOr<NextFrame> next, absl::Time now);
+  // Judges the sample. Returns what ends the stream.
+  absl::Status Judge();
+  // Returns the newest frame there is.
+  absl::StatusOr<NextFrame> Release();
+
+  const std::unique_ptr<FrameStream> stream_;
+  const JudgedStreamOptions options_;
+  bool judges_;  // False once all is judged.
+  size_t tries_ = 0;
+  uint64_t skipped_ = 0;
+  Sample sample_;
+  std::optional<StreamFrame> held_;
+  absl::Time held_until_ = absl::InfiniteFuture();
+  // What came behind the last frame that was held.
+  std::optional<absl::StatusOr<NextFrame>> behind_;
+  bool ended_ = false;
+  SourceFindings findings_;
+};
+
+}  // namespace corbslam::client_agent
+
+#endif  // CORBSLAM_CLIENT_AGENT_SOURCE_CHECKS_JUDGED_STREAM_H_
