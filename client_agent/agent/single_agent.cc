@@ -3,7 +3,6 @@
 #include <glog/logging.h>
 
 #include <algorithm>
-#include <opencv2/core.hpp>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -60,14 +59,6 @@ PlaceInquiryOptions MakeInquiryOptions(const AgentOptions& options) {
   PlaceInquiryOptions inquiry;
   inquiry.uplink_bytes_per_second = options.uplink_bytes_per_second;
   return inquiry;
-}
-
-// What a robot sees of itself is not most of its pictures.
-void LogMask(const PictureMask& mask) {
-  if (mask.empty() || 2 * cv::countNonZero(mask) >= static_cast<int>(mask.total())) return;
-  LOG(WARNING) << "the mask that was set leaves out "
-               << 100 - 100 * cv::countNonZero(mask) / static_cast<int>(mask.total())
-               << " % of the picture: nothing there is mapped or tracked";
 }
 
 }  // namespace
@@ -305,10 +296,7 @@ void SingleAgent::FollowOrders() {
   if (options_.orders == nullptr) return;
   const OrdersForFrame orders = options_.orders->Take();
   // AgentOrders has judged the mask.
-  if (orders.mask.has_value()) {
-    sensor_->SetMask(*orders.mask).IgnoreError();
-    LogMask(*orders.mask);
-  }
+  if (orders.mask.has_value()) sensor_->SetMask(*orders.mask).IgnoreError();
   if (orders.open_local_map) BeginLocalMap();
   Follow(orders.limits);
   mapping_paused_ = orders.mapping_paused;
