@@ -123,7 +123,9 @@ TEST_F(OpenNiSourceTest, PlaysARecordingToItsEnd) {
   // (lasting_thread.h).
   const fs::path recorder =
       fs::read_symlink("/proc/self/exe").parent_path() / "client_agent_live_openni2_record_made_up";
-  ASSERT_EQ(std::system(absl::StrCat("'", recorder.string(), "' '", file, "'").c_str()), 0);
+  const std::string record =
+      absl::StrCat(CORBSLAM_EMULATOR, " '", recorder.string(), "' '", file, "'");
+  ASSERT_EQ(std::system(record.c_str()), 0);
   const auto stream = Open(file, absl::StrCat(kRig, kDepthCamera));
   ASSERT_TRUE(stream.ok()) << stream.status();
   const auto frames = Take(**stream, 1000);

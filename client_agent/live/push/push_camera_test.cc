@@ -177,7 +177,9 @@ TEST_F(PushCameraTest, TakesNoMemoryThatCouldEndIt) {
   const int memory = Memory(16384, F_SEAL_SHRINK);
   RawDriver many(path_);
   many.Send(HelloPacket(GoodHello()), 8, memory);
-  EXPECT_THAT(many.Refusal(), HasSubstr("carries one file"));
+  // A kernel says that it cut the list off; an emulator may only do so.
+  EXPECT_THAT(many.Refusal(),
+              ::testing::AnyOf(HasSubstr("carries one file"), HasSubstr("must be the one")));
   close(memory);
 }
 
