@@ -208,6 +208,8 @@ class StoreLink : private UplinkListener {
   bool IsFinishing() const;
   bool IsDone() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   bool BeginsInSpool(const Recording& recording) const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  // Returns whether the local map is being recorded, and no batch of it was made yet.
+  bool HasNoBatch(LocalMapId local_map) const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   bool FlushIsDue() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
   const StoreLinkOptions options_;

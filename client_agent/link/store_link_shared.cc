@@ -1,4 +1,5 @@
 // Implements the part of StoreLink that hears what others made, and hands it to the mapping thread.
+#include <algorithm>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -57,6 +58,14 @@ ArrivedUpdate StoreLink::Prepare(SharedUpdate update) const {
   return arrived;
 }
 
+bool StoreLink::HasNoBatch(LocalMapId local_map) const {
+  // The queue forgets one that was closed and acknowledged.
+  return std::ranges::any_of(recordings_, [this, local_map](const auto& recording) {
+    return recording->map->local_map() == local_map && !recording->closed &&
+           !queue_.HasBegun(local_map);
+  });
+}
+
 void StoreLink::OnShared(SharedUpdate update) {
   ArrivedUpdate arrived = Prepare(std::move(update));
   std::shared_ptr<SharedInbox> inbox;
@@ -68,7 +77,7 @@ void StoreLink::OnShared(SharedUpdate update) {
     if (session_ != Session::kOpen || reopen_) return;
     // Before its first batch the store does not know the local map: it still tells of the one
     // before, in that one's frame. All will be told again once it knows.
-    if (!options_.localise_only && !queue_.HasBegun(inbox_->local_map())) return;
+    if (HasNoBatch(inbox_->local_map())) return;
     last_revision_ = arrived.update.revision;
     ++shared_updates_;
     inbox = inbox_;

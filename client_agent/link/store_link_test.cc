@@ -231,6 +231,17 @@ TEST_F(StoreLinkTest, TheOldMapsPlaceIsNotTheNewOnes) {
   EXPECT_EQ(jobs_.size(), 1U);
 }
 
+// Fusion goes on when the drive has ended: robots that stay for it are told.
+TEST_F(StoreLinkTest, WhatComesWhenAllIsAcknowledgedIsTaken) {
+  AddKeyframe({kOwn, 0});
+  ASSERT_TRUE(manager_->Finish(absl::Seconds(1)).ok());
+  SharedUpdate place;
+  place.revision = 9;
+  place.global_from_local = Similarity3d::Identity();
+  uplink_.Share(place);
+  EXPECT_EQ(jobs_.size(), 1U);
+}
+
 // Returns an update by which fusion has placed the keyframe 5 m from where it is in the robot's
 // frame.
 SharedUpdate PlaceOfTheFirstKeyframe() {
