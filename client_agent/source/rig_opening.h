@@ -14,7 +14,8 @@ namespace corbslam::client_agent {
 // or of pictures of another size than the first that can be read; and what is improbable without
 // ?trust-calibration.
 // A robot's recording takes no time offset and no depth.camera but its own rig's: both were applied
-// before it was written. A time offset of its cameras is noted where the layout pairs pictures by something else.
+// before it was written. A time offset of its cameras is noted where the layout pairs pictures by
+// something else.
 absl::Status TakeRig(const SourceSpec& spec, RigKind kind, ListedSequence& sequence);
 
 // Returns by how much the second pictures of frames are stamped too early, as ?rig=FILE says it; 0

@@ -70,8 +70,8 @@ struct Rig {
 absl::Status Validate(const Rig& rig);
 
 // Finds what is improbable in a rig, as plausibility.h does for every calibration; `from` names its
-// file. What no camera has is INVALID_ARGUMENT, unless `trust`; so is a mask that is none, NOT_FOUND
-// one that is not there.
+// file. What no camera has is INVALID_ARGUMENT, unless `trust`; so is a mask that is none,
+// NOT_FOUND one that is not there.
 absl::StatusOr<SourceFindings> JudgeRig(const Rig& rig, absl::string_view from, bool trust);
 
 // Returns by how much the second pictures of frames, right ones or depth, are stamped too early
