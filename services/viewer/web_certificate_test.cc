@@ -58,7 +58,7 @@ class LoggedLines : public google::LogSink {
   // came.
   std::string WaitFor(const std::string& words) {
     absl::MutexLock lock(&mutex_);
-    const auto has_come = [this, &words]() ABSL_SHARED_LOCKS_REQUIRED(mutex_) {
+    const auto has_come = [this, &words]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
       while (seen_ < lines_.size() && !absl::StrContains(lines_[seen_], words)) ++seen_;
       return seen_ < lines_.size();
     };

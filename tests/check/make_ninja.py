@@ -9,6 +9,7 @@ settings changed: ninja keeps that, as for a build. Prints how many sources ther
 
 import json
 import os
+import re
 import shlex
 import sys
 
@@ -44,14 +45,22 @@ def escape(text):
     return text.replace("$", "$$")
 
 
+def sources_of(compiled):
+    """The sources of what is compiled at once: of a united one those that it includes."""
+    if "/Unity/unity_" not in compiled or not os.path.exists(compiled):
+        return [compiled]
+    with open(compiled, encoding="utf-8") as united:
+        return re.findall(r'^#include "(.*)"', united.read(), re.MULTILINE)
+
+
 def read_database(path):
     """Flags by source, relative to the root; of a source that is in two targets, the first's."""
     with open(path, encoding="utf-8") as database:
         entries = json.load(database)
     flags = {}
     for entry in entries:
-        source = os.path.relpath(os.path.join(entry["directory"], entry["file"]), ROOT)
-        flags.setdefault(source, wanted_flags(entry["command"]))
+        for source in sources_of(os.path.join(entry["directory"], entry["file"])):
+            flags.setdefault(os.path.relpath(source, ROOT), wanted_flags(entry["command"]))
     return flags
 
 
