@@ -207,9 +207,11 @@ class StoreLink : private UplinkListener {
   // Returns true if no local map goes on.
   bool IsFinishing() const;
   bool IsDone() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  // Returns whether no batch of it was made yet.
+  bool HasNoBatch(const Recording& recording) const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   bool BeginsInSpool(const Recording& recording) const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
-  // Returns whether the local map is being recorded, and no batch of it was made yet.
-  bool HasNoBatch(LocalMapId local_map) const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  // Returns whether the local map is being recorded, and the store can't know of it yet.
+  bool IsUnknownToStore(LocalMapId local_map) const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   bool FlushIsDue() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
   const StoreLinkOptions options_;

@@ -24,9 +24,14 @@ void StoreLink::DeliverFrames() {
   }
 }
 
+bool StoreLink::HasNoBatch(const Recording& recording) const {
+  // The queue forgets a local map that was closed and acknowledged.
+  return !recording.closed && !queue_.HasBegun(recording.recorder->local_map());
+}
+
 // Before its first batch nothing of a local map is safe in the spool.
 bool StoreLink::BeginsInSpool(const Recording& recording) const {
-  return WritesAll() && !recording.closed && !queue_.HasBegun(recording.recorder->local_map());
+  return WritesAll() && HasNoBatch(recording);
 }
 
 bool StoreLink::FlushIsDue() const {

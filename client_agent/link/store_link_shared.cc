@@ -58,12 +58,12 @@ ArrivedUpdate StoreLink::Prepare(SharedUpdate update) const {
   return arrived;
 }
 
-bool StoreLink::HasNoBatch(LocalMapId local_map) const {
-  // The queue forgets one that was closed and acknowledged.
-  return std::ranges::any_of(recordings_, [this, local_map](const auto& recording) {
-    return recording->map->local_map() == local_map && !recording->closed &&
-           !queue_.HasBegun(local_map);
-  });
+bool StoreLink::IsUnknownToStore(LocalMapId local_map) const {
+  return std::any_of(
+      recordings_.begin(), recordings_.end(),
+      [this, local_map](const auto& recording) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
+        return recording->map->local_map() == local_map && HasNoBatch(*recording);
+      });
 }
 
 void StoreLink::OnShared(SharedUpdate update) {
@@ -77,7 +77,7 @@ void StoreLink::OnShared(SharedUpdate update) {
     if (session_ != Session::kOpen || reopen_) return;
     // Before its first batch the store does not know the local map: it still tells of the one
     // before, in that one's frame. All will be told again once it knows.
-    if (HasNoBatch(inbox_->local_map())) return;
+    if (IsUnknownToStore(inbox_->local_map())) return;
     last_revision_ = arrived.update.revision;
     ++shared_updates_;
     inbox = inbox_;

@@ -76,12 +76,8 @@ Intrinsics RecordedIntrinsics(const SensorCalibration& calibration) {
 
 void DescribeCamera(const SensorCalibration& calibration, SourceDescription& description) {
   description.intrinsics = RecordedIntrinsics(calibration);
-  std::visit(
-      [&](const auto& kind) {
-        Describe(kind, description);
-        description.masked_percent = MaskedPercent(kind.mask);
-      },
-      calibration);
+  std::visit([&](const auto& kind) { Describe(kind, description); }, calibration);
+  description.masked_percent = MaskedPercent(calibration);
 }
 
 std::vector<std::pair<std::string, std::string>> DescribeInWords(

@@ -149,15 +149,13 @@ absl::StatusOr<RetiringView> TakeRetiringView(const MissionState& state, const I
   RetiringView view;
   view.island = island.id;
   view.revision = state.global.revision;
-  // Others' sessions may have come between those that have become one.
-  absl::flat_hash_map<LocalMapId, size_t> arrivals;
-  for (const auto& [number, name] : state.arrivals.names()) arrivals[name] = number;
   for (const LocalMapId& id : island.local_maps) {
     const LocalMapState& local_map = *state.FindLocalMap(id);
-    // What has become a part of an earlier local map is a session of its own, as it was.
+    // What has become a part of an earlier local map is a session of its own, as it was; others'
+    // may have come between.
     for (const LocalMapId& name : local_map.Names()) {
       if (!local_map.closed) continue;
-      view.closed[name] = {id, arrivals.at(name), local_map.last_batch,
+      view.closed[name] = {id, state.arrivals.NumberOf(name), local_map.last_batch,
                            CountKeyframes(local_map.map, name)};
     }
   }

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <random>
@@ -212,23 +213,57 @@ TEST_F(MissionProfileServiceTest, AListOfLargeMissionsHasPagesThatFitIntoMessage
   EXPECT_GT(pages, 1);
 }
 
-TEST_F(MissionProfileServiceTest, AnAgentThatSendsTooFastIsReadNoMoreUntilItIsPaid) {
-  v1::Mission mission = MakeMission();
-  mission.mutable_limits()->set_uplink_bytes_per_second(uint64_t{1} << 20);
-  ASSERT_TRUE(Create(mission).ok());
-  grpc::ClientContext context;
-  const auto stream = stub_->Sync(&context);
-  v1::SyncRequest request;
-  ToProto(SessionRequest{.mission = "lab", .agent = "alpha", .last_revision = 0, .local_maps = {}},
-          request.mutable_open());
-  ASSERT_TRUE(stream->Write(request));
-  v1::SyncResponse response;
-  ASSERT_TRUE(stream->Read(&response));
-  ASSERT_TRUE(response.has_grant());
-  const int opened = observer_.received;
-  // All but a few bytes of the burst are spent. The store counts its sessions from 1.
-  EXPECT_EQ(store_->PaceUplink(1, (1 << 20) - 10), absl::ZeroDuration());
+// An agent of a mission of which a second may bring a MiB.
+class HeldAgentTest : public MissionProfileServiceTest {
+ protected:
+  // Opens the session, and spends all but a few bytes of the burst.
+  void Open(const SessionRequest& open) {
+    v1::Mission mission = MakeMission();
+    mission.mutable_limits()->set_uplink_bytes_per_second(uint64_t{1} << 20);
+    ASSERT_TRUE(Create(mission).ok());
+    stream_ = stub_->Sync(&context_);
+    v1::SyncRequest request;
+    ToProto(open, request.mutable_open());
+    ASSERT_TRUE(stream_->Write(request));
+    ASSERT_TRUE(stream_->Read(&response_));
+    ASSERT_TRUE(response_.has_grant());
+    opened_ = observer_.received;
+    // The store counts its sessions from 1.
+    EXPECT_EQ(store_->PaceUplink(1, (1 << 20) - 10), absl::ZeroDuration());
+  }
+  // `send` sends the message of a number; `answered` returns the number that a response answers, 0
+  // for any other.
+  void ExpectTheSecondWaits(const std::function<void(uint64_t)>& send,
+                            const std::function<uint64_t(const v1::SyncResponse&)>& answered) {
+    send(1);
+    // What is not read fills the transport's window, and the writer waits.
+    std::thread second([&send] { send(2); });
+    // Shared updates may come between.
+    const auto next_answer = [&]() -> uint64_t {
+      while (stream_->Read(&response_)) {
+        if (const uint64_t number = answered(response_); number > 0) return number;
+      }
+      return 0;
+    };
+    EXPECT_EQ(next_answer(), 1u);
+    clock_.AwaitLooks(5);
+    EXPECT_EQ(observer_.received, opened_ + 1);
+    clock_.Advance(absl::Seconds(1));
+    EXPECT_EQ(next_answer(), 2u);
+    second.join();
+    context_.TryCancel();
+    stream_->Finish();
+  }
 
+  grpc::ClientContext context_;
+  std::unique_ptr<grpc::ClientReaderWriter<v1::SyncRequest, v1::SyncResponse>> stream_;
+  v1::SyncResponse response_;
+  int opened_ = 0;
+};
+
+TEST_F(HeldAgentTest, WhoSendsTooFastIsReadNoMoreUntilItIsPaid) {
+  ASSERT_NO_FATAL_FAILURE(
+      Open({.mission = "lab", .agent = "alpha", .last_revision = 0, .local_maps = {}}));
   std::mt19937 random(1);
   CameraBook sent;
   const auto send = [&](uint64_t number) {
@@ -236,48 +271,19 @@ TEST_F(MissionProfileServiceTest, AnAgentThatSendsTooFastIsReadNoMoreUntilItIsPa
          ToProto(test_data::MakeBatch(random, test_data::kMap, number), sent, 1 << 20)) {
       v1::SyncRequest batch;
       *batch.mutable_batch() = std::move(part);
-      EXPECT_TRUE(stream->Write(batch));
+      EXPECT_TRUE(stream_->Write(batch));
     }
   };
-  send(1);
-  // What is not read fills the transport's window, and the writer waits.
-  std::thread second([&send] { send(2); });
-  // Shared updates may come between.
-  const auto next_acknowledged = [&]() -> uint64_t {
-    while (stream->Read(&response)) {
-      if (response.has_acknowledgement()) return response.acknowledgement().number();
-    }
-    return 0;
-  };
-  EXPECT_EQ(next_acknowledged(), 1u);
-  clock_.AwaitLooks(5);
-  EXPECT_EQ(observer_.received, opened + 1);
-  clock_.Advance(absl::Seconds(1));
-  EXPECT_EQ(next_acknowledged(), 2u);
-  second.join();
-  context.TryCancel();
-  stream->Finish();
+  ExpectTheSecondWaits(
+      send, [](const v1::SyncResponse& said) { return said.acknowledgement().number(); });
 }
 
-TEST_F(MissionProfileServiceTest, AnAgentThatOnlyLocalisesIsHeldLikewise) {
-  v1::Mission mission = MakeMission();
-  mission.mutable_limits()->set_uplink_bytes_per_second(uint64_t{1} << 20);
-  ASSERT_TRUE(Create(mission).ok());
-  grpc::ClientContext context;
-  const auto stream = stub_->Sync(&context);
-  v1::SyncRequest request;
+TEST_F(HeldAgentTest, WhoOnlyLocalisesIsHeldLikewise) {
   SessionRequest open;
   open.mission = "lab";
   open.agent = "guest";
   open.localise_only = true;
-  ToProto(open, request.mutable_open());
-  ASSERT_TRUE(stream->Write(request));
-  v1::SyncResponse response;
-  ASSERT_TRUE(stream->Read(&response));
-  ASSERT_TRUE(response.has_grant());
-  const int opened = observer_.received;
-  EXPECT_EQ(store_->PaceUplink(1, (1 << 20) - 10), absl::ZeroDuration());
-
+  ASSERT_NO_FATAL_FAILURE(Open(open));
   LocalisedFrames part;
   part.run = 7;
   for (int64_t i = 0; i < 100; ++i) {
@@ -287,25 +293,10 @@ TEST_F(MissionProfileServiceTest, AnAgentThatOnlyLocalisesIsHeldLikewise) {
     part.number = number;
     v1::SyncRequest said;
     ToProto(part, said.mutable_localised());
-    EXPECT_TRUE(stream->Write(said));
+    EXPECT_TRUE(stream_->Write(said));
   };
-  send(1);
-  // As above, the writer waits.
-  std::thread second([&send] { send(2); });
-  const auto next_kept = [&]() -> uint64_t {
-    while (stream->Read(&response)) {
-      if (response.has_localised_kept()) return response.localised_kept().number();
-    }
-    return 0;
-  };
-  EXPECT_EQ(next_kept(), 1u);
-  clock_.AwaitLooks(5);
-  EXPECT_EQ(observer_.received, opened + 1);
-  clock_.Advance(absl::Seconds(1));
-  EXPECT_EQ(next_kept(), 2u);
-  second.join();
-  context.TryCancel();
-  stream->Finish();
+  ExpectTheSecondWaits(send,
+                       [](const v1::SyncResponse& said) { return said.localised_kept().number(); });
 }
 
 }  // namespace

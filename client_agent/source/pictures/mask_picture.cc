@@ -3,6 +3,7 @@
 #include <limits>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
+#include <variant>
 #include <vector>
 
 #include "absl/strings/str_cat.h"
@@ -82,6 +83,10 @@ double MaskedPercent(const PictureMask& mask) {
   if (mask.empty()) return 0;
   const auto total = static_cast<double>(mask.total());
   return 100 * (total - cv::countNonZero(mask)) / total;
+}
+
+double MaskedPercent(const SensorCalibration& calibration) {
+  return std::visit([](const auto& kind) { return MaskedPercent(kind.mask); }, calibration);
 }
 
 absl::StatusOr<PictureMask> DecodeMaskPicture(absl::string_view name, const std::string& encoded) {

@@ -15,8 +15,9 @@ namespace corbslam::client_agent {
 // A mask that leaves out more of the picture is improbable, and may be inverted.
 inline constexpr double kWideMask_percent = 60;
 
-// Returns how much of the picture a mask leaves out; 0 of none.
+// Returns how much of the picture a mask, or a calibration's, leaves out; 0 of none.
 double MaskedPercent(const PictureMask& mask);
+double MaskedPercent(const SensorCalibration& calibration);
 
 // Returns CV_8UC1 of 0 and 255 of an encoded picture; colour that is grey is taken.
 // INVALID_ARGUMENT begins with `name` and says what to do: no picture or one that is cut short, 16

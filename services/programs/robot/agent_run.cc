@@ -7,6 +7,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
+#include "client_agent/source/pictures/mask_picture.h"
 #include "services/programs/robot/left_out_log.h"
 #include "services/programs/robot/no_pose_log.h"
 #include "services/programs/robot/pictures_time.h"
@@ -21,6 +22,7 @@ using client_agent::FindingLevel;
 using client_agent::FramePose;
 using client_agent::FrameStream;
 using client_agent::LeftOutFrames;
+using client_agent::MaskedPercent;
 using client_agent::PoseListener;
 using client_agent::SourceFindings;
 using client_agent::SourceFrame;
@@ -87,7 +89,7 @@ absl::Status PlayStream(
   LeftOutLog left_out;
   SlowSourceLog slow;
   std::optional<int> drive;
-  NoPoseLog no_pose(MaskedShare(stream.calibration()));
+  NoPoseLog no_pose(MaskedPercent(stream.calibration()));
   while (true) {
     const absl::StatusOr<std::optional<StreamFrame>> next = paced.Next();
     WatchStream(stream, paced, left_out, slow, limit, frames);

@@ -2,7 +2,6 @@
 
 #include <cmath>
 #include <opencv2/core.hpp>
-#include <variant>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
@@ -26,7 +25,7 @@ constexpr int kDark = 40;
 constexpr int kFlat = 32;
 constexpr double kWhiteShare = 0.5;
 // What a robot sees of itself is less.
-constexpr double kMostMasked = 0.5;
+constexpr double kMostMasked_percent = 50;
 
 // Says what a picture without corners looks like.
 std::string DescribePicture(const cv::Mat& grey) {
@@ -50,20 +49,21 @@ std::string DescribePicture(const cv::Mat& grey) {
   return "it is blurred, or what it shows is bare";
 }
 
-std::string ExplainFewKeypoints(const cv::Mat& grey, double masked_share) {
-  if (masked_share <= kMostMasked) return DescribePicture(grey);
+std::string ExplainFewKeypoints(const cv::Mat& grey, double masked_percent) {
+  if (masked_percent <= kMostMasked_percent) return DescribePicture(grey);
   return absl::StrFormat(
       "the rig's mask leaves %.0f %% of it out: is it black where the robot sees itself alone?",
-      100 * masked_share);
+      masked_percent);
 }
 
-std::string Explain(const TrackingResult& result, const SensorImages& images, double masked_share) {
+std::string Explain(const TrackingResult& result, const SensorImages& images,
+                    double masked_percent) {
   switch (result.why_no_pose) {
     case WhyNoPose::kHasOne:
       return "";
     case WhyNoPose::kFewKeypoints:
       return absl::StrCat("the picture has too few corners; ",
-                          ExplainFewKeypoints(images.grey, masked_share));
+                          ExplainFewKeypoints(images.grey, masked_percent));
     case WhyNoPose::kFewDepths:
       return images.right.empty()
                  ? "too few corners of the picture have a depth; is the depth camera covered, or "
@@ -83,13 +83,6 @@ std::string Explain(const TrackingResult& result, const SensorImages& images, do
 
 }  // namespace
 
-double MaskedShare(const SensorCalibration& calibration) {
-  const PictureMask& mask =
-      std::visit([](const auto& kind) -> const PictureMask& { return kind.mask; }, calibration);
-  if (mask.empty()) return 0;
-  return 1 - static_cast<double>(cv::countNonZero(mask)) / static_cast<double>(mask.total());
-}
-
 double NoPoseLog::Since_s(int64_t timestamp_ns) const {
   // The frames of a sequence that is played backwards have falling times.
   return 1e-9 * std::abs(static_cast<double>(timestamp_ns - *missing_since_ns_));
@@ -104,7 +97,7 @@ std::optional<std::string> NoPoseLog::Add(const TrackingResult& result,
   told_s_ = since_s;
   const bool is_lost = result.state == TrackingState::kLost;
   return absl::StrFormat("%s for %.1f s: %s", is_lost ? "lost" : "no map begun", since_s,
-                         Explain(result, images, masked_share_));
+                         Explain(result, images, masked_percent_));
 }
 
 std::optional<std::string> NoPoseLog::AddTracked(const TrackingResult& result) {

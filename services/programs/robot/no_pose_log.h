@@ -11,14 +11,11 @@
 
 namespace corbslam::services {
 
-// Returns how much of the pictures a calibration's mask leaves out, 0 to 1.
-double MaskedShare(const SensorCalibration& calibration);
-
 // Decides what is worth a line, by the frames' own times. Not thread-safe.
 class NoPoseLog {
  public:
-  // `masked_share` of the pictures is left out by the rig's mask.
-  explicit NoPoseLog(double masked_share = 0) : masked_share_(masked_share) {}
+  // So much of the pictures is left out by the rig's mask.
+  explicit NoPoseLog(double masked_percent = 0) : masked_percent_(masked_percent) {}
 
   // Takes the next frame's result and pictures. Returns a line once the pose has been missing for a
   // second and then every ten, and one when it is there after such a line; else nullopt.
@@ -29,7 +26,7 @@ class NoPoseLog {
   std::optional<std::string> AddTracked(const client_agent::TrackingResult& result);
   double Since_s(int64_t timestamp_ns) const;
 
-  double masked_share_;
+  double masked_percent_;
   // Of the first frame without a pose.
   std::optional<int64_t> missing_since_ns_;
   double told_s_ = 0;  // For how long it had been missing in the last line; 0: none yet.

@@ -7,9 +7,12 @@
 #include <string>
 #include <vector>
 
+#include "client_agent/source/pictures/mask_picture.h"
+
 namespace corbslam::services {
 namespace {
 
+using client_agent::MaskedPercent;
 using client_agent::TrackingResult;
 using client_agent::TrackingState;
 using client_agent::WhyNoPose;
@@ -79,10 +82,10 @@ TEST_F(NoPoseLogTest, TellsWhatThePictureLacks) {
 
 TEST_F(NoPoseLogTest, AMaskThatLeavesMostOutIsNamed) {
   StereoCalibration calibration;
-  EXPECT_EQ(MaskedShare(calibration), 0);
+  EXPECT_EQ(MaskedPercent(calibration), 0);
   calibration.mask = Grey(0);
   calibration.mask.colRange(0, 16) = cv::Scalar(255);
-  log_ = NoPoseLog(MaskedShare(calibration));
+  log_ = NoPoseLog(MaskedPercent(calibration));
   Add(TrackingState::kNotInitialised, WhyNoPose::kFewKeypoints, 12, Halves());
   EXPECT_THAT(lines_, ElementsAre(HasSubstr("the rig's mask leaves 75 % of it out")));
 }
