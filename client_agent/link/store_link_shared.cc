@@ -75,8 +75,11 @@ void StoreLink::OnShared(SharedUpdate update) {
     absl::MutexLock lock(&mutex_);
     // The rest of the updates for a map that has ended will be told again for the one that goes on.
     if (session_ != Session::kOpen || reopen_) return;
-    // Before its first batch the store does not know the local map: it still tells of the one
-    // before, in that one's frame. All will be told again once it knows.
+    // Until it has a batch of the local map, the store still tells of the one before, in that one's
+    // frame. All will be told again then. A store that does not name the local map is known to do
+    // so until one is made.
+    const LocalMapId told = arrived.update.local_map;
+    if (told.IsValid() && told != inbox_->local_map()) return;
     if (IsUnknownToStore(inbox_->local_map())) return;
     last_revision_ = arrived.update.revision;
     ++shared_updates_;

@@ -231,6 +231,28 @@ TEST_F(StoreLinkTest, TheOldMapsPlaceIsNotTheNewOnes) {
   EXPECT_EQ(jobs_.size(), 1U);
 }
 
+// A batch of the new local map is under way while the store still tells of the one before.
+TEST_F(StoreLinkTest, AnUpdateThatNamesTheOldMapIsPassedOver) {
+  AddKeyframe({kOwn, 0});
+  manager_->Step();
+  const LocalMapId second{2};
+  Begin(second);
+  AddKeyframe({second, 0});
+  manager_->Step();
+  SharedUpdate place;
+  place.revision = 9;
+  place.local_map = kOwn;
+  place.own_keyframes.push_back({{kOwn, 0}, Similarity3d(), Rigid3d()});
+  uplink_.Share(place);
+  EXPECT_EQ(jobs_.size(), 0U);
+  EXPECT_TRUE(events_.empty()) << "the new local map has merged with nothing";
+  place.local_map = second;
+  place.own_keyframes = {{{second, 0}, Similarity3d(), Rigid3d()}};
+  uplink_.Share(place);
+  EXPECT_EQ(jobs_.size(), 1U);
+  EXPECT_EQ(events_.size(), 1U);
+}
+
 // Fusion goes on when the drive has ended: robots that stay for it are told.
 TEST_F(StoreLinkTest, WhatComesWhenAllIsAcknowledgedIsTaken) {
   AddKeyframe({kOwn, 0});

@@ -50,6 +50,7 @@ std::optional<SharedUpdate> TakeOfIsland(const MissionState& state, const Island
   const bool apart = island.id != state.ReferenceIsland();
   SharedUpdate update = TakeShareStep(state, island, options, byte_budget, share, read);
   update.apart = apart;
+  update.local_map = share.local_map;
   const bool ends_places = std::exchange(share.more_places, update.more_places);
   if (update.IsEmpty() && !ends_places) return std::nullopt;
   NoteSent(update.revision, share);
@@ -113,6 +114,7 @@ std::optional<SharedUpdate> TakeSharedUpdate(const MissionState& state,
     if (HasSent(share)) StartAgain(own, island.id, share);
     SharedUpdate alone;
     alone.revision = state.global.revision;
+    alone.local_map = own;
     alone.restart = std::exchange(share.restart, false);
     if (!own_map->closed) alone.global_from_local = TakeGlobalPlace(state, share);
     if (alone.IsEmpty()) return std::nullopt;

@@ -43,6 +43,20 @@ TEST_F(ToldPlacesTest, OwnOnesComeWithTheLocalPosesThatTheyWereDerivedFrom) {
   }
 }
 
+TEST_F(ToldPlacesTest, AnUpdateNamesTheLocalMapThatItIsOf) {
+  TestAgent a(store_, kMission, "a", map_a_);
+  TestAgent b(store_, kMission, "b", map_b_);
+  ASSERT_TRUE(a.Stream().ok());
+  ASSERT_TRUE(b.Stream().ok());
+  const auto alone = store_.NextShared(a.session(), 1 << 20);
+  ASSERT_TRUE(alone.ok() && alone->has_value()) << alone.status();
+  EXPECT_EQ((*alone)->local_map, a.Id(0).local_map);
+  Fuse();
+  const auto merged = store_.NextShared(b.session(), 1 << 20);
+  ASSERT_TRUE(merged.ok() && merged->has_value()) << merged.status();
+  EXPECT_EQ((*merged)->local_map, b.Id(0).local_map);
+}
+
 TEST_F(ToldPlacesTest, OwnOnesAreToldAgainWhenTheyAreDerivedFromOtherLocalPoses) {
   TestAgent a(store_, kMission, "a", map_a_);
   TestAgent b(store_, kMission, "b", map_b_);
