@@ -14,7 +14,7 @@
 #include "absl/synchronization/notification.h"
 #include "absl/time/clock.h"
 #include "absl/time/time.h"
-#include "client_agent/live/gstreamer/grey_scaler.h"
+#include "client_agent/live/grey_scaler.h"
 #include "client_agent/live/gstreamer/gst_picture.h"
 #include "client_agent/live/gstreamer/gst_pipeline.h"
 #include "client_agent/live/gstreamer/gst_sides.h"

@@ -2,10 +2,12 @@
 
 #include <glog/logging.h>
 
+#include <opencv2/core/mat.hpp>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
+#include "client_agent/push_client/corbslam/push.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::client_agent {
@@ -68,8 +70,10 @@ absl::Status PushDriver::TakeFrame(const Packet& packet) {
     return absl::InvalidArgumentError(
         absl::StrCat("slot is ", frame.slot, ", which was not given back yet"));
   }
-  RETURN_IF_ERROR(host_.OnFrame(frame.timestamp_ns, ring_->CopyFirst(frame.slot),
-                                ring_->CopySecond(frame.slot)));
+  const cv::Mat first = grey_scaler_.ToEightBits(ring_->CopyFirst(frame.slot));
+  cv::Mat second = ring_->CopySecond(frame.slot);
+  if (layout_.second.format == CORBSLAM_PUSH_GREY16) second = grey_scaler_.ToEightBits(second);
+  RETURN_IF_ERROR(host_.OnFrame(frame.timestamp_ns, first, second));
   free_slots_ |= bit;
   return absl::OkStatus();
 }

@@ -10,6 +10,7 @@
 
 #include "absl/status/status.h"
 #include "absl/time/time.h"
+#include "client_agent/live/grey_scaler.h"
 #include "client_agent/live/push/push_message.h"
 #include "client_agent/live/push/shared_ring.h"
 #include "client_agent/live/push/unix_socket.h"
@@ -57,6 +58,7 @@ class PushDriver {
   const absl::Time hello_until_;
   PushLayout layout_;
   std::optional<SharedRing> ring_;  // From the hello on.
+  GreyScaler grey_scaler_;
   uint64_t free_slots_ = 0;         // Of which the driver does not know yet.
   std::deque<std::string> poses_;
 };

@@ -377,6 +377,23 @@ TEST_F(PushStreamTest, GreyOfSixteenBitsBecomesEight) {
   EXPECT_EQ(frame.images.right.at<uint8_t>(47, 63), 3);
 }
 
+// A camera of 12 bits, whose driver pushes what it measured: a sixteenth of what 16 bits would be.
+TEST_F(PushStreamTest, GreyOfTwelveBitsIsNotTakenForDark) {
+  OpenWithRig();
+  corbslam_push_options options = Options();
+  options.first.format = CORBSLAM_PUSH_GREY16;
+  options.second.format = CORBSLAM_PUSH_GREY16;
+  PushConnection driver(options);
+  std::vector<uint16_t> first(64 * 48, 0x800);
+  std::fill_n(first.begin(), 64, 0xfff);
+  const std::vector<uint16_t> second(64 * 48, 0x400);
+  ASSERT_TRUE(driver.Push(first.data(), second.data(), 1, kPatience_ms));
+  const StreamFrame frame = Next();
+  EXPECT_EQ(frame.images.grey.at<uint8_t>(0, 0), 255);
+  EXPECT_EQ(frame.images.grey.at<uint8_t>(47, 63), 0x80);
+  EXPECT_EQ(frame.images.right.at<uint8_t>(47, 63), 0x40) << "both cameras are scaled alike";
+}
+
 TEST_F(PushStreamTest, ChecksWithoutWaiting) {
   const auto check = [&](const std::string& text) {
     const auto spec = ParseSourceSpec(text);

@@ -73,8 +73,6 @@ cv::Mat SharedRing::Copy(uint32_t slot, const push_wire::Picture& picture) const
   cv::Mat copy;
   if (picture.format == CORBSLAM_PUSH_BGR8) {
     cv::cvtColor(view, copy, cv::COLOR_BGR2GRAY);
-  } else if (picture.format == CORBSLAM_PUSH_GREY16) {
-    view.convertTo(copy, CV_8U, 1. / 257);
   } else {
     copy = view.clone();
   }

@@ -38,7 +38,8 @@ typedef enum corbslam_push_status {
 
 typedef enum corbslam_push_format {
   CORBSLAM_PUSH_GREY8 = 1,  /* 1 byte a pixel. */
-  CORBSLAM_PUSH_GREY16 = 2, /* 2 bytes, 0 black to 65535 white; the robot scales them to 8 bits. */
+  CORBSLAM_PUSH_GREY16 = 2, /* 2 bytes, of which the pictures show how many bits are used: 8, 10,
+                               12, 14 or 16, from the lowest; the robot tracks the upper 8. */
   CORBSLAM_PUSH_BGR8 = 3,   /* 3 bytes: blue, green, red. */
   CORBSLAM_PUSH_DEPTH16 = 4 /* 2 bytes, in the rig's depth.units_per_m; 0: not measured. */
 } corbslam_push_format;

@@ -1,6 +1,6 @@
 // Makes 8 bits of a live camera's grey pictures of 16.
-#ifndef CORBSLAM_CLIENT_AGENT_LIVE_GSTREAMER_GREY_SCALER_H_
-#define CORBSLAM_CLIENT_AGENT_LIVE_GSTREAMER_GREY_SCALER_H_
+#ifndef CORBSLAM_CLIENT_AGENT_LIVE_GREY_SCALER_H_
+#define CORBSLAM_CLIENT_AGENT_LIVE_GREY_SCALER_H_
 
 #include <cstddef>
 #include <opencv2/core/mat.hpp>
@@ -26,4 +26,4 @@ class GreyScaler {
 
 }  // namespace corbslam::client_agent
 
-#endif  // CORBSLAM_CLIENT_AGENT_LIVE_GSTREAMER_GREY_SCALER_H_
+#endif  // CORBSLAM_CLIENT_AGENT_LIVE_GREY_SCALER_H_

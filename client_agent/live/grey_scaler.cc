@@ -1,4 +1,4 @@
-#include "client_agent/live/gstreamer/grey_scaler.h"
+#include "client_agent/live/grey_scaler.h"
 
 #include <glog/logging.h>
 
