@@ -83,6 +83,7 @@ UplinkHold StoreLink::FindHold() const {
 
 UploadStatus StoreLink::upload() const {
   UploadStatus status = queue_.status();
+  status.frames = localised_.CountUnkept();
   absl::MutexLock lock(&mutex_);
   status.held_back = held_back_.status(options_.clock());
   status.refused_items = refused_items_;

@@ -113,8 +113,10 @@ TEST_F(StoreLinkTrajectoryTest, ItGoesUpInPartsAndOnlyTheNewestPlaceBesides) {
   link->AddLocalised({4, std::nullopt});
   Pass(*link);
   EXPECT_THAT(uplink_.Kept(), ElementsAre(1, 2, 3, -4));
+  EXPECT_EQ(link->upload().frames, 0u);
   EXPECT_EQ(uplink_.localised.size(), 2u);
   link->AddTrackedFrame(Frame(5));
+  EXPECT_EQ(link->upload().frames, 1u) << "it waits, and the robot's status says so";
   EXPECT_TRUE(link->Finish(absl::Seconds(1)).ok());
   EXPECT_THAT(uplink_.Kept(), ElementsAre(1, 2, 3, -4, 5));
   EXPECT_EQ(uplink_.runs.size(), 1u);

@@ -41,6 +41,7 @@ class FakeAgent : public Agent {
     status.keyframes = 4;
     status.global_from_local = GlobalFromLocal();
     status.upload.batches = 6;
+    status.upload.frames = 60;
     status.upload.memory_bytes = 70;
     status.upload.spool_bytes = 800;
     status.upload.room = absl::ResourceExhaustedError("full");
@@ -121,6 +122,7 @@ TEST_F(AgentServiceTest, TellsHowItIs) {
   EXPECT_EQ(status.dropped(), 5u);
   EXPECT_TRUE(status.has_global_from_local());
   EXPECT_EQ(status.outbox_batches(), 6u);
+  EXPECT_EQ(status.outbox_frames(), 60u);
   EXPECT_EQ(status.outbox_memory_bytes(), 70u);
   EXPECT_EQ(status.outbox_spool_bytes(), 800u);
   EXPECT_EQ(status.outbox_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);

@@ -17,6 +17,7 @@ uint64_t Count(int value) { return static_cast<uint64_t>(value); }
 
 void WriteUpload(const UploadStatus& upload, v1::AgentStatus* response) {
   response->set_outbox_batches(upload.batches);
+  response->set_outbox_frames(upload.frames);
   response->set_outbox_memory_bytes(upload.memory_bytes);
   response->set_outbox_spool_bytes(upload.spool_bytes);
   response->set_outbox_code(upload.room.raw_code());

@@ -66,6 +66,9 @@ TEST(RobotMinutesTest, TheLineSaysHowTheRobotFares) {
             "batches wait (1.5 MiB in memory, 0.0 MiB on disk); memory 200.0 MiB");
   minute.link = absl::OkStatus();
   EXPECT_THAT(FormatMinute(minute), AllOf(HasSubstr("; connected, 4"), Not(HasSubstr("not con"))));
+  minute.status.upload.frames = 60;
+  EXPECT_THAT(FormatMinute(minute), HasSubstr("on disk), 60 frames of the trajectory wait; memory"));
+  minute.status.upload.frames = 0;
   minute.link = std::nullopt;
   EXPECT_THAT(FormatMinute(minute), AllOf(HasSubstr("; no map store;"), Not(HasSubstr("batches"))));
 }

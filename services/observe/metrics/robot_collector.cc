@@ -45,6 +45,10 @@ void AddOutbox(const UploadStatus& upload, Families& families) {
                  Number(upload.memory_bytes), {{"place", "memory"}});
   families.Gauge("corbslam_robot_outbox_bytes", "", Number(upload.spool_bytes),
                  {{"place", "spool"}});
+  families.Gauge("corbslam_robot_outbox_frames",
+                 "Frames of the trajectory of a robot that only localises, which the store has not "
+                 "said it keeps.",
+                 Number(upload.frames));
   families.Gauge("corbslam_robot_outbox_has_room",
                  "0 while changes wait in the map because memory and spool are full or fail.",
                  upload.room.ok());
