@@ -48,7 +48,7 @@ absl::Status CheckMemoryFlags(const MemoryFlags& flags, const ShareFlags& share,
 
 uint64_t MaxMapBytes(const MemoryFlags& flags, uint64_t outbox_bytes, bool has_server) {
   if (flags.budget_bytes == 0) return 0;
-  return (flags.budget_bytes - kRobotItself_bytes - outbox_bytes) / 3 * (has_server ? 2 : 1);
+  return (flags.budget_bytes - kRobotItself_bytes - outbox_bytes) / (has_server ? 2 : 3);
 }
 
 }  // namespace corbslam::services

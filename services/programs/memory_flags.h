@@ -27,10 +27,11 @@ void AddMemoryFlags(CLI::App& app, MemoryFlags& flags);
 // may wait in memory.
 absl::Status CheckMemoryFlags(const MemoryFlags& flags, const ShareFlags& share,
                               uint64_t outbox_bytes, bool has_keeper);
-// Returns AgentOptions::max_map_bytes for a budget that was checked: two thirds of what the robot
-// itself and the outbox leave. The rest is for the old local map, which stays until it is told, and
-// for what is in the air meanwhile. Without a map store it is one third: the robot itself reads
-// whole local maps back, for a moment each, and keeps in memory what they look like.
+// Returns AgentOptions::max_map_bytes for a budget that was checked: half of what the robot itself
+// and the outbox leave. The rest is for the old local map, which stays until it is told, and for a
+// full adjustment of it, which takes as much again for a second or two. Without a map store it is
+// one third: the robot itself reads whole local maps back, for a moment each, and keeps in memory
+// what they look like.
 uint64_t MaxMapBytes(const MemoryFlags& flags, uint64_t outbox_bytes, bool has_server = true);
 
 }  // namespace corbslam::services
