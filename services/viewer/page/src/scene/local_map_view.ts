@@ -1,6 +1,6 @@
 import { Group, Vector3, type Object3D, type RawShaderMaterial } from 'three';
 import type { LocalMapModel } from '../model/local_map';
-import { KeyframesView, frustumSize } from './keyframes_view';
+import { KeyframesView } from './keyframes_view';
 import { Lines } from './lines';
 import { type SharedUniforms, setColour } from './materials';
 import { Placement } from './placement';
@@ -38,7 +38,6 @@ export class LocalMapView {
   sync(model: LocalMapModel): number {
     this.model = model;
     let bytes = this.keyframes.sync(model.keyframes);
-    if (bytes > 0) this.keyframes.frusta.material.uniforms.size.value = frustumSize(model.keyframes);
     model.points.blocks.forEach((block, i) => {
       if (this.blocks[i]?.block !== block) this.replaceBlock(i, new PointBlockView(block, this.pointMaterial));
       bytes += this.blocks[i].sync();
@@ -49,7 +48,7 @@ export class LocalMapView {
 
   paint(points: string, lines: string, shown: Shown): void {
     setColour(this.pointMaterial, points);
-    setColour(this.keyframes.frusta.material, lines);
+    setColour(this.keyframes.material, lines);
     setColour(this.keyframes.path.material, lines);
     setColour(this.frames.material, lines);
     for (const { object } of this.blocks) object.visible = shown.points;

@@ -1,11 +1,11 @@
-import { Color, Scene, Sphere, Vector3, WebGLRenderer } from 'three';
+import { Color, Scene, Sphere, Vector2, Vector3, WebGLRenderer } from 'three';
 import type { Overlap } from '@gen/corbslam/v1/overlap_pb';
 import type { KeyframeId } from '../model/ids';
 import type { IslandChange, MapModel } from '../model/map_model';
 import { type SceneColours, sceneColours } from '../model/palette';
 import { isAccepted } from '../model/words';
 import type { ViewState } from '../view_state';
-import { Detail } from './detail';
+import { Detail, type Share } from './detail';
 import { Grid } from './grid';
 import { LocalLayer } from './local_layer';
 import { MapView } from './map_view';
@@ -26,6 +26,7 @@ const SMALLEST_FRUSTUM_PX = 7;
 export interface FrameFigures {
   drawCalls: number;
   drawnPoints: number;
+  drawnKeyframes: number;
   uploadBytes: number;
   fps: number;
   /** What the page's own script took for it; drawing goes on elsewhere. */
@@ -41,7 +42,7 @@ export class Stage {
   readonly overlapsView: OverlapsView;
   readonly globalPort: Viewport;
   readonly localPort: Viewport;
-  readonly figures: FrameFigures = { drawCalls: 0, drawnPoints: 0, uploadBytes: 0, fps: 0, scriptMs: 0 };
+  readonly figures: FrameFigures = { drawCalls: 0, drawnPoints: 0, drawnKeyframes: 0, uploadBytes: 0, fps: 0, scriptMs: 0 };
   /** Bytes for the GPU so far. */
   uploadedBytes = 0;
   overlaps: Overlap[] = [];
@@ -57,6 +58,7 @@ export class Stage {
   private readonly marker = new Marker();
   private readonly detail = new Detail();
   private points = 0;
+  private keyframes = 0;
   private wanted = true;
   private isComplete = false;
   /** What the last complete frame took, up to the next one's begin. */
@@ -88,6 +90,7 @@ export class Stage {
   /** Follows the model; `isHurried`: more is about to come, so that not every point is worth its time. */
   sync(model: MapModel, changes: IslandChange[], isHurried: boolean): void {
     this.points = model.pointCount;
+    this.keyframes = model.keyframeCount;
     this.figures.uploadBytes = this.map.sync(model, changes, performance.now());
     this.uploadedBytes += this.figures.uploadBytes;
     this.grid.cover(this.map.bounds(() => true));
@@ -127,7 +130,7 @@ export class Stage {
     this.wanted = false;
     this.isComplete = this.drewComplete = !isMotion;
     this.updateOverlaps(state);
-    this.render(this.detail.fraction(isMotion, this.points, now));
+    this.render(this.detail.share(isMotion, this.points, this.keyframes, now));
     this.figures.scriptMs = performance.now() - now;
     this.measure(now);
     return true;
@@ -149,14 +152,15 @@ export class Stage {
     this.marker.update(this.map, this.chosenKeyframe, size);
   }
 
-  private render(fraction: number): void {
+  private render(share: Share): void {
     const { clientWidth, clientHeight } = this.canvas;
-    this.renderer.setSize(clientWidth, clientHeight, false);
+    const size = this.renderer.getSize(new Vector2());
+    if (size.x !== clientWidth || size.y !== clientHeight) this.renderer.setSize(clientWidth, clientHeight, false);
     this.renderer.info.reset();
     this.renderer.setScissorTest(false);
     this.renderer.clear();
     if (this.globalPort.resize()) {
-      this.setDetail(fraction);
+      this.setDetail(share);
       this.draw(this.globalPort, this.globalScene);
     }
     if (this.localPort.resize()) this.draw(this.localPort, this.localScene);
@@ -173,7 +177,7 @@ export class Stage {
     this.renderer.render(scene, port.camera);
   }
 
-  private setDetail(fraction: number): void {
+  private setDetail(share: Share): void {
     const port = this.globalPort;
     const ratio = this.renderer.getPixelRatio();
     this.uniforms.sizePx.value = 1.5 * ratio;
@@ -181,15 +185,18 @@ export class Stage {
     this.uniforms.smallest.value = SMALLEST_FRUSTUM_PX / port.pixelsPerUnit(1);
     this.map.root.updateMatrixWorld();
     const at = new Vector3();
-    let drawn = 0;
-    for (const { blocks, group } of this.map.views.values()) {
+    let [points, keyframes] = [0, 0];
+    for (const view of this.map.views.values()) {
+      if (!view.group.visible) continue;
       const perUnit = ({ center, radius }: Sphere) => {
-        const away = at.copy(center).applyMatrix4(group.matrixWorld).distanceTo(port.camera.position) - radius;
+        const away = at.copy(center).applyMatrix4(view.group.matrixWorld).distanceTo(port.camera.position) - radius;
         return away <= 0 ? Infinity : port.pixelsPerUnit(away) * ratio;
       };
-      for (const block of blocks) drawn += block.setDetail(fraction, perUnit);
+      for (const block of view.blocks) points += block.setDetail(share.points, perUnit);
+      keyframes += view.keyframes.setDetail(share.keyframes, perUnit);
     }
-    this.figures.drawnPoints = drawn;
+    this.figures.drawnPoints = points;
+    this.figures.drawnKeyframes = keyframes;
   }
 
   private measure(now: number): void {

@@ -1,0 +1,136 @@
+import assert from 'node:assert/strict';
+import test from 'node:test';
+import { Sphere } from 'three';
+import { KeyframeStore } from '../src/model/keyframe_store';
+import { Detail, worthDrawing } from '../src/scene/detail';
+import { enclose } from '../src/scene/enclose';
+import { KeyframeTile } from '../src/scene/keyframe_tile';
+import { KeyframesView } from '../src/scene/keyframes_view';
+import { SharedUniforms } from '../src/scene/materials';
+import { TILE_KEYFRAMES, spreadOrder } from '../src/scene/tile_order';
+
+const MILLION = 1_000_000;
+
+/** Keyframes a unit apart along x. */
+function along(count: number): KeyframeStore {
+  const store = new KeyframeStore();
+  for (let i = 0; i < count; i++) put(store, i, i);
+  return store;
+}
+
+function put(store: KeyframeStore, index: number, x: number): void {
+  store.set(index, { timestampNs: BigInt(index), pose: { centre: [x, 0, 0], rotation: [0, 0, 0, 1] }, placed: true }, index, 1);
+}
+
+function viewOf(store: KeyframeStore): KeyframesView {
+  const uniforms = new SharedUniforms();
+  const view = new KeyframesView(store, uniforms.keyframes(), uniforms.lines());
+  view.sync(store);
+  return view;
+}
+
+/** The x of the frusta that are drawn, tile by tile. */
+function drawn(view: KeyframesView): number[] {
+  return view.frusta.children.flatMap((child) => {
+    const { geometry } = child as KeyframeTile['object'];
+    return Array.from({ length: geometry.instanceCount }, (_, i) => geometry.getAttribute('place').getX(i));
+  });
+}
+
+test('all is drawn while nothing moves, whatever a frame takes', () => {
+  const detail = new Detail();
+  for (let ms = 0; ms < 20_000; ms += 900) detail.share(true, MILLION, 10_000, ms);
+  assert.deepEqual(detail.share(false, MILLION, 10_000, 20_900), { points: 1, keyframes: 1 });
+});
+
+test('slow frames of a moving map have fewer points and keyframes, down to what always is drawn', () => {
+  const detail = new Detail();
+  let share = detail.share(true, MILLION, 10_000, 0);
+  for (let ms = 0; ms < 20_000; ms += 900) share = detail.share(true, MILLION, 10_000, ms);
+  assert.deepEqual(share, { points: 0.05, keyframes: 0.1 });
+});
+
+test('fast frames bring back what slow ones left out', () => {
+  const detail = new Detail();
+  for (let ms = 0; ms < 9_000; ms += 900) detail.share(true, MILLION, 10_000, ms);
+  let share = { points: 0, keyframes: 0 };
+  for (let ms = 9_000; ms < 11_000; ms += 16) share = detail.share(true, MILLION, 10_000, ms);
+  assert.deepEqual(share, { points: 1, keyframes: 1 });
+});
+
+test('of a small map nothing is left out in a hurry', () => {
+  const detail = new Detail();
+  let share = { points: 0, keyframes: 0 };
+  for (let ms = 0; ms < 9_000; ms += 900) share = detail.share(true, 40_000, 900, ms);
+  assert.deepEqual(share, { points: 1, keyframes: 1 });
+});
+
+test('what is far off is drawn in part', () => {
+  assert.equal(worthDrawing(512, 1, 1, 0.25, 16), 17);
+  assert.equal(worthDrawing(512, 1, 1000, 0.25, 16), 512);
+  assert.equal(worthDrawing(512, 0.1, Infinity, 0.25, 16), 52);
+});
+
+test('each prefix of a tile is spread over the way', () => {
+  for (const count of [TILE_KEYFRAMES, 300, 7, 1, 0]) {
+    const order = spreadOrder(count);
+    assert.deepEqual([...order].sort((a, b) => a - b), Array.from({ length: count }, (_, i) => i));
+  }
+  const eighth = [...spreadOrder(TILE_KEYFRAMES)].slice(0, TILE_KEYFRAMES / 8).sort((a, b) => a - b);
+  eighth.forEach((slot, i) => assert.equal(slot, 8 * i));
+});
+
+test('a map is cut into tiles; in a hurry each has fewer frusta', () => {
+  const view = viewOf(along(TILE_KEYFRAMES + 100));
+  assert.equal(view.setDetail(1, () => Infinity), TILE_KEYFRAMES + 100);
+  assert.deepEqual(drawn(view).sort((a, b) => a - b), Array.from({ length: TILE_KEYFRAMES + 100 }, (_, i) => i));
+  assert.equal(view.setDetail(0.25, () => Infinity), TILE_KEYFRAMES / 4 + 25);
+  view.frusta.visible = false;
+  assert.equal(view.setDetail(1, () => Infinity), 0);
+});
+
+test('a tile is bounded by its keyframes and as far as a frustum reaches', () => {
+  const view = viewOf(along(TILE_KEYFRAMES + 1));
+  const spheres: Sphere[] = [];
+  view.setDetail(1, (sphere) => (spheres.push(sphere.clone()), 1));
+  assert.equal(spheres.length, 2);
+  assert.deepEqual(spheres[1].center.toArray(), [TILE_KEYFRAMES, 0, 0]);
+  assert.ok(spheres[1].radius > 1 && spheres[1].radius < 3);
+  assert.ok(spheres[0].radius > TILE_KEYFRAMES / 2 && spheres[0].radius < TILE_KEYFRAMES / 2 + 3);
+});
+
+test('only tiles that changed are handed over', () => {
+  const store = along(3 * TILE_KEYFRAMES);
+  const view = viewOf(store);
+  const path = 12 * store.count;
+  assert.equal(view.sync(store), 0);
+  put(store, TILE_KEYFRAMES + 3, -5);
+  assert.equal(view.sync(store), 32 * TILE_KEYFRAMES + path);
+  view.setDetail(1, () => Infinity);
+  assert.ok(drawn(view).includes(-5) && !drawn(view).includes(TILE_KEYFRAMES + 3));
+});
+
+test('keyframes that go leave no frustum behind', () => {
+  const store = along(TILE_KEYFRAMES + 2);
+  const view = viewOf(store);
+  for (const index of [0, TILE_KEYFRAMES + 1, 5]) store.remove(index);
+  view.sync(store);
+  view.setDetail(1, () => Infinity);
+  const left = Array.from({ length: TILE_KEYFRAMES + 1 }, (_, i) => i).filter((i) => i !== 0 && i !== 5);
+  assert.deepEqual(drawn(view).sort((a, b) => a - b), left);
+});
+
+test('another store, of the past, replaces all', () => {
+  const store = along(TILE_KEYFRAMES);
+  const view = viewOf(store);
+  view.sync(along(2));
+  view.setDetail(1, () => Infinity);
+  assert.deepEqual(drawn(view), [0, 1]);
+  view.sync(store);
+  assert.equal(view.setDetail(1, () => Infinity), TILE_KEYFRAMES);
+});
+
+test('a box is widened by some places and passes over what is no number', () => {
+  const box = enclose(new Float32Array([0, 0, 0, 9, 1, 2, 3, 9, NaN, 1, 1, 9]), 4, 1, 3);
+  assert.deepEqual([box.min.toArray(), box.max.toArray()], [[1, 1, 1], [1, 2, 3]]);
+});
