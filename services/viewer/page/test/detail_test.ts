@@ -37,32 +37,49 @@ function drawn(view: KeyframesView): number[] {
   });
 }
 
+/** Of a map of a million points and 10,000 keyframes that moves, after some frames. */
+function shareAfter(frames: number, ms: number, detail = new Detail(1)) {
+  for (let i = 0; i < frames; i++) detail.took(ms);
+  return detail.share(true, MILLION, 10_000);
+}
+
 test('all is drawn while nothing moves, whatever a frame takes', () => {
   const detail = new Detail();
-  for (let ms = 0; ms < 20_000; ms += 900) detail.share(true, MILLION, 10_000, ms);
-  assert.deepEqual(detail.share(false, MILLION, 10_000, 20_900), { points: 1, keyframes: 1 });
+  shareAfter(20, 900, detail);
+  assert.deepEqual(detail.share(false, MILLION, 10_000), { points: 1, keyframes: 1, pixels: 1 });
 });
 
 test('slow frames of a moving map have fewer points and keyframes, down to what always is drawn', () => {
-  const detail = new Detail();
-  let share = detail.share(true, MILLION, 10_000, 0);
-  for (let ms = 0; ms < 20_000; ms += 900) share = detail.share(true, MILLION, 10_000, ms);
-  assert.deepEqual(share, { points: 0.05, keyframes: 0.1 });
+  assert.deepEqual(shareAfter(1, 38), { points: 0.5, keyframes: 0.5, pixels: 1 });
+  for (const ms of [900, 2500, 60_000]) assert.deepEqual(shareAfter(2, ms), { points: 0.05, keyframes: 0.1, pixels: 0.5 }, `${ms}`);
+});
+
+test('the first picture has a tenth of a large map', () => {
+  assert.deepEqual(shareAfter(0, 0, new Detail()), { points: 0.1, keyframes: 0.1, pixels: 1 });
+});
+
+test('one frame that was late by chance takes away no more than half', () => {
+  assert.deepEqual(shareAfter(1, 200), { points: 0.5, keyframes: 0.5, pixels: 1 });
 });
 
 test('fast frames bring back what slow ones left out', () => {
   const detail = new Detail();
-  for (let ms = 0; ms < 9_000; ms += 900) detail.share(true, MILLION, 10_000, ms);
-  let share = { points: 0, keyframes: 0 };
-  for (let ms = 9_000; ms < 11_000; ms += 16) share = detail.share(true, MILLION, 10_000, ms);
-  assert.deepEqual(share, { points: 1, keyframes: 1 });
+  shareAfter(10, 900, detail);
+  assert.deepEqual(shareAfter(100, 16, detail), { points: 1, keyframes: 1, pixels: 1 });
 });
 
-test('of a small map nothing is left out in a hurry', () => {
+test('fewer pixels are drawn where fewer points do not help, and all come back with the points', () => {
   const detail = new Detail();
-  let share = { points: 0, keyframes: 0 };
-  for (let ms = 0; ms < 9_000; ms += 900) share = detail.share(true, 40_000, 900, ms);
-  assert.deepEqual(share, { points: 1, keyframes: 1 });
+  assert.equal(shareAfter(20, 50, detail).pixels, 1);
+  assert.equal(shareAfter(1, 70, detail).pixels, 0.5);
+  assert.equal(shareAfter(10, 16, detail).pixels, 0.5);
+  assert.equal(shareAfter(60, 16, detail).pixels, 1);
+});
+
+test('of a small map no points and keyframes are left out in a hurry', () => {
+  const detail = new Detail();
+  shareAfter(10, 900, detail);
+  assert.deepEqual(detail.share(true, 40_000, 900), { points: 1, keyframes: 1, pixels: 0.5 });
 });
 
 test('what is far off is drawn in part', () => {

@@ -1,33 +1,51 @@
 const SLOW_MS = 19;
 const FAST_MS = 17.5;
+/** One such frame is no chance delay: its next one has a tenth. */
+const VERY_SLOW_MS = 250;
 const LEAST = 0.02;
+/** Nobody knows yet how fast this machine draws: the first picture is not to wait for all of the map. */
+const FIRST = 0.1;
 /** So few points cost nothing; to leave some out would only flicker. */
 const ALWAYS_DRAWN_POINTS = 50_000;
 /** A frustum is 16 vertices and eight lines: so many frusta are drawn in every hurry. */
 const ALWAYS_DRAWN_KEYFRAMES = 1_000;
 
-/** Which part of the map's points and keyframes is drawn. */
+/** With the fewest points drawn, a frame that takes longer has too many pixels. */
+const TOO_MANY_PIXELS_MS = 60;
+/** Of the screen's pixels along each side. */
+const FEWER_PIXELS = 0.5;
+/** So much of the points comes back before all pixels do, so that they don't come and go. */
+const WITH_ALL_PIXELS = 0.5;
+
+/** Which part of the map's points and keyframes is drawn, and of the pixels along each side. */
 export interface Share {
   points: number;
   keyframes: number;
+  pixels: number;
 }
 
 /** How much of the map is drawn: all while nothing moves, as much as keeps up while it does. */
 export class Detail {
-  private moving = 1;
-  private lastMs = 0;
+  private pixels = 1;
 
-  /** The shares for a frame that begins now, of a map of so many points and keyframes. */
-  share(isMoving: boolean, points: number, keyframes: number, nowMs: number): Share {
-    const frameMs = nowMs - this.lastMs;
-    this.lastMs = nowMs;
-    if (!isMoving) return { points: 1, keyframes: 1 };
-    if (frameMs > SLOW_MS && frameMs < 2000) this.moving *= Math.max(0.5, SLOW_MS / frameMs);
+  constructor(private moving = FIRST) {}
+
+  /** What a frame took, from its begin to when the browser asked for the next one. */
+  took(frameMs: number): void {
+    if (frameMs > SLOW_MS) this.moving *= Math.max(frameMs > VERY_SLOW_MS ? 0.1 : 0.5, SLOW_MS / frameMs);
     else if (frameMs < FAST_MS) this.moving *= 1.05;
     this.moving = Math.min(1, Math.max(LEAST, this.moving));
+    if (this.moving === LEAST && frameMs > TOO_MANY_PIXELS_MS) this.pixels = FEWER_PIXELS;
+    else if (this.moving >= WITH_ALL_PIXELS) this.pixels = 1;
+  }
+
+  /** The shares of a map of so many points and keyframes for a frame that begins now. */
+  share(isMoving: boolean, points: number, keyframes: number): Share {
+    if (!isMoving) return { points: 1, keyframes: 1, pixels: 1 };
     return {
       points: atLeast(this.moving, ALWAYS_DRAWN_POINTS, points),
       keyframes: atLeast(this.moving, ALWAYS_DRAWN_KEYFRAMES, keyframes),
+      pixels: this.pixels,
     };
   }
 }

@@ -63,13 +63,13 @@ export class Stage {
   private isComplete = false;
   /** What the last complete frame took, up to the next one's begin. */
   private completeMs = 0;
-  private drewComplete = false;
+  /** What the tick before this one drew. */
+  private drew: 'nothing' | 'part' | 'all' = 'nothing';
   private lastMotionMs = 0;
   private lastFrameMs = 0;
 
   constructor(readonly canvas: HTMLCanvasElement, globalElement: HTMLElement, localElement: HTMLElement) {
     this.renderer = new WebGLRenderer({ canvas, antialias: true, powerPreference: 'high-performance' });
-    this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
     this.renderer.autoClear = false;
     this.renderer.info.autoReset = false;
     const moved = () => this.invalidate(true);
@@ -122,18 +122,26 @@ export class Stage {
     const now = performance.now();
     const moves = this.map.advance(now);
     if (moves) this.invalidate(true);
-    if (this.drewComplete) this.completeMs = now - this.lastFrameMs;
-    this.drewComplete = false;
+    this.noteTime(now);
     const isMotion = now - this.lastMotionMs < Math.max(STILL_AFTER_MS, Math.min(RESTS * this.completeMs, 5000));
     if (!this.wanted && this.isComplete) return false;
     if (!this.wanted && isMotion) return false;
     this.wanted = false;
-    this.isComplete = this.drewComplete = !isMotion;
+    this.isComplete = !isMotion;
+    this.drew = isMotion ? 'part' : 'all';
     this.updateOverlaps(state);
-    this.render(this.detail.share(isMotion, this.points, this.keyframes, now));
+    this.render(this.detail.share(isMotion, this.points, this.keyframes));
     this.figures.scriptMs = performance.now() - now;
     this.measure(now);
     return true;
+  }
+
+  /** A frame took as long as the browser did to ask for the next one: drawing goes on after the script. */
+  private noteTime(now: number): void {
+    const ms = now - this.lastFrameMs;
+    if (this.drew === 'all') this.completeMs = ms;
+    if (this.drew === 'part') this.detail.took(ms);
+    this.drew = 'nothing';
   }
 
   dispose(): void {
@@ -153,9 +161,7 @@ export class Stage {
   }
 
   private render(share: Share): void {
-    const { clientWidth, clientHeight } = this.canvas;
-    const size = this.renderer.getSize(new Vector2());
-    if (size.x !== clientWidth || size.y !== clientHeight) this.renderer.setSize(clientWidth, clientHeight, false);
+    this.resize(share.pixels);
     this.renderer.info.reset();
     this.renderer.setScissorTest(false);
     this.renderer.clear();
@@ -165,6 +171,15 @@ export class Stage {
     }
     if (this.localPort.resize()) this.draw(this.localPort, this.localScene);
     this.figures.drawCalls = this.renderer.info.render.calls;
+  }
+
+  /** Sets the canvas's size, where it is another one: setting it makes the browser empty the canvas. */
+  private resize(pixels: number): void {
+    const { clientWidth, clientHeight } = this.canvas;
+    const ratio = pixels * Math.min(devicePixelRatio, 2);
+    const size = this.renderer.getSize(new Vector2());
+    if (ratio !== this.renderer.getPixelRatio()) this.renderer.setPixelRatio(ratio);
+    if (size.x !== clientWidth || size.y !== clientHeight) this.renderer.setSize(clientWidth, clientHeight, false);
   }
 
   private draw(port: Viewport, scene: Scene): void {
