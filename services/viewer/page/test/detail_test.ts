@@ -1,6 +1,6 @@
 import assert from 'node:assert/strict';
 import test from 'node:test';
-import { Sphere } from 'three';
+import { type InterleavedBufferAttribute, type Sphere } from 'three';
 import { KeyframeStore } from '../src/model/keyframe_store';
 import { Detail, worthDrawing } from '../src/scene/detail';
 import { enclose } from '../src/scene/enclose';
@@ -119,12 +119,38 @@ test('a tile is bounded by its keyframes and as far as a frustum reaches', () =>
 test('only tiles that changed are handed over', () => {
   const store = along(3 * TILE_KEYFRAMES);
   const view = viewOf(store);
-  const path = 12 * store.count;
+  const [place, point] = [32, 12];
   assert.equal(view.sync(store), 0);
   put(store, TILE_KEYFRAMES + 3, -5);
-  assert.equal(view.sync(store), 32 * TILE_KEYFRAMES + path);
+  assert.equal(view.sync(store), place * TILE_KEYFRAMES + point);
+  put(store, 3 * TILE_KEYFRAMES, 7);
+  assert.equal(view.sync(store), place + point);
   view.setDetail(1, () => Infinity);
   assert.ok(drawn(view).includes(-5) && !drawn(view).includes(TILE_KEYFRAMES + 3));
+});
+
+test('of a path that is not drawn, all that changed is handed over once it is', () => {
+  const view = viewOf(along(100));
+  const buffer = (view.path.mesh.geometry.getAttribute('start') as InterleavedBufferAttribute).data;
+  buffer.clearUpdateRanges();
+  for (const index of [70, 20]) {
+    put(view.store, index, -1);
+    view.sync(view.store);
+  }
+  assert.deepEqual(buffer.updateRanges, [{ start: 60, count: 153 }]);
+});
+
+test('a path follows the order of time, however keyframes come', () => {
+  const store = along(3);
+  for (const [index, timeNs] of [[9, 5n], [8, 4n], [7, 9n]] as const) {
+    store.slotsByTime();
+    store.set(index, { timestampNs: timeNs, pose: { centre: [Number(timeNs), 0, 0], rotation: [0, 0, 0, 1] }, placed: true }, 0, 1);
+  }
+  const times = () => store.slotsByTime().map((slot) => store.records.get(store.indices[slot])!.timestampNs);
+  assert.deepEqual(times(), [0n, 1n, 2n, 4n, 5n, 9n]);
+  store.remove(1);
+  put(store, 100, 3);
+  assert.deepEqual(times(), [0n, 2n, 4n, 5n, 9n, 100n]);
 });
 
 test('keyframes that go leave no frustum behind', () => {

@@ -73,14 +73,24 @@ export class KeyframesView {
   private syncPath(store: KeyframeStore): number {
     const slots = store.slotsByTime();
     const path = this.path.array(slots.length);
+    let [start, end] = [slots.length, 0];
     for (let i = 0; i < slots.length; i++) {
-      const at = slots[i] * 4;
-      path[3 * i] = store.centres[at];
-      path[3 * i + 1] = store.centres[at + 1];
-      path[3 * i + 2] = store.centres[at + 2];
+      if (!copyPlace(store.centres, 4 * slots[i], path, 3 * i)) continue;
+      start = Math.min(start, i);
+      end = i + 1;
     }
-    return this.path.commit(slots.length);
+    return this.path.commit(slots.length, start, end);
   }
+}
+
+/** Returns whether there was another place. */
+function copyPlace(from: Float32Array, at: number, to: Float32Array, target: number): boolean {
+  let isOther = false;
+  for (let k = 0; k < 3; k++) {
+    isOther ||= to[target + k] !== from[at + k];
+    to[target + k] = from[at + k];
+  }
+  return isOther;
 }
 
 /** Half of the usual step between keyframes: frusta of this size don't run into each other. */

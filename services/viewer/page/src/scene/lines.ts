@@ -25,16 +25,20 @@ export class Lines {
     return this.buffer!.array as Float32Array;
   }
 
-  /** Shows what was written to `array`. */
-  commit(count: number): number {
+  /** Shows what was written to `array`, of which only some points, or pairs, changed. Returns their bytes. */
+  commit(count: number, start = 0, end = count): number {
     const segments = this.stride === 3 ? Math.max(0, count - 1) : count;
     this.mesh.visible = segments > 0;
     this.mesh.geometry.instanceCount = segments;
-    if (!this.buffer) return 0;
+    if (!this.buffer || end <= start) return 0;
+    // What was not drawn since it changed is still to be handed over.
+    const [waiting] = this.buffer.updateRanges;
+    const from = Math.min(start * this.stride, waiting?.start ?? Infinity);
+    const to = Math.max(end * this.stride, waiting ? waiting.start + waiting.count : 0);
     this.buffer.clearUpdateRanges();
-    this.buffer.addUpdateRange(0, count * this.stride);
+    this.buffer.addUpdateRange(from, to - from);
     this.buffer.needsUpdate = true;
-    return count * this.stride * 4;
+    return (end - start) * this.stride * 4;
   }
 
   dispose(): void {

@@ -57,6 +57,8 @@ export class Stage {
   private readonly localGrid = new Grid();
   private readonly marker = new Marker();
   private readonly detail = new Detail();
+  /** Of what the overlaps were drawn last. */
+  private shownOverlaps: unknown[] = [];
   private points = 0;
   private keyframes = 0;
   private wanted = true;
@@ -150,14 +152,18 @@ export class Stage {
     this.renderer.dispose();
   }
 
+  /** Turning moves no overlap: thousands of names are not read again for each frame of it. */
   private updateOverlaps({ overlaps, refused }: ViewState): void {
+    const size = Math.max(12 / this.globalPort.pixelsPerUnit(this.globalPort.distance()), 1e-3);
+    this.marker.update(this.map, this.chosenKeyframe, size);
     const past = this.pastRevision;
+    const inputs = [this.overlaps, this.map.version, past, overlaps, refused, this.chosenOverlap];
+    if (inputs.every((input, i) => input === this.shownOverlaps[i])) return;
+    this.shownOverlaps = inputs;
     const known = past === undefined ? this.overlaps
       : this.overlaps.filter(({ revision }) => revision > 0n && revision <= past);
     const shown = known.filter((overlap) => (isAccepted(overlap) ? overlaps : refused));
     this.overlapsView.update(shown, this.map, this.chosenOverlap);
-    const size = Math.max(12 / this.globalPort.pixelsPerUnit(this.globalPort.distance()), 1e-3);
-    this.marker.update(this.map, this.chosenKeyframe, size);
   }
 
   private render(share: Share): void {
