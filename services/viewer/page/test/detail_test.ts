@@ -2,11 +2,12 @@ import assert from 'node:assert/strict';
 import test from 'node:test';
 import { type InterleavedBufferAttribute, type Sphere } from 'three';
 import { KeyframeStore } from '../src/model/keyframe_store';
-import { Detail, worthDrawing } from '../src/scene/detail';
+import { Detail, pathTolerance, worthDrawing } from '../src/scene/detail';
 import { enclose } from '../src/scene/enclose';
 import { KeyframeTile } from '../src/scene/keyframe_tile';
 import { KeyframesView } from '../src/scene/keyframes_view';
 import { SharedUniforms } from '../src/scene/materials';
+import { simplify } from '../src/scene/simplify';
 import { TILE_KEYFRAMES, spreadOrder } from '../src/scene/tile_order';
 
 const MILLION = 1_000_000;
@@ -33,7 +34,7 @@ function viewOf(store: KeyframeStore): KeyframesView {
 function drawn(view: KeyframesView): number[] {
   return view.frusta.children.flatMap((child) => {
     const { geometry } = child as KeyframeTile['object'];
-    return Array.from({ length: geometry.instanceCount }, (_, i) => geometry.getAttribute('place').getX(i));
+    return Array.from({ length: geometry.drawRange.count / 16 }, (_, i) => geometry.getAttribute('place').getX(5 * i));
   });
 }
 
@@ -51,7 +52,7 @@ test('all is drawn while nothing moves, whatever a frame takes', () => {
 
 test('slow frames of a moving map have fewer points and keyframes, down to what always is drawn', () => {
   assert.deepEqual(shareAfter(1, 38), { points: 0.5, keyframes: 0.5, pixels: 1 });
-  for (const ms of [900, 2500, 60_000]) assert.deepEqual(shareAfter(2, ms), { points: 0.05, keyframes: 0.1, pixels: 0.5 }, `${ms}`);
+  for (const ms of [900, 2500, 60_000]) assert.deepEqual(shareAfter(2, ms), { points: 0.02, keyframes: 0.025, pixels: 0.5 }, `${ms}`);
 });
 
 test('the first picture has a tenth of a large map', () => {
@@ -78,8 +79,10 @@ test('fewer pixels are drawn where fewer points do not help, and all come back w
 
 test('of a small map no points and keyframes are left out in a hurry', () => {
   const detail = new Detail();
-  shareAfter(10, 900, detail);
-  assert.deepEqual(detail.share(true, 40_000, 900), { points: 1, keyframes: 1, pixels: 0.5 });
+  shareAfter(20, 50, detail);
+  assert.deepEqual(detail.share(true, 40_000, 900), { points: 1, keyframes: 1, pixels: 1 });
+  shareAfter(1, 70, detail);
+  assert.deepEqual(detail.share(true, 10_000, 250), { points: 1, keyframes: 1, pixels: 0.5 });
 });
 
 test('what is far off is drawn in part', () => {
@@ -119,25 +122,62 @@ test('a tile is bounded by its keyframes and as far as a frustum reaches', () =>
 test('only tiles that changed are handed over', () => {
   const store = along(3 * TILE_KEYFRAMES);
   const view = viewOf(store);
-  const [place, point] = [32, 12];
   assert.equal(view.sync(store), 0);
   put(store, TILE_KEYFRAMES + 3, -5);
-  assert.equal(view.sync(store), place * TILE_KEYFRAMES + point);
+  assert.equal(view.sync(store), 160 * TILE_KEYFRAMES);
   put(store, 3 * TILE_KEYFRAMES, 7);
-  assert.equal(view.sync(store), place + point);
+  assert.equal(view.sync(store), 160);
   view.setDetail(1, () => Infinity);
   assert.ok(drawn(view).includes(-5) && !drawn(view).includes(TILE_KEYFRAMES + 3));
 });
 
-test('of a path that is not drawn, all that changed is handed over once it is', () => {
+test('of a path only what changed is handed over, and all of it if it was not drawn before', () => {
   const view = viewOf(along(100));
-  const buffer = (view.path.mesh.geometry.getAttribute('start') as InterleavedBufferAttribute).data;
+  const show = () => view.path.setDetail(false, () => Infinity);
+  assert.equal(show(), 96 * 99);
+  assert.equal(show(), 0);
+  const buffer = (view.path.lines.mesh.geometry.getAttribute('start') as InterleavedBufferAttribute).data;
   buffer.clearUpdateRanges();
   for (const index of [70, 20]) {
     put(view.store, index, -1);
     view.sync(view.store);
+    assert.equal(show(), 2 * 96);
   }
-  assert.deepEqual(buffer.updateRanges, [{ start: 60, count: 153 }]);
+  assert.deepEqual(buffer.updateRanges, [{ start: 19 * 24, count: 52 * 24 }]);
+});
+
+test('a path is drawn with the corners that can be told apart', () => {
+  const view = viewOf(along(1000));
+  const corners = () => view.path.lines.segments + 1;
+  view.path.setDetail(false, () => 5000);
+  assert.equal(corners(), 1000);
+  view.path.setDetail(false, () => 1);
+  assert.equal(corners(), 17);
+});
+
+test('tolerances are powers of two, never above what pixels allow', () => {
+  assert.equal(pathTolerance(Infinity, true), 0);
+  assert.equal(pathTolerance(41, false), 0);
+  assert.equal(pathTolerance(4, false), 0.0625);
+  assert.equal(pathTolerance(4, true), 0.25);
+  assert.equal(pathTolerance(0.001, false), 256);
+});
+
+test('a simplified path keeps its ends and runs nowhere too far from where it was', () => {
+  for (const count of [0, 1, 2, 64, 65, 66, 500]) {
+    const path = Float32Array.from({ length: 3 * count }, (_, i) => (i % 3 === 0 ? i / 3 : Math.sin(i / 20)));
+    const kept = simplify(path, count, 0.1);
+    assert.deepEqual([...new Set(kept)].sort((a, b) => a - b), kept);
+    assert.deepEqual([kept[0], kept.at(-1)], count > 0 ? [0, count - 1] : [undefined, undefined]);
+    for (let j = 1; j < kept.length; j++) {
+      for (let i = kept[j - 1]; i <= kept[j]; i++) {
+        const t = (i - kept[j - 1]) / (kept[j] - kept[j - 1]);
+        const y = path[3 * kept[j - 1] + 1] * (1 - t) + path[3 * kept[j] + 1] * t;
+        assert.ok(Math.abs(y - path[3 * i + 1]) < 0.15, `${i}`);
+      }
+    }
+    if (count === 500) assert.ok(kept.length < 250, `${kept.length}`);
+  }
 });
 
 test('a path follows the order of time, however keyframes come', () => {

@@ -5,9 +5,8 @@ const VERY_SLOW_MS = 250;
 const LEAST = 0.02;
 /** Nobody knows yet how fast this machine draws: the first picture is not to wait for all of the map. */
 const FIRST = 0.1;
-/** So few points cost nothing; to leave some out would only flicker. */
+/** So few cost a graphics processor nothing; to leave some out would only flicker. On fewer pixels, fewer do. */
 const ALWAYS_DRAWN_POINTS = 50_000;
-/** A frustum is 16 vertices and eight lines: so many frusta are drawn in every hurry. */
 const ALWAYS_DRAWN_KEYFRAMES = 1_000;
 
 /** With the fewest points drawn, a frame that takes longer has too many pixels. */
@@ -42,9 +41,10 @@ export class Detail {
   /** The shares of a map of so many points and keyframes for a frame that begins now. */
   share(isMoving: boolean, points: number, keyframes: number): Share {
     if (!isMoving) return { points: 1, keyframes: 1, pixels: 1 };
+    const area = this.pixels * this.pixels;
     return {
-      points: atLeast(this.moving, ALWAYS_DRAWN_POINTS, points),
-      keyframes: atLeast(this.moving, ALWAYS_DRAWN_KEYFRAMES, keyframes),
+      points: atLeast(this.moving, ALWAYS_DRAWN_POINTS * area, points),
+      keyframes: atLeast(this.moving, ALWAYS_DRAWN_KEYFRAMES * area, keyframes),
       pixels: this.pixels,
     };
   }
@@ -58,4 +58,19 @@ function atLeast(share: number, always: number, count: number): number {
 export function worthDrawing(count: number, share: number, radiusPx: number, perPixel: number, fewest: number): number {
   const enough = fewest + perPixel * Math.PI * radiusPx * radiusPx;
   return Math.ceil(Math.min(count, enough) * share);
+}
+
+/** A path may run so far, in pixels, from where it was. */
+const PATH_PX = 0.4;
+const HURRIED_PATH_PX = 1.5;
+/** Nearer than this, a path is drawn as it is. */
+const FINE_UNITS = 0.01;
+
+/**
+ * How far, in units, a path may run from where it was: a power of two, so that a path is not made
+ * anew for each step of the camera. 0: nowhere.
+ */
+export function pathTolerance(pixelsPerUnit: number, isHurried: boolean): number {
+  const units = (isHurried ? HURRIED_PATH_PX : PATH_PX) / pixelsPerUnit;
+  return units < FINE_UNITS ? 0 : 2 ** Math.floor(Math.log2(units));
 }

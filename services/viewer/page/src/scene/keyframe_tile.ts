@@ -1,7 +1,4 @@
-import {
-  BufferAttribute, DynamicDrawUsage, InstancedBufferAttribute, InstancedBufferGeometry, LineSegments,
-  type RawShaderMaterial, Sphere,
-} from 'three';
+import { BufferAttribute, BufferGeometry, DynamicDrawUsage, LineSegments, type RawShaderMaterial, Sphere } from 'three';
 import type { KeyframeStore } from '../model/keyframe_store';
 import { worthDrawing } from './detail';
 import { enclose } from './enclose';
@@ -14,24 +11,33 @@ export const FRUSTUM = new Float32Array(
 );
 /** The farthest corner, of the largest size to which the shader stretches a frustum of size 1. */
 const REACH = 3 * Math.hypot(...CORNERS[0]);
-const BYTES = 32;
+/** A frustum's vertices are the centre and four corners, as the shader has them. */
+const VERTICES = 5;
+const EDGES = [0, 1, 1, 2, 0, 2, 2, 3, 0, 3, 3, 4, 0, 4, 4, 1];
+const INDEX = Uint16Array.from({ length: TILE_KEYFRAMES * EDGES.length }, (_, i) =>
+  VERTICES * Math.floor(i / EDGES.length) + EDGES[i % EDGES.length]);
+const FLOATS = 4;
+const BYTES = 2 * VERTICES * FLOATS * 4;
 /** A frustum is at least some 7 by 5 pixels: more of them on a tile's disc would be one grey. */
 const FRUSTA_PER_PIXEL = 0.25;
 const FEWEST_FRUSTA = 16;
 
-/** One draw call: the frusta of a tile's keyframes, of which a prefix is drawn. */
+/**
+ * One draw call: the frusta of a tile's keyframes, of which a prefix is drawn. Each has its own
+ * vertices, as segments of lines have.
+ */
 export class KeyframeTile {
-  readonly object: LineSegments<InstancedBufferGeometry, RawShaderMaterial>;
-  private readonly places = new InstancedBufferAttribute(new Float32Array(TILE_KEYFRAMES * 4), 4);
-  private readonly turns = new InstancedBufferAttribute(new Float32Array(TILE_KEYFRAMES * 4), 4);
+  readonly object: LineSegments<BufferGeometry, RawShaderMaterial>;
+  private readonly places = column();
+  private readonly turns = column();
   private readonly sphere = new Sphere();
   private count = 0;
 
   constructor(material: RawShaderMaterial) {
-    const geometry = new InstancedBufferGeometry();
-    geometry.setAttribute('position', new BufferAttribute(FRUSTUM, 3));
-    geometry.setAttribute('place', this.places.setUsage(DynamicDrawUsage));
-    geometry.setAttribute('turn', this.turns.setUsage(DynamicDrawUsage));
+    const geometry = new BufferGeometry();
+    geometry.setAttribute('place', this.places);
+    geometry.setAttribute('turn', this.turns);
+    geometry.setIndex(new BufferAttribute(INDEX, 1));
     geometry.boundingSphere = new Sphere();
     this.object = new LineSegments(geometry, material);
     this.object.matrixAutoUpdate = false;
@@ -40,19 +46,20 @@ export class KeyframeTile {
   /** Takes over the store's slots from `first` on. Returns the bytes that go to the GPU. */
   write(store: KeyframeStore, first: number, count: number): number {
     this.count = count;
-    spreadOrder(count).forEach((slot, i) => {
-      const from = 4 * (first + slot);
-      for (let k = 0; k < 4; k++) {
-        this.places.array[4 * i + k] = store.centres[from + k];
-        this.turns.array[4 * i + k] = store.rotations[from + k];
+    const order = spreadOrder(count);
+    for (let vertex = 0; vertex < VERTICES * count; vertex++) {
+      const from = FLOATS * (first + order[Math.floor(vertex / VERTICES)]);
+      for (let k = 0; k < FLOATS; k++) {
+        this.places.array[FLOATS * vertex + k] = store.centres[from + k];
+        this.turns.array[FLOATS * vertex + k] = store.rotations[from + k];
       }
-    });
+    }
     for (const attribute of [this.places, this.turns]) {
       attribute.clearUpdateRanges();
-      attribute.addUpdateRange(0, count * 4);
+      attribute.addUpdateRange(0, FLOATS * VERTICES * count);
       attribute.needsUpdate = true;
     }
-    enclose(this.places.array as Float32Array, 4, 0, count).getBoundingSphere(this.sphere);
+    enclose(this.places.array as Float32Array, FLOATS, 0, VERTICES * count).getBoundingSphere(this.sphere);
     return count * BYTES;
   }
 
@@ -62,7 +69,7 @@ export class KeyframeTile {
     bounds.radius += REACH * size;
     const radiusPx = bounds.radius * pixelsPerUnit(bounds);
     const drawn = worthDrawing(this.count, fraction, radiusPx, FRUSTA_PER_PIXEL, FEWEST_FRUSTA);
-    this.object.geometry.instanceCount = drawn;
+    this.object.geometry.setDrawRange(0, drawn * EDGES.length);
     return drawn;
   }
 
@@ -70,4 +77,8 @@ export class KeyframeTile {
     this.object.removeFromParent();
     this.object.geometry.dispose();
   }
+}
+
+function column(): BufferAttribute {
+  return new BufferAttribute(new Float32Array(TILE_KEYFRAMES * VERTICES * FLOATS), FLOATS).setUsage(DynamicDrawUsage);
 }

@@ -1,26 +1,27 @@
 import { Group, type RawShaderMaterial, type Sphere } from 'three';
 import type { KeyframeStore } from '../model/keyframe_store';
 import { KeyframeTile } from './keyframe_tile';
-import { Lines } from './lines';
+import { PathView } from './path_view';
 import { TILE_KEYFRAMES } from './tile_order';
 
 /** The keyframes of one local map as frusta, a draw for each tile of them, and their path in another. */
 export class KeyframesView {
   readonly frusta = new Group();
-  readonly path: Lines;
+  readonly path: PathView;
   private readonly tiles: KeyframeTile[] = [];
   private shownEdits = -1;
   private shownCount = 0;
 
   constructor(public store: KeyframeStore, readonly material: RawShaderMaterial, pathMaterial: RawShaderMaterial) {
     this.frusta.matrixAutoUpdate = false;
-    this.path = new Lines(pathMaterial, 3);
+    this.path = new PathView(pathMaterial);
   }
 
   /** Takes over what changed. Returns the bytes that go to the GPU. */
   sync(store: KeyframeStore): number {
     if (store === this.store && store.edits === this.shownEdits) return 0;
-    const bytes = this.syncTiles(store, this.changedTiles(store)) + this.syncPath(store);
+    const bytes = this.syncTiles(store, this.changedTiles(store));
+    this.path.sync(store);
     this.material.uniforms.size.value = frustumSize(store);
     this.store = store;
     this.shownEdits = store.edits;
@@ -38,7 +39,7 @@ export class KeyframesView {
   dispose(): void {
     for (const tile of this.tiles.splice(0)) tile.dispose();
     this.material.dispose();
-    this.path.dispose();
+    this.path.lines.dispose();
   }
 
   /** The tiles of which a keyframe moved, came or went; all of another store. */
@@ -69,28 +70,6 @@ export class KeyframesView {
     }
     return bytes;
   }
-
-  private syncPath(store: KeyframeStore): number {
-    const slots = store.slotsByTime();
-    const path = this.path.array(slots.length);
-    let [start, end] = [slots.length, 0];
-    for (let i = 0; i < slots.length; i++) {
-      if (!copyPlace(store.centres, 4 * slots[i], path, 3 * i)) continue;
-      start = Math.min(start, i);
-      end = i + 1;
-    }
-    return this.path.commit(slots.length, start, end);
-  }
-}
-
-/** Returns whether there was another place. */
-function copyPlace(from: Float32Array, at: number, to: Float32Array, target: number): boolean {
-  let isOther = false;
-  for (let k = 0; k < 3; k++) {
-    isOther ||= to[target + k] !== from[at + k];
-    to[target + k] = from[at + k];
-  }
-  return isOther;
 }
 
 /** Half of the usual step between keyframes: frusta of this size don't run into each other. */

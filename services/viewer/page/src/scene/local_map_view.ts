@@ -30,7 +30,7 @@ export class LocalMapView {
     this.frames = new Lines(uniforms.lines(), 6);
     this.frames.material.uniforms.widthPx.value = 1;
     this.group.matrixAutoUpdate = false;
-    this.group.add(this.keyframes.frusta, this.keyframes.path.mesh, this.frames.mesh);
+    this.group.add(this.keyframes.frusta, this.keyframes.path.lines.mesh, this.frames.mesh);
     parent.add(this.group);
   }
 
@@ -49,12 +49,12 @@ export class LocalMapView {
   paint(points: string, lines: string, shown: Shown): void {
     setColour(this.pointMaterial, points);
     setColour(this.keyframes.material, lines);
-    setColour(this.keyframes.path.material, lines);
+    setColour(this.keyframes.path.lines.material, lines);
     setColour(this.frames.material, lines);
     for (const { object } of this.blocks) object.visible = shown.points;
     this.keyframes.frusta.visible = shown.keyframes;
-    this.keyframes.path.mesh.visible = shown.paths;
-    this.frames.mesh.visible = shown.frames && this.frames.mesh.geometry.instanceCount > 0;
+    this.keyframes.path.lines.mesh.visible = shown.paths;
+    this.frames.mesh.visible = shown.frames && this.frames.segments > 0;
   }
 
   /** The mean of the keyframes' centres, in the local map's frame. */

@@ -215,6 +215,7 @@ export class Stage {
       };
       for (const block of view.blocks) points += block.setDetail(share.points, perUnit);
       keyframes += view.keyframes.setDetail(share.keyframes, perUnit);
+      this.uploadedBytes += view.keyframes.path.setDetail(share.keyframes < 1, perUnit);
     }
     this.figures.drawnPoints = points;
     this.figures.drawnKeyframes = keyframes;
