@@ -5,6 +5,7 @@ import type { IslandChange, MapModel } from '../model/map_model';
 import { type SceneColours, sceneColours } from '../model/palette';
 import { isAccepted } from '../model/words';
 import type { ViewState } from '../view_state';
+import { contextOf } from './context';
 import { Detail, type Share } from './detail';
 import { Grid } from './grid';
 import { LocalLayer } from './local_layer';
@@ -71,7 +72,7 @@ export class Stage {
   private lastFrameMs = 0;
 
   constructor(readonly canvas: HTMLCanvasElement, globalElement: HTMLElement, localElement: HTMLElement) {
-    this.renderer = new WebGLRenderer({ canvas, antialias: true, powerPreference: 'high-performance' });
+    this.renderer = new WebGLRenderer({ canvas, context: contextOf(canvas) });
     this.renderer.autoClear = false;
     this.renderer.info.autoReset = false;
     const moved = () => this.invalidate(true);
