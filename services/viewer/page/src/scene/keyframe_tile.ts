@@ -18,8 +18,8 @@ const INDEX = Uint16Array.from({ length: TILE_KEYFRAMES * EDGES.length }, (_, i)
   VERTICES * Math.floor(i / EDGES.length) + EDGES[i % EDGES.length]);
 const FLOATS = 4;
 const BYTES = 2 * VERTICES * FLOATS * 4;
-/** A frustum is at least some 7 by 5 pixels: more of them on a tile's disc would be one grey. */
-const FRUSTA_PER_PIXEL = 0.25;
+/** A frustum is at least some 7 by 5 pixels: more of them on a tile's disc would lie over each other twice. */
+const FRUSTA_PER_PIXEL = 0.05;
 const FEWEST_FRUSTA = 16;
 
 /**
