@@ -27,16 +27,15 @@ function install(): void {
   for (const [name, { value }] of Object.entries(Object.getOwnPropertyDescriptors(WebGL2RenderingContext.prototype))) {
     if (typeof value === 'function') wrap(name, () => void watched.glCalls++);
   }
-  const count = (mode: number, vertices: number, instances: number) => {
-    const what = mode === 0 ? 'points' : mode === 1 ? (instances < 0 ? 'grid' : 'keyframes') : 'lines';
+  // The map's lines and triangles are indexed; the grid's lines are not.
+  const count = (mode: number, vertices: number, isIndexed: boolean) => {
+    const what = mode === 0 ? 'points' : mode === 1 ? (isIndexed ? 'keyframes' : 'grid') : 'lines';
     const draw = (watched.draws[what] ??= { calls: 0, vertices: 0 });
     draw.calls++;
-    draw.vertices += vertices * Math.abs(instances);
+    draw.vertices += vertices;
   };
-  wrap('drawArrays', (mode: number, _first: number, vertices: number) => count(mode, vertices, -1));
-  wrap('drawElements', (mode: number, vertices: number) => count(mode, vertices, -1));
-  wrap('drawArraysInstanced', (mode: number, _first: number, vertices: number, instances: number) => count(mode, vertices, instances));
-  wrap('drawElementsInstanced', (mode: number, vertices: number, _type: number, _at: number, instances: number) => count(mode, vertices, instances));
+  wrap('drawArrays', (mode: number, _first: number, vertices: number) => count(mode, vertices, false));
+  wrap('drawElements', (mode: number, vertices: number) => count(mode, vertices, true));
   wrap('bufferData', (_target: number, data: ArrayBufferView | number) => void (watched.uploadedBytes += typeof data === 'number' ? 0 : data.byteLength));
   wrap('bufferSubData', (_target: number, _at: number, data: Float32Array, _from?: number, length?: number) =>
     void (watched.uploadedBytes += (length ?? data.length) * data.BYTES_PER_ELEMENT));
