@@ -11,7 +11,7 @@ await bundle({
   outfile: file,
   platform: 'node',
   format: 'esm',
-  external: ['playwright-core', 'ws'],
+  external: ['playwright-core', 'ws', 'esbuild'],
 });
 if (rest.includes('--bundle-only')) process.exit(0);
 process.exit(spawnSync(process.execPath, [file, ...rest], { stdio: 'inherit' }).status ?? 1);

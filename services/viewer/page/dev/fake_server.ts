@@ -1,6 +1,7 @@
 // Serves dist/ and a simulated mission by the contract that the page has with its server.
 //   --port=8090 --robots=3 --token=SECRET
-//   --big: at once 10,000 keyframes and 1,000,000 points; --still: nobody drives; --steps=N: so many keyframes a robot at once
+//   --big: at once 10,000 keyframes and 1,000,000 points, or as many as --points of each; --still: nobody drives; --steps=N: so many keyframes a robot at once
+//   /dev/changes?rate=10&points=1000: so many points move so often a second; /dev/merge: two islands merge now
 //   --merge=S,S: islands merge after so many seconds (default 12,20); --away=S: the store is away from then on for 5 s
 import { createServer, type IncomingMessage, type ServerResponse } from 'node:http';
 import { existsSync, readFileSync } from 'node:fs';
@@ -19,7 +20,7 @@ for (const flag of process.argv.slice(2)) {
 const number = (name: string, otherwise: number) => Number(flags.get(name) ?? otherwise);
 const dist = resolve(process.env.OUT_DIR ?? 'dist');
 const isBig = flags.has('big');
-const mission = new SimulatedMission('lab', number('robots', 3), isBig ? 100 : number('points', 60));
+const mission = new SimulatedMission('lab', number('robots', 3), number('points', isBig ? 100 : 60));
 if (isBig) mission.begin(3334);
 else mission.drive(number('steps', 60));
 const TYPES: Record<string, string> = { '.html': 'text/html; charset=utf-8', '.js': 'text/javascript', '.css': 'text/css', '.svg': 'image/svg+xml' };
@@ -40,6 +41,7 @@ function serveFile(path: string, response: ServerResponse): void {
 
 function serve(request: IncomingMessage, response: ServerResponse): void {
   const url = new URL(request.url ?? '/', 'http://localhost');
+  if (url.pathname.startsWith('/dev/')) return steer(url, response);
   if (!url.pathname.startsWith('/api/')) return serveFile(url.pathname, response);
   const token = flags.get('token');
   if (token && request.headers.authorization !== `Bearer ${token}`) return refuse(response, 401, 'This store wants a token.');
@@ -95,6 +97,19 @@ function tell(change: () => ReturnType<SimulatedMission['drive']>): void {
     send(socket, { case: 'map', value });
     for (const event of mission.events.slice(before)) send(socket, { case: 'event', value: event });
   }
+}
+
+let changing: ReturnType<typeof setInterval> | undefined;
+
+/** Does what a measurement asks for. */
+function steer({ pathname, searchParams }: URL, response: ServerResponse): void {
+  if (pathname === '/dev/merge') tell(() => mission.merge(1, 0));
+  else if (pathname === '/dev/changes') {
+    const [rate, points] = ['rate', 'points'].map((name) => Number(searchParams.get(name)));
+    clearInterval(changing);
+    if (rate > 0) changing = setInterval(() => tell(() => mission.move(points)), 1000 / rate);
+  } else return refuse(response, 404, 'There is nothing of this name.');
+  response.end();
 }
 
 const merges = (flags.get('merge') ?? '12,20').split(',').map(Number);

@@ -52,6 +52,14 @@ export class SimulatedMission {
     return this.record(this.message(islands, [], false));
   }
 
+  /** Some points that came together move a little, as when the keyframes that see them are adjusted. */
+  move(points: number): WatchMapResponse {
+    const one = this.robots[this.random.below(this.robots.length)];
+    const from = this.random.below(Math.max(1, one.points.length - points));
+    for (let i = from; i < Math.min(from + points, one.points.length); i++) one.points[i][1] += 0.01;
+    return this.message([this.island(one, one.keyframes.length, from, false, from + points)], [], false);
+  }
+
   /** Every robot drives on, and nobody is told: how a large map begins. */
   begin(steps: number): void {
     for (const one of this.robots) for (let i = 0; i < steps; i++) this.step(one);

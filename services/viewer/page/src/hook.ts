@@ -4,7 +4,7 @@ import { keyframeName, parseKeyframeName } from './model/ids';
 /** Figures for tests in a browser, as `window.corbslam`; nothing of the page depends on them. */
 export function installHook(page: MissionPage): void {
   const { live, stage, past, selection } = page;
-  const watched: { atMs: number; drawCalls: number; drawnPoints: number; scriptMs: number }[] = [];
+  const watched: { atMs: number; drawCalls: number; drawnPoints: number; drawnKeyframes: number; scriptMs: number }[] = [];
   const hook = {
     get connected() { return live.isConnected; },
     get mission() { return page.mission; },
@@ -30,10 +30,16 @@ export function installHook(page: MissionPage): void {
     /** Begins to keep the figures of frames; returns those since it was called before. */
     watchFrames() {
       page.onFrame = () => {
-        const { drawCalls, drawnPoints, scriptMs } = stage.figures;
-        watched.push({ atMs: performance.now(), drawCalls, drawnPoints, scriptMs });
+        const { drawCalls, drawnPoints, drawnKeyframes, scriptMs } = stage.figures;
+        watched.push({ atMs: performance.now(), drawCalls, drawnPoints, drawnKeyframes, scriptMs });
       };
       return watched.splice(0);
+    },
+    get watchedFrames() { return watched.length; },
+    /** Draws all of the map once more; done when it was handed over. */
+    redraw() {
+      stage.invalidate();
+      return new Promise<void>((done) => { requestAnimationFrame(() => requestAnimationFrame(() => done())); });
     },
     get fps() { return stage.figures.fps; },
     get receivedBytes() { return live.stream.receivedBytes + page.rest.receivedBytes; },

@@ -43,7 +43,8 @@ export class KeyframeStore {
     const { timestampNs, parent, placed } = told;
     this.records.set(index, { slot, timestampNs, parent, placed, generation });
     this.write(slot, told.pose, old ? this.centres[slot * 4 + 3] : age);
-    if (!old || old.timestampNs !== timestampNs) this.membership++;
+    if (!old) this.append(slot, timestampNs);
+    else if (old.timestampNs !== timestampNs) this.membership++;
     return !old;
   }
 
@@ -97,6 +98,17 @@ export class KeyframeStore {
     other.indices = this.indices.slice();
     for (const [index, record] of this.records) other.records.set(index, { ...record });
     return other;
+  }
+
+  /** What is newer than all others leaves their order as it is. */
+  private append(slot: number, timestampNs: bigint): void {
+    const isOrdered = this.orderEdits === this.membership;
+    this.membership++;
+    const last = this.order.at(-1);
+    const isNewest = last === undefined || this.records.get(this.indices[last])!.timestampNs <= timestampNs;
+    if (!isOrdered || !isNewest) return;
+    this.order.push(slot);
+    this.orderEdits = this.membership;
   }
 
   private newSlot(index: number): number {

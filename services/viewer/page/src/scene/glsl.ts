@@ -27,11 +27,14 @@ void main() {
   shade = shadeOf(position.xyz, position.w);
 }`;
 
+/** Five vertices of a frustum: the camera's centre and the picture's corners. */
 export const KEYFRAMES_VERTEX = `${HEAD}
-in vec3 position;
 in vec4 place, turn;
 uniform float size, smallest;
+const vec3 CORNERS[5] = vec3[5](vec3(0.0), vec3(-0.6, -0.45, 0.7), vec3(0.6, -0.45, 0.7),
+  vec3(0.6, 0.45, 0.7), vec3(-0.6, 0.45, 0.7));
 void main() {
+  vec3 position = CORNERS[gl_VertexID % 5];
   float depth = -(modelViewMatrix * vec4(place.xyz, 1.0)).z;
   vec3 corner = position * clamp(depth * smallest, size, 3.0 * size);
   vec3 turned = corner + 2.0 * cross(turn.xyz, cross(turn.xyz, corner) + turn.w * corner);
@@ -50,11 +53,13 @@ export const LINE_VERTEX = `precision highp float;
 uniform mat4 modelViewMatrix, projectionMatrix;
 uniform vec2 screen;
 uniform float widthPx;
-in vec3 position, start, end;
+in vec3 start, end;
 out vec2 along;
 out float side;
 const float NEAR = -0.01;
+const vec2 CORNERS[4] = vec2[4](vec2(0.0, -1.0), vec2(1.0, -1.0), vec2(1.0, 1.0), vec2(0.0, 1.0));
 void main() {
+  vec2 position = CORNERS[gl_VertexID % 4];
   vec3 a = (modelViewMatrix * vec4(start, 1.0)).xyz;
   vec3 b = (modelViewMatrix * vec4(end, 1.0)).xyz;
   if (a.z > NEAR && b.z > NEAR) { gl_Position = vec4(2.0, 2.0, 2.0, 1.0); return; }

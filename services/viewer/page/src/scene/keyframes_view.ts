@@ -1,84 +1,74 @@
-import {
-  BufferAttribute, DynamicDrawUsage, InstancedBufferAttribute, InstancedBufferGeometry, LineSegments,
-  type RawShaderMaterial,
-} from 'three';
+import { Group, type RawShaderMaterial, type Sphere } from 'three';
 import type { KeyframeStore } from '../model/keyframe_store';
-import { Lines } from './lines';
+import { KeyframeTile } from './keyframe_tile';
+import { PathView } from './path_view';
+import { TILE_KEYFRAMES } from './tile_order';
 
-const CORNERS: [number, number, number][] = [[-0.6, -0.45, 0.7], [0.6, -0.45, 0.7], [0.6, 0.45, 0.7], [-0.6, 0.45, 0.7]];
-/** A camera that looks along +z: four edges from its centre, and the picture's frame. */
-export const FRUSTUM = new Float32Array(
-  CORNERS.flatMap((corner, i) => [0, 0, 0, ...corner, ...corner, ...CORNERS[(i + 1) % 4]]),
-);
-
-/** The keyframes of one local map as frusta in one instanced draw, and their path in another. */
+/** The keyframes of one local map as frusta, a draw for each tile of them, and their path in another. */
 export class KeyframesView {
-  readonly frusta: LineSegments<InstancedBufferGeometry, RawShaderMaterial>;
-  readonly path: Lines;
+  readonly frusta = new Group();
+  readonly path: PathView;
+  private readonly tiles: KeyframeTile[] = [];
   private shownEdits = -1;
+  private shownCount = 0;
 
-  constructor(public store: KeyframeStore, material: RawShaderMaterial, pathMaterial: RawShaderMaterial) {
-    this.frusta = new LineSegments(new InstancedBufferGeometry(), material);
-    this.frusta.frustumCulled = false;
+  constructor(public store: KeyframeStore, readonly material: RawShaderMaterial, pathMaterial: RawShaderMaterial) {
     this.frusta.matrixAutoUpdate = false;
-    this.path = new Lines(pathMaterial, 3);
+    this.path = new PathView(pathMaterial);
   }
 
   /** Takes over what changed. Returns the bytes that go to the GPU. */
   sync(store: KeyframeStore): number {
     if (store === this.store && store.edits === this.shownEdits) return 0;
-    const bytes = this.syncFrusta(store) + this.syncPath(store);
+    const bytes = this.syncTiles(store, this.changedTiles(store));
+    this.path.sync(store);
+    this.material.uniforms.size.value = frustumSize(store);
     this.store = store;
     this.shownEdits = store.edits;
+    this.shownCount = store.count;
     return bytes;
+  }
+
+  /** Chooses which frusta are drawn. Returns how many. */
+  setDetail(fraction: number, pixelsPerUnit: (sphere: Sphere) => number): number {
+    if (!this.frusta.visible) return 0;
+    const size: number = this.material.uniforms.size.value;
+    return this.tiles.reduce((sum, tile) => sum + tile.setDetail(fraction, size, pixelsPerUnit), 0);
   }
 
   dispose(): void {
-    this.frusta.geometry.dispose();
-    this.frusta.material.dispose();
-    this.path.dispose();
+    for (const tile of this.tiles.splice(0)) tile.dispose();
+    this.material.dispose();
+    this.path.lines.dispose();
   }
 
-  private syncFrusta(store: KeyframeStore): number {
-    let geometry = this.frusta.geometry;
-    const places = geometry.getAttribute('place') as InstancedBufferAttribute | undefined;
-    if (places?.array !== store.centres) {
-      geometry = this.attach(store);
-      store.dirty.clear();
+  /** The tiles of which a keyframe moved, came or went; all of another store. */
+  private changedTiles(store: KeyframeStore): Set<number> {
+    const changed = new Set<number>();
+    const spans = store.dirty.take(store.count);
+    const isOther = store !== this.store || this.shownEdits < 0;
+    if (isOther) spans.splice(0, spans.length, { start: 0, end: store.count });
+    else if (store.count !== this.shownCount) spans.push({ start: Math.min(store.count, this.shownCount), end: store.count });
+    for (const { start, end } of spans) {
+      for (let tile = tileOf(start); tile <= tileOf(end - 1); tile++) changed.add(tile);
     }
-    geometry.instanceCount = store.count;
-    let bytes = places?.array === store.centres ? 0 : store.count * 32;
-    for (const { start, end } of store.dirty.take(store.count)) {
-      for (const name of ['place', 'turn']) {
-        const attribute = geometry.getAttribute(name) as InstancedBufferAttribute;
-        attribute.addUpdateRange(start * 4, (end - start) * 4);
-        attribute.needsUpdate = true;
-      }
-      bytes += (end - start) * 32;
+    return changed;
+  }
+
+  private syncTiles(store: KeyframeStore, changed: Set<number>): number {
+    const tiles = Math.ceil(store.count / TILE_KEYFRAMES);
+    for (const tile of this.tiles.splice(tiles)) tile.dispose();
+    while (this.tiles.length < tiles) {
+      this.tiles.push(new KeyframeTile(this.material));
+      this.frusta.add(this.tiles.at(-1)!.object);
+    }
+    let bytes = 0;
+    for (const tile of changed) {
+      const first = tile * TILE_KEYFRAMES;
+      const count = Math.min(TILE_KEYFRAMES, store.count - first);
+      if (count > 0) bytes += this.tiles[tile].write(store, first, count);
     }
     return bytes;
-  }
-
-  private attach(store: KeyframeStore): InstancedBufferGeometry {
-    this.frusta.geometry.dispose();
-    const geometry = new InstancedBufferGeometry();
-    geometry.setAttribute('position', new BufferAttribute(FRUSTUM, 3));
-    geometry.setAttribute('place', new InstancedBufferAttribute(store.centres, 4).setUsage(DynamicDrawUsage));
-    geometry.setAttribute('turn', new InstancedBufferAttribute(store.rotations, 4).setUsage(DynamicDrawUsage));
-    this.frusta.geometry = geometry;
-    return geometry;
-  }
-
-  private syncPath(store: KeyframeStore): number {
-    const slots = store.slotsByTime();
-    const path = this.path.array(slots.length);
-    for (let i = 0; i < slots.length; i++) {
-      const at = slots[i] * 4;
-      path[3 * i] = store.centres[at];
-      path[3 * i + 1] = store.centres[at + 1];
-      path[3 * i + 2] = store.centres[at + 2];
-    }
-    return this.path.commit(slots.length);
   }
 }
 
@@ -93,4 +83,8 @@ export function frustumSize(store: KeyframeStore): number {
   }
   steps.sort((a, b) => a - b);
   return 0.6 * (steps[steps.length >> 1] || 1);
+}
+
+function tileOf(slot: number): number {
+  return Math.floor(slot / TILE_KEYFRAMES);
 }

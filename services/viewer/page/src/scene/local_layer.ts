@@ -34,7 +34,7 @@ export class LocalLayer {
   paint(colourOf: (agent: string) => string, isVisible: (agent: string) => boolean): void {
     for (const { lines, agent } of this.trajectories.values()) {
       setColour(lines.material, colourOf(agent));
-      lines.mesh.visible = isVisible(agent) && lines.mesh.geometry.instanceCount > 0;
+      lines.mesh.visible = isVisible(agent) && lines.segments > 0;
     }
   }
 

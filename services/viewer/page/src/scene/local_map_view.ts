@@ -1,6 +1,6 @@
 import { Group, Vector3, type Object3D, type RawShaderMaterial } from 'three';
 import type { LocalMapModel } from '../model/local_map';
-import { KeyframesView, frustumSize } from './keyframes_view';
+import { KeyframesView } from './keyframes_view';
 import { Lines } from './lines';
 import { type SharedUniforms, setColour } from './materials';
 import { Placement } from './placement';
@@ -30,7 +30,7 @@ export class LocalMapView {
     this.frames = new Lines(uniforms.lines(), 6);
     this.frames.material.uniforms.widthPx.value = 1;
     this.group.matrixAutoUpdate = false;
-    this.group.add(this.keyframes.frusta, this.keyframes.path.mesh, this.frames.mesh);
+    this.group.add(this.keyframes.frusta, this.keyframes.path.lines.mesh, this.frames.mesh);
     parent.add(this.group);
   }
 
@@ -38,7 +38,6 @@ export class LocalMapView {
   sync(model: LocalMapModel): number {
     this.model = model;
     let bytes = this.keyframes.sync(model.keyframes);
-    if (bytes > 0) this.keyframes.frusta.material.uniforms.size.value = frustumSize(model.keyframes);
     model.points.blocks.forEach((block, i) => {
       if (this.blocks[i]?.block !== block) this.replaceBlock(i, new PointBlockView(block, this.pointMaterial));
       bytes += this.blocks[i].sync();
@@ -49,13 +48,13 @@ export class LocalMapView {
 
   paint(points: string, lines: string, shown: Shown): void {
     setColour(this.pointMaterial, points);
-    setColour(this.keyframes.frusta.material, lines);
-    setColour(this.keyframes.path.material, lines);
+    setColour(this.keyframes.material, lines);
+    setColour(this.keyframes.path.lines.material, lines);
     setColour(this.frames.material, lines);
     for (const { object } of this.blocks) object.visible = shown.points;
     this.keyframes.frusta.visible = shown.keyframes;
-    this.keyframes.path.mesh.visible = shown.paths;
-    this.frames.mesh.visible = shown.frames && this.frames.mesh.geometry.instanceCount > 0;
+    this.keyframes.path.lines.mesh.visible = shown.paths;
+    this.frames.mesh.visible = shown.frames && this.frames.segments > 0;
   }
 
   /** The mean of the keyframes' centres, in the local map's frame. */

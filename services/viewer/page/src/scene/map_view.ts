@@ -14,6 +14,8 @@ export class MapView {
   readonly root = new Group();
   readonly views = new Map<string, LocalMapView>();
   plots = new Map<string, Plot>();
+  /** Grows when a keyframe may be seen elsewhere. */
+  version = 0;
 
   constructor(private readonly uniforms: SharedUniforms) {
     this.root.rotation.x = Math.PI;
@@ -23,6 +25,7 @@ export class MapView {
   /** Follows the model; returns bytes for the GPU. */
   sync(model: MapModel, changes: IslandChange[], nowMs: number): number {
     for (const [id, view] of this.views) if (!model.localMaps.has(id)) this.forget(id, view);
+    this.version++;
     let bytes = 0;
     for (const localMap of model.localMaps.values()) {
       if (localMap.keyframes.count + localMap.points.count > 0) bytes += this.viewOf(localMap).sync(localMap);
@@ -37,6 +40,7 @@ export class MapView {
   advance(nowMs: number): boolean {
     let moves = false;
     for (const view of this.views.values()) moves = view.advance(nowMs) || moves;
+    if (moves) this.version++;
     return moves;
   }
 

@@ -1,6 +1,6 @@
 import { BufferAttribute, BufferGeometry, LineBasicMaterial, LineSegments, Matrix4, Quaternion, Vector3 } from 'three';
 import type { KeyframeId } from '../model/ids';
-import { FRUSTUM } from './keyframes_view';
+import { FRUSTUM } from './keyframe_tile';
 import type { MapView } from './map_view';
 
 /** A large frustum around the chosen keyframe. */

@@ -69,8 +69,8 @@ export function paintMap(
     const lines = painter.lineColour(view.model, state, colours);
     view.paint(painter.pointColour(view.model, state, colours), lines, state);
     const isDim = state.robot !== '' && state.robot !== view.model.agent && state.colour !== 'paper';
-    view.keyframes.path.material.uniforms.opacity.value = isDim ? 0.45 : 1;
-    view.keyframes.path.material.uniforms.widthPx.value = isDim ? 2 : 3;
+    view.keyframes.path.lines.material.uniforms.opacity.value = isDim ? 0.45 : 1;
+    view.keyframes.path.lines.material.uniforms.widthPx.value = isDim ? 2 : 3;
   }
 }
 

@@ -1,22 +1,25 @@
-import { BufferAttribute, BufferGeometry, DynamicDrawUsage, type Material, Points, Sphere, Vector3 } from 'three';
+import { Box3, BufferAttribute, BufferGeometry, DynamicDrawUsage, type Material, Points, Sphere } from 'three';
 import { POINT_FLOATS, type PointBlock } from '../model/point_block';
+import { worthDrawing } from './detail';
+import { enclose } from './enclose';
 
 const BYTES = POINT_FLOATS * 4;
 /** More points than this on a pixel of a block's disc would hide each other. */
 const POINTS_PER_PIXEL = 0.4;
 const FEWEST_POINTS = 200;
+const MOST_SPANS = 64;
 
 /** One draw call: a block of points, of which a prefix is drawn. */
 export class PointBlockView {
   readonly object: Points;
   private attribute: BufferAttribute;
-  private boundsEdits = -1;
+  private readonly box = new Box3();
   private readonly sphere = new Sphere();
 
   constructor(readonly block: PointBlock, material: Material) {
     const geometry = new BufferGeometry();
-    this.attribute = this.attach(geometry);
     geometry.boundingSphere = this.sphere;
+    this.attribute = this.attach(geometry);
     this.object = new Points(geometry, material);
     this.object.matrixAutoUpdate = false;
   }
@@ -30,10 +33,15 @@ export class PointBlockView {
       block.dirty.clear();
       return block.count * BYTES;
     }
+    const spans = block.dirty.take(block.count);
+    // What is not drawn is not uploaded either, and its spans gather.
+    if (this.attribute.updateRanges.length > MOST_SPANS) spans.splice(0, spans.length, { start: 0, end: block.count });
     let bytes = 0;
-    for (const { start, end } of block.dirty.take(block.count)) {
+    for (const { start, end } of spans) {
+      if (end - start === block.count) this.attribute.clearUpdateRanges();
       this.attribute.addUpdateRange(start * POINT_FLOATS, (end - start) * POINT_FLOATS);
       this.attribute.needsUpdate = true;
+      this.widen(start, end);
       bytes += (end - start) * BYTES;
     }
     return bytes;
@@ -41,10 +49,8 @@ export class PointBlockView {
 
   /** Chooses how many points are drawn: fewer from afar, and fewer in a hurry. */
   setDetail(fraction: number, pixelsPerUnit: (sphere: Sphere) => number): number {
-    this.updateBounds();
     const radiusPx = this.sphere.radius * pixelsPerUnit(this.sphere);
-    const enough = FEWEST_POINTS + POINTS_PER_PIXEL * Math.PI * radiusPx * radiusPx;
-    const drawn = Math.ceil(Math.min(this.block.count, enough) * fraction);
+    const drawn = worthDrawing(this.block.count, fraction, radiusPx, POINTS_PER_PIXEL, FEWEST_POINTS);
     this.object.geometry.setDrawRange(0, drawn);
     return drawn;
   }
@@ -57,23 +63,13 @@ export class PointBlockView {
     const attribute = new BufferAttribute(this.block.columns, POINT_FLOATS);
     attribute.setUsage(DynamicDrawUsage);
     geometry.setAttribute('position', attribute);
+    this.widen(0, this.block.count);
     return attribute;
   }
 
-  private updateBounds(): void {
-    if (this.boundsEdits === this.block.edits) return;
-    this.boundsEdits = this.block.edits;
-    const { columns, count } = this.block;
-    const low = new Vector3(Infinity, Infinity, Infinity);
-    const high = new Vector3(-Infinity, -Infinity, -Infinity);
-    const at = new Vector3();
-    for (let i = 0; i < count; i++) {
-      at.fromArray(columns, i * POINT_FLOATS);
-      low.min(at);
-      high.max(at);
-    }
-    if (count === 0) return void this.sphere.set(at, 0);
-    this.sphere.center.addVectors(low, high).multiplyScalar(0.5);
-    this.sphere.radius = low.distanceTo(high) / 2;
+  /** Bounds are widened by what changed, and made anew only with all of a block. */
+  private widen(start: number, end: number): void {
+    if (end - start === this.block.count) this.box.makeEmpty();
+    enclose(this.block.columns, POINT_FLOATS, start, end, this.box).getBoundingSphere(this.sphere);
   }
 }

@@ -1,11 +1,12 @@
-import { Color, Scene, Sphere, Vector3, WebGLRenderer } from 'three';
+import { Color, Scene, Sphere, Vector2, Vector3, WebGLRenderer } from 'three';
 import type { Overlap } from '@gen/corbslam/v1/overlap_pb';
 import type { KeyframeId } from '../model/ids';
 import type { IslandChange, MapModel } from '../model/map_model';
 import { type SceneColours, sceneColours } from '../model/palette';
 import { isAccepted } from '../model/words';
 import type { ViewState } from '../view_state';
-import { Detail } from './detail';
+import { contextOf } from './context';
+import { Detail, type Share } from './detail';
 import { Grid } from './grid';
 import { LocalLayer } from './local_layer';
 import { MapView } from './map_view';
@@ -26,6 +27,7 @@ const SMALLEST_FRUSTUM_PX = 7;
 export interface FrameFigures {
   drawCalls: number;
   drawnPoints: number;
+  drawnKeyframes: number;
   uploadBytes: number;
   fps: number;
   /** What the page's own script took for it; drawing goes on elsewhere. */
@@ -41,7 +43,7 @@ export class Stage {
   readonly overlapsView: OverlapsView;
   readonly globalPort: Viewport;
   readonly localPort: Viewport;
-  readonly figures: FrameFigures = { drawCalls: 0, drawnPoints: 0, uploadBytes: 0, fps: 0, scriptMs: 0 };
+  readonly figures: FrameFigures = { drawCalls: 0, drawnPoints: 0, drawnKeyframes: 0, uploadBytes: 0, fps: 0, scriptMs: 0 };
   /** Bytes for the GPU so far. */
   uploadedBytes = 0;
   overlaps: Overlap[] = [];
@@ -56,18 +58,21 @@ export class Stage {
   private readonly localGrid = new Grid();
   private readonly marker = new Marker();
   private readonly detail = new Detail();
+  /** Of what the overlaps were drawn last. */
+  private shownOverlaps: unknown[] = [];
   private points = 0;
+  private keyframes = 0;
   private wanted = true;
   private isComplete = false;
   /** What the last complete frame took, up to the next one's begin. */
   private completeMs = 0;
-  private drewComplete = false;
+  /** What the tick before this one drew. */
+  private drew: 'nothing' | 'part' | 'all' = 'nothing';
   private lastMotionMs = 0;
   private lastFrameMs = 0;
 
   constructor(readonly canvas: HTMLCanvasElement, globalElement: HTMLElement, localElement: HTMLElement) {
-    this.renderer = new WebGLRenderer({ canvas, antialias: true, powerPreference: 'high-performance' });
-    this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
+    this.renderer = new WebGLRenderer({ canvas, context: contextOf(canvas) });
     this.renderer.autoClear = false;
     this.renderer.info.autoReset = false;
     const moved = () => this.invalidate(true);
@@ -88,6 +93,7 @@ export class Stage {
   /** Follows the model; `isHurried`: more is about to come, so that not every point is worth its time. */
   sync(model: MapModel, changes: IslandChange[], isHurried: boolean): void {
     this.points = model.pointCount;
+    this.keyframes = model.keyframeCount;
     this.figures.uploadBytes = this.map.sync(model, changes, performance.now());
     this.uploadedBytes += this.figures.uploadBytes;
     this.grid.cover(this.map.bounds(() => true));
@@ -119,18 +125,26 @@ export class Stage {
     const now = performance.now();
     const moves = this.map.advance(now);
     if (moves) this.invalidate(true);
-    if (this.drewComplete) this.completeMs = now - this.lastFrameMs;
-    this.drewComplete = false;
+    this.noteTime(now);
     const isMotion = now - this.lastMotionMs < Math.max(STILL_AFTER_MS, Math.min(RESTS * this.completeMs, 5000));
     if (!this.wanted && this.isComplete) return false;
     if (!this.wanted && isMotion) return false;
     this.wanted = false;
-    this.isComplete = this.drewComplete = !isMotion;
+    this.isComplete = !isMotion;
+    this.drew = isMotion ? 'part' : 'all';
     this.updateOverlaps(state);
-    this.render(this.detail.fraction(isMotion, this.points, now));
+    this.render(this.detail.share(isMotion, this.points, this.keyframes));
     this.figures.scriptMs = performance.now() - now;
     this.measure(now);
     return true;
+  }
+
+  /** A frame took as long as the browser did to ask for the next one: drawing goes on after the script. */
+  private noteTime(now: number): void {
+    const ms = now - this.lastFrameMs;
+    if (this.drew === 'all') this.completeMs = ms;
+    if (this.drew === 'part') this.detail.took(ms);
+    this.drew = 'nothing';
   }
 
   dispose(): void {
@@ -139,28 +153,40 @@ export class Stage {
     this.renderer.dispose();
   }
 
+  /** Turning moves no overlap: thousands of names are not read again for each frame of it. */
   private updateOverlaps({ overlaps, refused }: ViewState): void {
+    const size = Math.max(12 / this.globalPort.pixelsPerUnit(this.globalPort.distance()), 1e-3);
+    this.marker.update(this.map, this.chosenKeyframe, size);
     const past = this.pastRevision;
+    const inputs = [this.overlaps, this.map.version, past, overlaps, refused, this.chosenOverlap];
+    if (inputs.every((input, i) => input === this.shownOverlaps[i])) return;
+    this.shownOverlaps = inputs;
     const known = past === undefined ? this.overlaps
       : this.overlaps.filter(({ revision }) => revision > 0n && revision <= past);
     const shown = known.filter((overlap) => (isAccepted(overlap) ? overlaps : refused));
     this.overlapsView.update(shown, this.map, this.chosenOverlap);
-    const size = Math.max(12 / this.globalPort.pixelsPerUnit(this.globalPort.distance()), 1e-3);
-    this.marker.update(this.map, this.chosenKeyframe, size);
   }
 
-  private render(fraction: number): void {
-    const { clientWidth, clientHeight } = this.canvas;
-    this.renderer.setSize(clientWidth, clientHeight, false);
+  private render(share: Share): void {
+    this.resize(share.pixels);
     this.renderer.info.reset();
     this.renderer.setScissorTest(false);
     this.renderer.clear();
     if (this.globalPort.resize()) {
-      this.setDetail(fraction);
+      this.setDetail(share);
       this.draw(this.globalPort, this.globalScene);
     }
     if (this.localPort.resize()) this.draw(this.localPort, this.localScene);
     this.figures.drawCalls = this.renderer.info.render.calls;
+  }
+
+  /** Sets the canvas's size, where it is another one: setting it makes the browser empty the canvas. */
+  private resize(pixels: number): void {
+    const { clientWidth, clientHeight } = this.canvas;
+    const ratio = pixels * Math.min(devicePixelRatio, 2);
+    const size = this.renderer.getSize(new Vector2());
+    if (ratio !== this.renderer.getPixelRatio()) this.renderer.setPixelRatio(ratio);
+    if (size.x !== clientWidth || size.y !== clientHeight) this.renderer.setSize(clientWidth, clientHeight, false);
   }
 
   private draw(port: Viewport, scene: Scene): void {
@@ -173,7 +199,7 @@ export class Stage {
     this.renderer.render(scene, port.camera);
   }
 
-  private setDetail(fraction: number): void {
+  private setDetail(share: Share): void {
     const port = this.globalPort;
     const ratio = this.renderer.getPixelRatio();
     this.uniforms.sizePx.value = 1.5 * ratio;
@@ -181,15 +207,19 @@ export class Stage {
     this.uniforms.smallest.value = SMALLEST_FRUSTUM_PX / port.pixelsPerUnit(1);
     this.map.root.updateMatrixWorld();
     const at = new Vector3();
-    let drawn = 0;
-    for (const { blocks, group } of this.map.views.values()) {
+    let [points, keyframes] = [0, 0];
+    for (const view of this.map.views.values()) {
+      if (!view.group.visible) continue;
       const perUnit = ({ center, radius }: Sphere) => {
-        const away = at.copy(center).applyMatrix4(group.matrixWorld).distanceTo(port.camera.position) - radius;
+        const away = at.copy(center).applyMatrix4(view.group.matrixWorld).distanceTo(port.camera.position) - radius;
         return away <= 0 ? Infinity : port.pixelsPerUnit(away) * ratio;
       };
-      for (const block of blocks) drawn += block.setDetail(fraction, perUnit);
+      for (const block of view.blocks) points += block.setDetail(share.points, perUnit);
+      keyframes += view.keyframes.setDetail(share.keyframes, perUnit);
+      this.uploadedBytes += view.keyframes.path.setDetail(share.keyframes < 1, perUnit);
     }
-    this.figures.drawnPoints = drawn;
+    this.figures.drawnPoints = points;
+    this.figures.drawnKeyframes = keyframes;
   }
 
   private measure(now: number): void {
