@@ -1,5 +1,8 @@
-const SLOW_MS = 19;
-const FAST_MS = 17.5;
+/** What a frame may take. */
+const GOAL_MS = 19;
+/** A display of 50 pictures a second is fast; between the two nothing changes. */
+const FAST_MS = 21;
+const SLOW_MS = 25;
 /** One such frame is no chance delay: its next one has a tenth. */
 const VERY_SLOW_MS = 250;
 const LEAST = 0.02;
@@ -31,7 +34,7 @@ export class Detail {
 
   /** What a frame took, from its begin to when the browser asked for the next one. */
   took(frameMs: number): void {
-    if (frameMs > SLOW_MS) this.moving *= Math.max(frameMs > VERY_SLOW_MS ? 0.1 : 0.5, SLOW_MS / frameMs);
+    if (frameMs > SLOW_MS) this.moving *= Math.max(frameMs > VERY_SLOW_MS ? 0.1 : 0.5, GOAL_MS / frameMs);
     else if (frameMs < FAST_MS) this.moving *= 1.05;
     this.moving = Math.min(1, Math.max(LEAST, this.moving));
     if (this.moving === LEAST && frameMs > TOO_MANY_PIXELS_MS) this.pixels = FEWER_PIXELS;
