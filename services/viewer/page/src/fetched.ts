@@ -23,10 +23,11 @@ export class Fetched {
   constructor(
     private readonly rest: Rest, private readonly mission: string, private readonly stage: Stage,
     private readonly model: () => MapModel, private readonly onChange: () => void,
+    onEnd: (error?: unknown) => void,
   ) {
-    this.overlapsAgain = new Refresher(2000, () => this.fetchOverlaps());
-    this.framesAgain = new Refresher(5000, () => this.fetchFrames());
-    this.localAgain = new Refresher(3000, () => this.fetchLocal());
+    this.overlapsAgain = new Refresher(2000, () => this.fetchOverlaps(), onEnd);
+    this.framesAgain = new Refresher(5000, () => this.fetchFrames(), onEnd);
+    this.localAgain = new Refresher(3000, () => this.fetchLocal(), onEnd);
   }
 
   /** Overlaps may have changed. */
@@ -48,6 +49,7 @@ export class Fetched {
   }
 
   onMap(model: MapModel): void {
+    if (model.keyframeCount === 0) this.forget();
     this.showFrames(model);
     const now = [model.revision, model.keyframeCount >> 3].join();
     if (now === this.seen) return;
@@ -55,6 +57,15 @@ export class Fetched {
     this.want();
     if (this.state?.frames) this.ask(this.framesAgain);
     if (this.state?.layer !== 'global') this.ask(this.localAgain);
+  }
+
+  /** The mission is empty: it was deleted, or has not begun. */
+  private forget(): void {
+    if (this.overlaps.length + this.frames.length === 0) return;
+    this.overlaps = this.stage.overlaps = [];
+    this.frames = [];
+    this.stage.updateLocal([]);
+    this.seen = '';
   }
 
   stop(): void {

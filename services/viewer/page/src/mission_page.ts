@@ -1,7 +1,7 @@
 import type { MissionEvent } from '@gen/corbslam/v1/events_pb';
 import type { Overlap } from '@gen/corbslam/v1/overlap_pb';
 import { Connection } from './connection';
-import type { Rest } from './feed/rest';
+import { MOST_OVERLAPS, type Rest, RestError } from './feed/rest';
 import { Fetched } from './fetched';
 import { TrueTrajectory } from './true_trajectory';
 import { FrameLayout } from './frame_layout';
@@ -9,15 +9,18 @@ import { installHook } from './hook';
 import { handleKey } from './keyboard';
 import { Live } from './live';
 import { type KeyframeId, lastSegment } from './model/ids';
-import { mapWords } from './model/words';
+import { count, mapWords } from './model/words';
+import { MapNames } from './model/map_names';
 import type { IslandChange, MapModel } from './model/map_model';
 import { DetailsPanel } from './panels/details';
 import { EventsPanel } from './panels/events';
 import { helpDialog } from './panels/help';
+import { Legend } from './panels/legend';
 import { NumbersPanel } from './panels/numbers';
 import { OverlapsPanel } from './panels/overlaps';
 import { RobotsPanel } from './panels/robots';
 import { ScaleBar } from './panels/scale_bar';
+import { h } from './panels/dom';
 import { Toolbar } from './panels/toolbar';
 import { Past } from './past';
 import { Painter } from './scene/painting';
@@ -45,7 +48,9 @@ export class MissionPage {
   private readonly connection: Connection;
   private readonly robots: RobotsPanel;
   private readonly numbers = new NumbersPanel();
-  private readonly events = new EventsPanel();
+  readonly names = new MapNames();
+  private readonly events = new EventsPanel(this.names);
+  private readonly legend = new Legend();
   private readonly overlapsPanel: OverlapsPanel;
   private readonly scale = new ScaleBar();
   private readonly labels: SceneLabels;
@@ -72,23 +77,26 @@ export class MissionPage {
     document.body.replaceChildren(this.layout.root, this.help);
     this.stage = new Stage(this.layout.canvas, this.layout.globalPort, this.layout.localPort);
     this.labels = new SceneLabels(this.stage, this.painter);
-    this.fetched = new Fetched(rest, this.mission, this.stage, () => this.model, () => this.repaint());
+    this.fetched = new Fetched(rest, this.mission, this.stage, () => this.model, () => this.repaint(),
+      (error) => this.onRequests(error));
     this.truth = new TrueTrajectory(rest, this.mission, this.stage, () => this.model, () => this.repaint());
     const details = new DetailsPanel(() => this.selection.clear());
     this.selection = new Selection(this, details, () => this.layout.showTab('details'));
-    this.past = new Past(rest, this.mission, (changes) => this.onMap(changes), () => this.live.model.pointCount);
+    this.past = new Past(rest, this.mission, (changes) => this.onMap(changes), () => this.live.model.pointCount,
+      (isPast) => this.connection.onPast(isPast));
     this.robots = new RobotsPanel({
       toggle: (robot) => this.toggleRobot(robot), select: (robot) => change({ robot }),
-      colour: (robot) => this.painter.robotColour(robot),
+      colour: (robot) => this.painter.legendColour(robot, this.state, this.islandsOf(robot)),
     });
     this.overlapsPanel = new OverlapsPanel((overlap) => this.selection.overlap(overlap));
     this.layout.left.append(this.robots.root, this.numbers.root);
     this.layout.right.append(details.root, this.overlapsPanel.root, this.events.root);
-    this.layout.below.append(this.past.timeline.root, this.scale.root);
-    this.connection = new Connection(this.layout, !!rest.token, (reason) => this.onRefused(reason));
+    this.layout.below.append(this.past.timeline.root, h('div', { class: 'measures' }, this.scale.root, this.legend.root));
+    this.connection = new Connection(this.layout, !!rest.token, (reason) => this.onRefused(reason), () => ((this.live as Live | undefined)?.model.keyframeCount ?? 0) > 0);
     this.live = this.openLive();
     this.listen();
     this.adopt(state);
+    document.title = `${this.mission} · CORB-SLAM`;
     installHook(this);
     requestAnimationFrame(this.tick);
   }
@@ -153,7 +161,10 @@ export class MissionPage {
   private openLive(): Live {
     return new Live(this.mission, this.rest.token, {
       onMap: (changes) => void (this.past.model === undefined && this.onMap(changes)),
-      onPulse: (pulse) => this.connection.onPulse(pulse),
+      onPulse: (pulse) => {
+        this.names.learn(pulse);
+        this.connection.onPulse(pulse);
+      },
       onEvent: (event) => this.onEvent(event),
       onConnection: (state) => this.connection.onState(state),
     });
@@ -165,8 +176,9 @@ export class MissionPage {
   }
 
   private onEvent(event: MissionEvent): void {
-    const age = BigInt(Date.now()) * 1_000_000n - event.timeNs;
-    this.events.add(event, age < RECENT_NS);
+    // By the viewer's clock: that of a person's computer may be wrong.
+    const nowNs = this.live.pulse?.timeNs ?? BigInt(Date.now()) * 1_000_000n;
+    this.events.add(event, nowNs - event.timeNs < RECENT_NS);
     if (event.event.case === 'agentLeft') this.robots.noteLeft(lastSegment(event.event.value.agent), event.timeNs);
     if (/^(overlap|islands|loop|global)/.test(event.event.case ?? '')) this.fetched.want();
   }
@@ -210,6 +222,20 @@ export class MissionPage {
     this.truth.onMap(this.model);
   }
 
+  /** Requests go on beside the stream; a token may have run out for them alone. */
+  private onRequests(error: unknown): void {
+    if (error instanceof RestError && (error.status === 401 || error.status === 403)) {
+      return this.onRefused(error.status === 401 ? `The token is not taken any more: ${error.message}` : error.message);
+    }
+    // A mission that went is said by the stream.
+    const isGone = error instanceof RestError && error.status === 404;
+    this.connection.onRequests(error === undefined || isGone ? '' : error instanceof Error ? error.message : String(error));
+  }
+
+  private islandsOf(robot: string): string[] {
+    return [...this.model.localMaps.values()].filter(({ agent }) => agent === robot).map(({ island }) => island);
+  }
+
   private repaint(): void {
     this.stage.paint(this.state, this.painter);
   }
@@ -219,11 +245,24 @@ export class MissionPage {
     const { live, model, state } = this;
     const known = (live.pulse?.agents ?? []).map(({ name }) => lastSegment(name));
     this.painter.addRobots(known);
-    this.robots.update(this.painter.robots, model, live.pulse, state);
+    const now = { isLive: this.connection.isLive, isPast: this.past.model !== undefined };
+    this.robots.update(this.painter.robots, model, live.pulse, state, now);
+    this.events.rename();
+    this.legend.update(state, this.painter.theme, state.robot || (this.painter.robots[0] ?? ''));
     const receivedBytes = live.stream.receivedBytes + this.rest.receivedBytes;
-    this.numbers.update(model, live.pulse, { receivedBytes, drawnPoints: this.stage.figures.drawnPoints, isTruthShown: this.stage.truth.isShown });
+    this.numbers.update(model, live.pulse, {
+      ...now, receivedBytes, drawnPoints: this.stage.figures.drawnPoints, truth: this.truth.words(),
+    });
     this.layout.describe(`The map: ${mapWords(model)}`);
-    this.overlapsPanel.update(this.fetched.overlaps, state.refused, this.stage.chosenOverlap, (id) => this.agentOf(id));
+    this.overlapsPanel.update(this.fetched.overlaps, state.refused, this.stage.chosenOverlap,
+      (id) => this.agentOf(id), { note: this.overlapsNote() });
+  }
+
+  private overlapsNote(): string {
+    const parts: string[] = [];
+    if (this.past.model) parts.push('As they are now; the map shows those of the moment.');
+    if (this.fetched.overlaps.length >= MOST_OVERLAPS) parts.push(`There are more than ${count(MOST_OVERLAPS)}; the others are not shown.`);
+    return parts.join(' ');
   }
 
   private toggleRobot(robot: string): void {
@@ -241,6 +280,13 @@ export class MissionPage {
     const { signal } = this.abort;
     onSystemTheme(() => this.adopt(this.state));
     addEventListener('keydown', (event) => this.onKey(event), { signal, capture: true });
+    this.layout.canvas.addEventListener('webglcontextlost', () => {
+      this.connection.onTrouble('The graphics card was taken away from this page. The picture stands still until it comes back; if it does not, load the page again.');
+    }, { signal });
+    this.layout.canvas.addEventListener('webglcontextrestored', () => {
+      this.connection.onTrouble('');
+      this.repaint();
+    }, { signal });
     let down = { x: 0, y: 0 };
     const port = this.layout.globalPort;
     port.addEventListener('pointerdown', ({ clientX: x, clientY: y }) => void (down = { x, y }));

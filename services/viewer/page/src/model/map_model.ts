@@ -26,6 +26,8 @@ export class MapModel {
   /** Arrivals so far; ages are shown relative to them. */
   keyframeArrivals = 0;
   pointArrivals = 0;
+  /** Local maps that came so far; one that went leaves its number unused. */
+  private arrivals = 0;
   private generation = 1;
   private readonly stale = new Map<string, number>();
   private readonly left = new Map<string, Map<number, Pose>>();
@@ -73,7 +75,7 @@ export class MapModel {
     const { globalIsland, revision, keyframeCount, pointCount, keyframeArrivals, pointArrivals } = this;
     return Object.assign(other, {
       globalIsland, revision, keyframeCount, pointCount, keyframeArrivals, pointArrivals,
-      generation: this.generation,
+      generation: this.generation, arrivals: this.arrivals,
     });
   }
 
@@ -89,7 +91,7 @@ export class MapModel {
     const localMap = this.localMaps.get(id);
     if (localMap && agent) localMap.agent = agent;
     else if (!localMap) {
-      const created = newLocalMap(id, this.localMaps.size);
+      const created = newLocalMap(id, this.arrivals++);
       created.agent = agent;
       this.localMaps.set(id, created);
     }

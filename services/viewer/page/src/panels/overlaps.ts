@@ -16,18 +16,22 @@ export class OverlapsPanel {
     ({ root: this.root, body: this.body } = panel('overlaps', 'Overlaps'));
   }
 
-  update(overlaps: Overlap[], showsRefused: boolean, chosen: Overlap | undefined, agentOf: (localMap: string) => string): void {
+  update(overlaps: Overlap[], showsRefused: boolean, chosen: Overlap | undefined,
+    agentOf: (localMap: string) => string, said: { note: string }): void {
     const shown = overlaps.filter((overlap) => showsRefused || isAccepted(overlap)).reverse();
     const accepted = overlaps.filter(isAccepted).length;
-    const key = [shown.length, shown[0]?.number, accepted, chosen?.number, showsRefused].join();
+    const key = [shown.length, shown[0]?.number, accepted, chosen?.number, showsRefused, said.note].join();
     // New rows would move the others away from under the pointer.
     if (this.body.matches(':hover') && this.chosen === chosen?.number && this.wasRefused === showsRefused) return;
+    const { note } = said;
     this.chosen = chosen?.number;
     this.wasRefused = showsRefused;
     refill(this.body, key, () => [
       h('p', { class: 'quiet' }, this.summary(overlaps.length, accepted, showsRefused)),
+      note !== '' && h('p', { class: 'quiet' }, note),
+      shown.length > MOST_ROWS && h('p', { class: 'quiet' }, `The newest ${MOST_ROWS} are listed; each has its line in the map.`),
       h('ul', { class: 'overlaps' }, ...shown.slice(0, MOST_ROWS).map((overlap) => this.row(overlap, chosen, agentOf))),
-    ]);
+    ].filter((node) => node !== false));
   }
 
   private summary(all: number, accepted: number, showsRefused: boolean): string {
