@@ -91,13 +91,17 @@ export class Fetched {
     this.isLocalFitted = true;
   }
 
-  /** Poses of frames are in the frame of an island that may be no more: those wait for the next answer. */
+  /**
+   * Poses of frames are in the frame of an island that may be no more: those wait for the next answer.
+   * They are those of now: the past has none.
+   */
   private showFrames(model: MapModel): void {
-    const key = [...model.localMaps.values()].map(({ id, island }) => id + island).join();
+    const isPast = this.stage.pastRevision !== undefined;
+    const key = [isPast, ...[...model.localMaps.values()].map(({ id, island }) => id + island)].join();
     if (this.frames.length === 0 || (key === this.shownIslands && this.frames === this.shownFrames)) return;
     this.shownIslands = key;
     this.shownFrames = this.frames;
-    const current = this.frames.filter(({ localMap, island }) =>
+    const current = isPast ? [] : this.frames.filter(({ localMap, island }) =>
       model.localMap(localMap.slice(-16))?.island === island.slice(-16));
     const segments = segmentsByLocalMap(current);
     for (const [id, view] of this.stage.map.views) showSegments(view.frames, segments.get(id) ?? []);

@@ -252,6 +252,7 @@ export class MissionPage {
     const receivedBytes = live.stream.receivedBytes + this.rest.receivedBytes;
     this.numbers.update(model, live.pulse, {
       ...now, receivedBytes, drawnPoints: this.stage.figures.drawnPoints, truth: this.truth.words(),
+      ofNow: [...(state.frames ? ['Every frame'] : []), ...(state.layer === 'global' ? [] : ['Local layer'])],
     });
     this.layout.describe(`The map: ${mapWords(model)}`);
     this.overlapsPanel.update(this.fetched.overlaps, state.refused, this.stage.chosenOverlap,

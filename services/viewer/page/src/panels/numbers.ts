@@ -10,6 +10,8 @@ export interface PageFigures {
   truth: string;
   /** The map is one of the past. */
   isPast: boolean;
+  /** What is shown beside the past though it is of now. */
+  ofNow: string[];
   /** What the pulse says is how things are now. */
   isLive: boolean;
   drawnPoints: number;
@@ -26,7 +28,7 @@ export class NumbersPanel {
 
   update(model: MapModel, pulse: MissionPulse | undefined, page: PageFigures): void {
     const rows: [string, string][] = [
-      ...(page.isPast ? [['Shown', 'the past'] as [string, string]] : []),
+      ...(page.isPast ? [['Shown', 'the past'] as [string, string], ...page.ofNow.map((what): [string, string] => [what, 'known of now alone'])] : []),
       ['Revision', count(model.revision)],
       ['Islands', String(model.islands().size)],
       ['Keyframes', count(model.keyframeCount)],

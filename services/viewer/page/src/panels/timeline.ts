@@ -1,5 +1,5 @@
 import type { HistoryStep } from '../model/history';
-import { count } from '../model/words';
+import { count, many } from '../model/words';
 import { h } from './dom';
 
 /** What the timeline asks of the page. */
@@ -91,8 +91,8 @@ function stepWords({ revision, summary }: HistoryStep, before: HistoryStep | und
   const parts = [`Revision ${count(revision)}`, `step ${position + 1} of ${all}`];
   if (position === 0) parts.push('the oldest that the journal has');
   if (summary) {
-    parts.push(`${summary.islands} ${summary.islands === 1 ? 'island' : 'islands'}${change(summary.islands, before?.summary?.islands)}`);
-    parts.push(`${count(summary.keyframes)} keyframes${change(summary.keyframes, before?.summary?.keyframes)}`);
+    parts.push(`${many(summary.islands, 'island')}${change(summary.islands, before?.summary?.islands)}`);
+    parts.push(`${many(summary.keyframes, 'keyframe')}${change(summary.keyframes, before?.summary?.keyframes)}`);
   }
   return parts.join(' · ');
 }
