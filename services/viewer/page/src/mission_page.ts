@@ -1,5 +1,7 @@
+import type { Box3 } from 'three';
 import type { MissionEvent } from '@gen/corbslam/v1/events_pb';
 import type { Overlap } from '@gen/corbslam/v1/overlap_pb';
+import { AutoFit } from './auto_fit';
 import { Connection } from './connection';
 import { MOST_OVERLAPS, type Rest, RestError } from './feed/rest';
 import { Fetched } from './fetched';
@@ -59,6 +61,8 @@ export class MissionPage {
   private readonly abort = new AbortController();
   private mapChanged = false;
   private wantsFit = true;
+  private readonly autoFit = new AutoFit();
+  private grewSinceFit = false;
   private panelsMs = 0;
   /** When the map was first seen, and when all of it, in milliseconds since the page was asked for. */
   readonly seenMs: { first?: number; whole?: number } = {};
@@ -131,10 +135,24 @@ export class MissionPage {
   }
 
   fit(): void {
-    const { hidden, points } = this.state;
-    this.stage.globalPort.fit(this.stage.map.extent(({ agent }) => !hidden.has(agent), points));
+    const extent = this.extent();
+    this.autoFit.begin(extent);
+    this.stage.globalPort.fit(extent);
     this.stage.localPort.fit(this.stage.local.bounds());
     this.stage.invalidate(true);
+  }
+
+  private extent(): Box3 {
+    const { hidden, points } = this.state;
+    return this.stage.map.extent(({ agent }) => !hidden.has(agent), points);
+  }
+
+  /** A live map that went out of sight is shown whole again, where nobody chose what to look at. */
+  private refit(): void {
+    if (!this.grewSinceFit || this.state.follow || this.past.model || this.stage.map.isMoving) return;
+    if (!this.autoFit.isDue(() => this.extent(), performance.now())) return;
+    this.grewSinceFit = false;
+    this.fit();
   }
 
   agentOf(localMap: string): string {
@@ -211,6 +229,7 @@ export class MissionPage {
 
   private takeMap(): void {
     this.mapChanged = false;
+    this.grewSinceFit = true;
     this.painter.addRobots(this.model.agents());
     this.painter.islands = [...this.model.localMaps.keys()];
     this.stage.pastRevision = this.past.model?.revision;
@@ -242,6 +261,7 @@ export class MissionPage {
 
   private updatePanels(): void {
     this.panelsMs = performance.now();
+    this.refit();
     const { live, model, state } = this;
     const known = (live.pulse?.agents ?? []).map(({ name }) => lastSegment(name));
     this.painter.addRobots(known);
@@ -288,6 +308,8 @@ export class MissionPage {
       this.connection.onTrouble('');
       this.repaint();
     }, { signal });
+    for (const one of [this.stage.globalPort, this.stage.localPort]) one.controls.addEventListener('start', () => this.autoFit.stop());
+    this.layout.globalPort.addEventListener('keydown', ({ key }) => void (/^Arrow/.test(key) && this.autoFit.stop()));
     let down = { x: 0, y: 0 };
     const port = this.layout.globalPort;
     port.addEventListener('pointerdown', ({ clientX: x, clientY: y }) => void (down = { x, y }));
