@@ -14,7 +14,6 @@ export class Fetched {
   private frames: TrajectoryPose[] = [];
   private shownFrames: TrajectoryPose[] = [];
   private shownIslands = '';
-  private isLocalFitted = false;
   private seen = '';
   private readonly overlapsAgain: Refresher;
   private readonly framesAgain: Refresher;
@@ -87,8 +86,6 @@ export class Fetched {
   private async fetchLocal(): Promise<void> {
     this.stage.updateLocal(await this.rest.trajectory(this.mission, 'local'));
     this.onChange();
-    if (!this.isLocalFitted) this.stage.localPort.fit(this.stage.local.bounds());
-    this.isLocalFitted = true;
   }
 
   /**

@@ -62,6 +62,7 @@ export class MissionPage {
   private mapChanged = false;
   private wantsFit = true;
   private readonly autoFit = new AutoFit();
+  private readonly localFit = new AutoFit();
   private grewSinceFit = false;
   private panelsMs = 0;
   /** When the map was first seen, and when all of it, in milliseconds since the page was asked for. */
@@ -80,7 +81,7 @@ export class MissionPage {
     this.layout = new FrameLayout(this.mission, this.toolbar.root);
     document.body.replaceChildren(this.layout.root, this.help);
     this.stage = new Stage(this.layout.canvas, this.layout.globalPort, this.layout.localPort);
-    this.labels = new SceneLabels(this.stage, this.painter);
+    this.labels = new SceneLabels(this.stage, this.painter, this.names);
     this.fetched = new Fetched(rest, this.mission, this.stage, () => this.model, () => this.repaint(),
       (error) => this.onRequests(error));
     this.truth = new TrueTrajectory(rest, this.mission, this.stage, () => this.model, () => this.repaint());
@@ -138,8 +139,14 @@ export class MissionPage {
     const extent = this.extent();
     this.autoFit.begin(extent);
     this.stage.globalPort.fit(extent);
-    this.stage.localPort.fit(this.stage.local.bounds());
+    this.fitLocal();
     this.stage.invalidate(true);
+  }
+
+  private fitLocal(): void {
+    const bounds = this.stage.local.bounds();
+    this.localFit.begin(bounds);
+    this.stage.localPort.fit(bounds);
   }
 
   private extent(): Box3 {
@@ -149,6 +156,7 @@ export class MissionPage {
 
   /** A live map that went out of sight is shown whole again, where nobody chose what to look at. */
   private refit(): void {
+    if (this.state.layer !== 'global' && this.localFit.isDue(() => this.stage.local.bounds(), performance.now())) this.fitLocal();
     if (!this.grewSinceFit || this.state.follow || this.past.model || this.stage.map.isMoving) return;
     if (!this.autoFit.isDue(() => this.extent(), performance.now())) return;
     this.grewSinceFit = false;
@@ -308,7 +316,8 @@ export class MissionPage {
       this.connection.onTrouble('');
       this.repaint();
     }, { signal });
-    for (const one of [this.stage.globalPort, this.stage.localPort]) one.controls.addEventListener('start', () => this.autoFit.stop());
+    this.stage.globalPort.controls.addEventListener('start', () => this.autoFit.stop());
+    this.stage.localPort.controls.addEventListener('start', () => this.localFit.stop());
     this.layout.globalPort.addEventListener('keydown', ({ key }) => void (/^Arrow/.test(key) && this.autoFit.stop()));
     let down = { x: 0, y: 0 };
     const port = this.layout.globalPort;

@@ -36,7 +36,7 @@ export function keyframeDetails(keyframe: Keyframe, names: MapNames): Node[] {
     ['Robot', lastSegment(keyframe.agent)],
     ['Local map', id ? names.of(id.localMap) : keyframe.name],
     ['Island', `that of ${names.of(lastSegment(keyframe.island))}`],
-    ['Time', `${(Number(keyframe.timestampNs) / 1e9).toFixed(3)} s (the robot’s clock)`],
+    ['Robot’s clock', `${(Number(keyframe.timestampNs) / 1e9).toFixed(3)} s`],
     ['Place', keyframe.placed ? 'given by fusion' : 'follows its nearest relative'],
     ['Local adjustment', keyframe.settled ? 'settled' : 'still going on'],
     ['Revision', keyframe.revision > 0n ? count(keyframe.revision) : 'none yet'],
