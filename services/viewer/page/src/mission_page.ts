@@ -1,14 +1,13 @@
-import type { Box3 } from 'three';
 import type { MissionEvent } from '@gen/corbslam/v1/events_pb';
 import type { Overlap } from '@gen/corbslam/v1/overlap_pb';
-import { AutoFit } from './auto_fit';
 import { Connection } from './connection';
-import { MOST_OVERLAPS, type Rest, RestError } from './feed/rest';
+import { MOST_OVERLAPS, type Rest } from './feed/rest';
 import { Fetched } from './fetched';
 import { TrueTrajectory } from './true_trajectory';
 import { FrameLayout } from './frame_layout';
 import { installHook } from './hook';
 import { handleKey } from './keyboard';
+import { KeepInSight } from './keep_in_sight';
 import { Live } from './live';
 import { type KeyframeId, lastSegment } from './model/ids';
 import { count, mapWords } from './model/words';
@@ -30,6 +29,7 @@ import { Stage } from './scene/stage';
 import { SceneLabels } from './scene_labels';
 import { Selection } from './selection';
 import { applyTheme, onSystemTheme } from './theme';
+import { onGraphicsTrouble, requestTrouble } from './trouble';
 import { type ViewState, formatState } from './view_state';
 
 const PANELS_EVERY_MS = 250;
@@ -61,9 +61,7 @@ export class MissionPage {
   private readonly abort = new AbortController();
   private mapChanged = false;
   private wantsFit = true;
-  private readonly autoFit = new AutoFit();
-  private readonly localFit = new AutoFit();
-  private grewSinceFit = false;
+  private readonly inSight: KeepInSight;
   private panelsMs = 0;
   /** When the map was first seen, and when all of it, in milliseconds since the page was asked for. */
   readonly seenMs: { first?: number; whole?: number } = {};
@@ -81,6 +79,7 @@ export class MissionPage {
     this.layout = new FrameLayout(this.mission, this.toolbar.root);
     document.body.replaceChildren(this.layout.root, this.help);
     this.stage = new Stage(this.layout.canvas, this.layout.globalPort, this.layout.localPort);
+    this.inSight = new KeepInSight(this.stage);
     this.labels = new SceneLabels(this.stage, this.painter, this.names);
     this.fetched = new Fetched(rest, this.mission, this.stage, () => this.model, () => this.repaint(),
       (error) => this.onRequests(error));
@@ -136,31 +135,7 @@ export class MissionPage {
   }
 
   fit(): void {
-    const extent = this.extent();
-    this.autoFit.begin(extent);
-    this.stage.globalPort.fit(extent);
-    this.fitLocal();
-    this.stage.invalidate(true);
-  }
-
-  private fitLocal(): void {
-    const bounds = this.stage.local.bounds();
-    this.localFit.begin(bounds);
-    this.stage.localPort.fit(bounds);
-  }
-
-  private extent(): Box3 {
-    const { hidden, points } = this.state;
-    return this.stage.map.extent(({ agent }) => !hidden.has(agent), points);
-  }
-
-  /** A live map that went out of sight is shown whole again, where nobody chose what to look at. */
-  private refit(): void {
-    if (this.state.layer !== 'global' && this.localFit.isDue(() => this.stage.local.bounds(), performance.now())) this.fitLocal();
-    if (!this.grewSinceFit || this.state.follow || this.past.model || this.stage.map.isMoving) return;
-    if (!this.autoFit.isDue(() => this.extent(), performance.now())) return;
-    this.grewSinceFit = false;
-    this.fit();
+    this.inSight.fit(this.state);
   }
 
   agentOf(localMap: string): string {
@@ -237,7 +212,7 @@ export class MissionPage {
 
   private takeMap(): void {
     this.mapChanged = false;
-    this.grewSinceFit = true;
+    this.inSight.onMap();
     this.painter.addRobots(this.model.agents());
     this.painter.islands = [...this.model.localMaps.keys()];
     this.stage.pastRevision = this.past.model?.revision;
@@ -249,14 +224,10 @@ export class MissionPage {
     this.truth.onMap(this.model);
   }
 
-  /** Requests go on beside the stream; a token may have run out for them alone. */
   private onRequests(error: unknown): void {
-    if (error instanceof RestError && (error.status === 401 || error.status === 403)) {
-      return this.onRefused(error.status === 401 ? `The token is not taken any more: ${error.message}` : error.message);
-    }
-    // A mission that went is said by the stream.
-    const isGone = error instanceof RestError && error.status === 404;
-    this.connection.onRequests(error === undefined || isGone ? '' : error instanceof Error ? error.message : String(error));
+    const { refused, failed } = requestTrouble(error);
+    if (refused) this.onRefused(refused);
+    else this.connection.onRequests(failed);
   }
 
   private islandsOf(robot: string): string[] {
@@ -269,7 +240,7 @@ export class MissionPage {
 
   private updatePanels(): void {
     this.panelsMs = performance.now();
-    this.refit();
+    this.inSight.refit(this.state, this.past.model !== undefined);
     const { live, model, state } = this;
     const known = (live.pulse?.agents ?? []).map(({ name }) => lastSegment(name));
     this.painter.addRobots(known);
@@ -309,16 +280,10 @@ export class MissionPage {
     const { signal } = this.abort;
     onSystemTheme(() => this.adopt(this.state));
     addEventListener('keydown', (event) => this.onKey(event), { signal, capture: true });
-    this.layout.canvas.addEventListener('webglcontextlost', () => {
-      this.connection.onTrouble('The graphics card was taken away from this page. The picture stands still until it comes back; if it does not, load the page again.');
-    }, { signal });
-    this.layout.canvas.addEventListener('webglcontextrestored', () => {
-      this.connection.onTrouble('');
+    onGraphicsTrouble(this.layout.canvas, (trouble) => {
+      this.connection.onTrouble(trouble);
       this.repaint();
-    }, { signal });
-    this.stage.globalPort.controls.addEventListener('start', () => this.autoFit.stop());
-    this.stage.localPort.controls.addEventListener('start', () => this.localFit.stop());
-    this.layout.globalPort.addEventListener('keydown', ({ key }) => void (/^Arrow/.test(key) && this.autoFit.stop()));
+    }, signal);
     let down = { x: 0, y: 0 };
     const port = this.layout.globalPort;
     port.addEventListener('pointerdown', ({ clientX: x, clientY: y }) => void (down = { x, y }));
