@@ -1,7 +1,7 @@
 import type { MissionEvent } from '@gen/corbslam/v1/events_pb';
 import type { Overlap } from '@gen/corbslam/v1/overlap_pb';
 import { Connection } from './connection';
-import { MOST_OVERLAPS, type Rest } from './feed/rest';
+import type { Rest } from './feed/rest';
 import { Fetched } from './fetched';
 import { TrueTrajectory } from './true_trajectory';
 import { FrameLayout } from './frame_layout';
@@ -10,7 +10,7 @@ import { handleKey } from './keyboard';
 import { KeepInSight } from './keep_in_sight';
 import { Live } from './live';
 import { type KeyframeId, lastSegment } from './model/ids';
-import { count, mapWords } from './model/words';
+import { mapWords } from './model/words';
 import { MapNames } from './model/map_names';
 import type { IslandChange, MapModel } from './model/map_model';
 import { DetailsPanel } from './panels/details';
@@ -18,7 +18,7 @@ import { EventsPanel } from './panels/events';
 import { helpDialog } from './panels/help';
 import { Legend } from './panels/legend';
 import { NumbersPanel } from './panels/numbers';
-import { OverlapsPanel } from './panels/overlaps';
+import { OverlapsPanel, overlapsNote } from './panels/overlaps';
 import { RobotsPanel } from './panels/robots';
 import { ScaleBar } from './panels/scale_bar';
 import { h } from './panels/dom';
@@ -90,7 +90,7 @@ export class MissionPage {
       (isPast) => this.connection.onPast(isPast));
     this.robots = new RobotsPanel({
       toggle: (robot) => this.toggleRobot(robot), select: (robot) => change({ robot }),
-      colour: (robot) => this.painter.legendColour(robot, this.state, this.islandsOf(robot)),
+      colour: (robot) => this.painter.legendColour(robot, this.state, this.model.islandsOf(robot)),
     });
     this.overlapsPanel = new OverlapsPanel((overlap) => this.selection.overlap(overlap));
     this.layout.left.append(this.robots.root, this.numbers.root);
@@ -230,10 +230,6 @@ export class MissionPage {
     else this.connection.onRequests(failed);
   }
 
-  private islandsOf(robot: string): string[] {
-    return [...this.model.localMaps.values()].filter(({ agent }) => agent === robot).map(({ island }) => island);
-  }
-
   private repaint(): void {
     this.stage.paint(this.state, this.painter);
   }
@@ -255,14 +251,7 @@ export class MissionPage {
     });
     this.layout.describe(`The map: ${mapWords(model)}`);
     this.overlapsPanel.update(this.fetched.overlaps, state.refused, this.stage.chosenOverlap,
-      (id) => this.agentOf(id), { note: this.overlapsNote() });
-  }
-
-  private overlapsNote(): string {
-    const parts: string[] = [];
-    if (this.past.model) parts.push('As they are now; the map shows those of the moment.');
-    if (this.fetched.overlaps.length >= MOST_OVERLAPS) parts.push(`There are more than ${count(MOST_OVERLAPS)}; the others are not shown.`);
-    return parts.join(' ');
+      (id) => this.agentOf(id), { note: overlapsNote(now.isPast, this.fetched.overlaps.length) });
   }
 
   private toggleRobot(robot: string): void {

@@ -64,6 +64,11 @@ export class MapModel {
     return islands;
   }
 
+  /** The islands of an agent's local maps, by their arrival. */
+  islandsOf(agent: string): string[] {
+    return [...this.localMaps.values()].filter((one) => one.agent === agent).map(({ island }) => island);
+  }
+
   /** The agents' names in the order of their arrival. */
   agents(): string[] {
     return [...new Set([...this.localMaps.values()].map((localMap) => localMap.agent))].filter(Boolean).sort(byName);

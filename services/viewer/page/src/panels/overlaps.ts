@@ -1,4 +1,5 @@
 import type { Overlap } from '@gen/corbslam/v1/overlap_pb';
+import { MOST_OVERLAPS } from '../feed/rest';
 import { parseKeyframeName, shortId } from '../model/ids';
 import { count, isAccepted, verdictWords } from '../model/words';
 import { h, panel, refill, table } from './dom';
@@ -49,6 +50,14 @@ export class OverlapsPanel {
       h('span', { class: 'text' }, sides),
       h('small', {}, reason(overlap))));
   }
+}
+
+/** What is to be known of the list as a whole. */
+export function overlapsNote(isPast: boolean, all: number): string {
+  const parts: string[] = [];
+  if (isPast) parts.push('As they are now; the map shows those of the moment.');
+  if (all >= MOST_OVERLAPS) parts.push(`There are more than ${count(MOST_OVERLAPS)}; the others are not shown.`);
+  return parts.join(' ');
 }
 
 /** In a word or two, beside the mark that says whether it is believed. */
