@@ -85,7 +85,7 @@ export class RobotsPanel {
     if (agent?.connected) rows.push(['Shared map', agent.upToDate ? 'up to date' : 'waits for updates']);
     const told = pulse?.robots.find((one) => lastSegment(one.agent) === robot);
     if (told?.status) return [...rows, ...statusFacts(told.status)];
-    if (agent?.connected && agent.lastPose) rows.push(['Tracking', agent.lastPose.lostSince ? 'lost, as last reported' : 'had a pose in its last report']);
+    if (agent?.connected && agent.lastPose) rows.push(['Tracking', agent.lastPose.lostSince ? 'lost at last report' : 'tracking at last report']);
     if (told?.error) rows.push(['Asked itself', `does not answer: ${told.error}`]);
     return rows;
   }
