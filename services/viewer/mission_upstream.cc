@@ -145,6 +145,7 @@ v1::MissionPulse MissionUpstream::TakePulse() {
     if (status.ok()) status = map_status_;
   }
   pulse.set_store_answers(status.ok());
+  pulse.set_mission_missing(absl::IsNotFound(status));
   if (!status.ok()) pulse.set_store_error(std::string(status.message()));
   for (Robot& robot : robots_) AskRobot(robot, *pulse.add_robots());
   pulse.set_time_ns(absl::GetCurrentTimeNanos());

@@ -236,6 +236,7 @@ TEST_F(ViewerTest, StreamsTheMapAndHowTheMissionIs) {
   const auto pulse =
       ReadUntil(client, [](const auto& message) { return message.pulse().store_answers(); });
   ASSERT_TRUE(pulse);
+  EXPECT_FALSE(pulse->pulse().mission_missing());
   EXPECT_EQ(pulse->pulse().mission().name(), "missions/m");
   EXPECT_EQ(pulse->pulse().agents_size(), 1);
   EXPECT_EQ(pulse->pulse().statistics().keyframes(), 2U);
@@ -252,6 +253,7 @@ TEST_F(ViewerTest, WaitsForAMissionThatIsNotThereYet) {
   const auto missing = ReadUntil(client, [](const auto& message) { return message.has_pulse(); });
   ASSERT_TRUE(missing);
   EXPECT_FALSE(missing->pulse().store_answers());
+  EXPECT_TRUE(missing->pulse().mission_missing());
   EXPECT_THAT(missing->pulse().store_error(), HasSubstr("later"));
   Upload("later", "alpha", kMap);
   EXPECT_TRUE(ReadUntil(client, HasKeyframes));

@@ -1,5 +1,6 @@
 // Makes the pictures of docs/viewer.md of a mission that was recorded: a merge before, in the middle and
-// behind, the past, why an overlap was refused, a phone.
+// behind, the timeline, why an overlap was refused, a phone.
+//   --parts merge,refused,timeline,phone --themes light,dark: these alone
 //   --programs DIR --journal DIR: a store's --data-dir, which is copied --mission NAME --out DIR [--page DIR] [--truth FILE]
 import { cpSync, mkdirSync, mkdtempSync, rmSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
@@ -11,6 +12,7 @@ const FLAGS = ['--no-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swift
   '--disable-background-networking', '--disable-component-update', '--disable-sync'];
 const PATIENCE_MS = 240_000;
 const QUALITY = 0.7;
+type Theme = 'light' | 'dark';
 const MIDDLE_MS = 380;
 const out = option('out');
 const mission = option('mission', 'demo');
@@ -43,7 +45,7 @@ async function keep(browser: Browser, page: Page, name: string): Promise<void> {
   console.log(name, bytes.length, 'bytes');
 }
 
-async function open(browser: Browser, home: string, width: number, height: number, theme: 'light' | 'dark', rest = ''): Promise<Page> {
+async function open(browser: Browser, home: string, width: number, height: number, theme: Theme, rest = ''): Promise<Page> {
   const context = await browser.newContext({ viewport: { width, height }, colorScheme: theme, hasTouch: width < 500 });
   const page = await context.newPage();
   page.setDefaultTimeout(PATIENCE_MS);
@@ -65,7 +67,7 @@ async function beforeTheMerge(page: Page): Promise<number> {
   throw new Error('no islands became one in this journal');
 }
 
-async function showMerge(browser: Browser, home: string, theme: 'light' | 'dark'): Promise<void> {
+async function showMerge(browser: Browser, home: string, theme: Theme): Promise<void> {
   const page = await open(browser, home, 1920, 1080, theme);
   const slider = page.locator('.timeline input');
   const step = await beforeTheMerge(page);
@@ -90,7 +92,7 @@ async function showMerge(browser: Browser, home: string, theme: 'light' | 'dark'
 }
 
 /** Refused overlaps are drawn, and a click on the first says why. */
-async function showRefusal(browser: Browser, home: string, theme: 'light' | 'dark'): Promise<void> {
+async function showRefusal(browser: Browser, home: string, theme: Theme): Promise<void> {
   const page = await open(browser, home, 1920, 1080, theme, '&show=pktor');
   await page.locator('.overlap.no').first().waitFor();
   await page.locator('.overlap.no').first().click();
@@ -99,26 +101,25 @@ async function showRefusal(browser: Browser, home: string, theme: 'light' | 'dar
   await page.context().close();
 }
 
-async function showPast(browser: Browser, home: string): Promise<void> {
-  const page = await open(browser, home, 1920, 1080, 'dark');
-  await page.getByRole('button', { name: 'History' }).click();
-  await until(page, 'window.corbslam.historyRevisions > 3');
-  const slider = page.locator('.timeline input');
-  await slider.fill(String(Math.floor(Number(await slider.getAttribute('max')) / 3)));
+/** A moment with several islands, as it is scrubbed to. */
+async function showTimeline(browser: Browser, home: string, theme: Theme): Promise<void> {
+  const page = await open(browser, home, 1920, 1080, theme);
+  const step = await beforeTheMerge(page);
+  await page.locator('.timeline input').fill(String(Math.max(1, Math.floor(0.6 * step))));
+  await until(page, '!window.corbslam.moving');
   await page.keyboard.press('f');
+  await page.locator('.timeline input').blur();
   await page.waitForTimeout(2500);
-  await keep(browser, page, 'viewer_past_dark');
+  await keep(browser, page, `viewer_timeline_${theme}`);
   await page.context().close();
 }
 
-async function showPhone(browser: Browser, home: string): Promise<void> {
-  for (const theme of ['light', 'dark'] as const) {
-    const page = await open(browser, home, 390, 844, theme);
-    if (theme === 'dark') await page.getByRole('button', { name: 'Events' }).tap();
-    await page.waitForTimeout(1500);
-    await keep(browser, page, `viewer_phone_${theme}`);
-    await page.context().close();
-  }
+async function showPhone(browser: Browser, home: string, theme: Theme): Promise<void> {
+  const page = await open(browser, home, 390, 844, theme);
+  await page.getByRole('button', { name: 'Overlaps' }).last().tap();
+  await page.waitForTimeout(1500);
+  await keep(browser, page, `viewer_phone_${theme}`);
+  await page.context().close();
 }
 
 mkdirSync(out, { recursive: true });
@@ -136,12 +137,10 @@ try {
   const page = option('page', '') ? ['--page', option('page')] : [];
   const truth = option('truth', '') ? ['--truth', `${mission}=${option('truth')}`] : [];
   const home = `http://${await begin('map_viewer', ['--store', store, ...page, ...truth])}/`;
-  const parts: Record<string, () => Promise<void>> = {
-    merge: async () => { for (const theme of ['light', 'dark'] as const) await showMerge(browser, home, theme); },
-    refused: async () => { for (const theme of ['dark', 'light'] as const) await showRefusal(browser, home, theme); },
-    past: () => showPast(browser, home), phone: () => showPhone(browser, home),
-  };
-  for (const part of option('parts', Object.keys(parts).join()).split(',')) await parts[part]();
+  const parts = { merge: showMerge, refused: showRefusal, timeline: showTimeline, phone: showPhone };
+  for (const part of option('parts', Object.keys(parts).join()).split(',') as (keyof typeof parts)[]) {
+    for (const theme of option('themes', 'light,dark').split(',') as Theme[]) await parts[part](browser, home, theme);
+  }
 } finally {
   await browser.close();
   for (const program of running) await program.stop();

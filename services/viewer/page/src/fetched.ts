@@ -14,7 +14,6 @@ export class Fetched {
   private frames: TrajectoryPose[] = [];
   private shownFrames: TrajectoryPose[] = [];
   private shownIslands = '';
-  private isLocalFitted = false;
   private seen = '';
   private readonly overlapsAgain: Refresher;
   private readonly framesAgain: Refresher;
@@ -23,10 +22,11 @@ export class Fetched {
   constructor(
     private readonly rest: Rest, private readonly mission: string, private readonly stage: Stage,
     private readonly model: () => MapModel, private readonly onChange: () => void,
+    onEnd: (error?: unknown) => void,
   ) {
-    this.overlapsAgain = new Refresher(2000, () => this.fetchOverlaps());
-    this.framesAgain = new Refresher(5000, () => this.fetchFrames());
-    this.localAgain = new Refresher(3000, () => this.fetchLocal());
+    this.overlapsAgain = new Refresher(2000, () => this.fetchOverlaps(), onEnd);
+    this.framesAgain = new Refresher(5000, () => this.fetchFrames(), onEnd);
+    this.localAgain = new Refresher(3000, () => this.fetchLocal(), onEnd);
   }
 
   /** Overlaps may have changed. */
@@ -48,6 +48,7 @@ export class Fetched {
   }
 
   onMap(model: MapModel): void {
+    if (model.keyframeCount === 0) this.forget();
     this.showFrames(model);
     const now = [model.revision, model.keyframeCount >> 3].join();
     if (now === this.seen) return;
@@ -55,6 +56,15 @@ export class Fetched {
     this.want();
     if (this.state?.frames) this.ask(this.framesAgain);
     if (this.state?.layer !== 'global') this.ask(this.localAgain);
+  }
+
+  /** The mission is empty: it was deleted, or has not begun. */
+  private forget(): void {
+    if (this.overlaps.length + this.frames.length === 0) return;
+    this.overlaps = this.stage.overlaps = [];
+    this.frames = [];
+    this.stage.updateLocal([]);
+    this.seen = '';
   }
 
   stop(): void {
@@ -76,17 +86,19 @@ export class Fetched {
   private async fetchLocal(): Promise<void> {
     this.stage.updateLocal(await this.rest.trajectory(this.mission, 'local'));
     this.onChange();
-    if (!this.isLocalFitted) this.stage.localPort.fit(this.stage.local.bounds());
-    this.isLocalFitted = true;
   }
 
-  /** Poses of frames are in the frame of an island that may be no more: those wait for the next answer. */
+  /**
+   * Poses of frames are in the frame of an island that may be no more: those wait for the next answer.
+   * They are those of now: the past has none.
+   */
   private showFrames(model: MapModel): void {
-    const key = [...model.localMaps.values()].map(({ id, island }) => id + island).join();
+    const isPast = this.stage.pastRevision !== undefined;
+    const key = [isPast, ...[...model.localMaps.values()].map(({ id, island }) => id + island)].join();
     if (this.frames.length === 0 || (key === this.shownIslands && this.frames === this.shownFrames)) return;
     this.shownIslands = key;
     this.shownFrames = this.frames;
-    const current = this.frames.filter(({ localMap, island }) =>
+    const current = isPast ? [] : this.frames.filter(({ localMap, island }) =>
       model.localMap(localMap.slice(-16))?.island === island.slice(-16));
     const segments = segmentsByLocalMap(current);
     for (const [id, view] of this.stage.map.views) showSegments(view.frames, segments.get(id) ?? []);

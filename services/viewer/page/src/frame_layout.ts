@@ -1,4 +1,4 @@
-import { h } from './panels/dom';
+import { h, setText } from './panels/dom';
 
 const TABS: [string, string][] = [
   ['robots', 'Robots'], ['numbers', 'Numbers'], ['overlaps', 'Overlaps'], ['events', 'Events'], ['details', 'Selected'],
@@ -9,7 +9,7 @@ export class FrameLayout {
   readonly canvas = h('canvas', { class: 'scene', role: 'img', 'aria-label': 'The map' });
   readonly globalPort = h('div', { class: 'port', tabindex: '0', 'aria-label': 'Global layer: drag to turn, arrows to move', role: 'application' });
   readonly localPort = h('div', { class: 'port', tabindex: '0', 'aria-label': 'Local layer', role: 'application' });
-  readonly banner = h('div', { class: 'banner', role: 'status', 'aria-live': 'assertive' });
+  readonly banner = h('div', { class: 'banner', role: 'status', 'aria-live': 'polite' });
   readonly connection = h('span', { class: 'chip' });
   readonly left = h('aside', { class: 'side left', 'aria-label': 'Robots and numbers' });
   readonly right = h('aside', { class: 'side right', 'aria-label': 'Selected, overlaps and events' });
@@ -22,7 +22,7 @@ export class FrameLayout {
     const sides = h('div', { class: 'sides' }, tabs, this.left, this.right);
     this.banner.hidden = true;
     this.root = h('div', { class: 'page' },
-      h('header', {}, back, h('h1', {}, mission), this.connection),
+      h('header', {}, back, h('h1', { title: mission }, h('bdi', {}, mission)), this.connection),
       h('main', { class: 'map' }, this.canvas, h('div', { class: 'ports' }, this.globalPort, this.localPort),
         toolbar, this.banner, this.below),
       sides);
@@ -43,7 +43,12 @@ export class FrameLayout {
 
   showBanner(words: string): void {
     this.banner.hidden = words === '';
-    if (this.banner.textContent !== words) this.banner.textContent = words;
+    setText(this.banner, words);
+  }
+
+  showConnection(isLive: boolean, words: string): void {
+    this.connection.className = `chip ${isLive ? 'online' : words === 'the past' ? 'past' : 'offline'}`;
+    setText(this.connection, words);
   }
 
   private tab(id: string, words: string): HTMLElement {

@@ -43,7 +43,7 @@ export function installHook(page: MissionPage): void {
     },
     get fps() { return stage.figures.fps; },
     get receivedBytes() { return live.stream.receivedBytes + page.rest.receivedBytes; },
-    get moving() { return [...stage.map.views.values()].some(({ placement }) => placement.isMoving); },
+    get moving() { return stage.map.isMoving; },
     figures() {
       const { drawCalls, drawnPoints } = stage.figures;
       const { keyframes, points, receivedBytes, uploadedBytes } = hook;

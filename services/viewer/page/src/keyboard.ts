@@ -44,6 +44,8 @@ function after<T>(all: T[], one: T): T {
 }
 
 function isTyping({ target }: KeyboardEvent): boolean {
+  // Letters and arrows choose in a list.
+  if (target instanceof HTMLSelectElement) return true;
   return target instanceof HTMLInputElement && target.type !== 'checkbox' && target.type !== 'range';
 }
 

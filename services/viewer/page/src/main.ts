@@ -29,15 +29,23 @@ async function route(): Promise<void> {
   page = undefined;
   applyTheme(state.theme);
   if (!state.mission) return showMissions();
-  page = new MissionPage(state, rest, (reason) => {
-    page?.close();
-    page = undefined;
-    document.body.replaceChildren(start.root);
-    start.askToken(reason);
-  });
+  try {
+    page = new MissionPage(state, rest, (reason) => leave(() => start.askToken(reason)));
+  } catch (error) {
+    leave(() => start.cannotDraw(error instanceof Error ? error.message : String(error)));
+  }
+}
+
+/** From a mission to the start screen. */
+function leave(show: () => void): void {
+  page?.close();
+  page = undefined;
+  document.body.replaceChildren(start.root);
+  show();
 }
 
 async function showMissions(): Promise<void> {
+  document.title = 'CORB-SLAM map viewer';
   if (!start.root.isConnected) document.body.replaceChildren(start.root);
   try {
     start.missions(await rest.missions());

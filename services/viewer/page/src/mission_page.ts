@@ -7,17 +7,21 @@ import { TrueTrajectory } from './true_trajectory';
 import { FrameLayout } from './frame_layout';
 import { installHook } from './hook';
 import { handleKey } from './keyboard';
+import { KeepInSight } from './keep_in_sight';
 import { Live } from './live';
 import { type KeyframeId, lastSegment } from './model/ids';
 import { mapWords } from './model/words';
+import { MapNames } from './model/map_names';
 import type { IslandChange, MapModel } from './model/map_model';
 import { DetailsPanel } from './panels/details';
 import { EventsPanel } from './panels/events';
 import { helpDialog } from './panels/help';
+import { Legend } from './panels/legend';
 import { NumbersPanel } from './panels/numbers';
-import { OverlapsPanel } from './panels/overlaps';
+import { OverlapsPanel, overlapsNote } from './panels/overlaps';
 import { RobotsPanel } from './panels/robots';
 import { ScaleBar } from './panels/scale_bar';
+import { h } from './panels/dom';
 import { Toolbar } from './panels/toolbar';
 import { Past } from './past';
 import { Painter } from './scene/painting';
@@ -25,6 +29,7 @@ import { Stage } from './scene/stage';
 import { SceneLabels } from './scene_labels';
 import { Selection } from './selection';
 import { applyTheme, onSystemTheme } from './theme';
+import { onGraphicsTrouble, requestTrouble } from './trouble';
 import { type ViewState, formatState } from './view_state';
 
 const PANELS_EVERY_MS = 250;
@@ -45,7 +50,9 @@ export class MissionPage {
   private readonly connection: Connection;
   private readonly robots: RobotsPanel;
   private readonly numbers = new NumbersPanel();
-  private readonly events = new EventsPanel();
+  readonly names = new MapNames();
+  private readonly events = new EventsPanel(this.names);
+  private readonly legend = new Legend();
   private readonly overlapsPanel: OverlapsPanel;
   private readonly scale = new ScaleBar();
   private readonly labels: SceneLabels;
@@ -54,6 +61,7 @@ export class MissionPage {
   private readonly abort = new AbortController();
   private mapChanged = false;
   private wantsFit = true;
+  private readonly inSight: KeepInSight;
   private panelsMs = 0;
   /** When the map was first seen, and when all of it, in milliseconds since the page was asked for. */
   readonly seenMs: { first?: number; whole?: number } = {};
@@ -71,24 +79,28 @@ export class MissionPage {
     this.layout = new FrameLayout(this.mission, this.toolbar.root);
     document.body.replaceChildren(this.layout.root, this.help);
     this.stage = new Stage(this.layout.canvas, this.layout.globalPort, this.layout.localPort);
-    this.labels = new SceneLabels(this.stage, this.painter);
-    this.fetched = new Fetched(rest, this.mission, this.stage, () => this.model, () => this.repaint());
+    this.inSight = new KeepInSight(this.stage);
+    this.labels = new SceneLabels(this.stage, this.painter, this.names);
+    this.fetched = new Fetched(rest, this.mission, this.stage, () => this.model, () => this.repaint(),
+      (error) => this.onRequests(error));
     this.truth = new TrueTrajectory(rest, this.mission, this.stage, () => this.model, () => this.repaint());
     const details = new DetailsPanel(() => this.selection.clear());
     this.selection = new Selection(this, details, () => this.layout.showTab('details'));
-    this.past = new Past(rest, this.mission, (changes) => this.onMap(changes), () => this.live.model.pointCount);
+    this.past = new Past(rest, this.mission, (changes) => this.onMap(changes), () => this.live.model.pointCount,
+      (isPast) => this.connection.onPast(isPast));
     this.robots = new RobotsPanel({
       toggle: (robot) => this.toggleRobot(robot), select: (robot) => change({ robot }),
-      colour: (robot) => this.painter.robotColour(robot),
+      colour: (robot) => this.painter.legendColour(robot, this.state, this.model.islandsOf(robot)),
     });
     this.overlapsPanel = new OverlapsPanel((overlap) => this.selection.overlap(overlap));
     this.layout.left.append(this.robots.root, this.numbers.root);
     this.layout.right.append(details.root, this.overlapsPanel.root, this.events.root);
-    this.layout.below.append(this.past.timeline.root, this.scale.root);
-    this.connection = new Connection(this.layout, !!rest.token, (reason) => this.onRefused(reason));
+    this.layout.below.append(this.past.timeline.root, h('div', { class: 'measures' }, this.scale.root, this.legend.root));
+    this.connection = new Connection(this.layout, !!rest.token, (reason) => this.onRefused(reason), () => ((this.live as Live | undefined)?.model.keyframeCount ?? 0) > 0);
     this.live = this.openLive();
     this.listen();
     this.adopt(state);
+    document.title = `${this.mission} · CORB-SLAM`;
     installHook(this);
     requestAnimationFrame(this.tick);
   }
@@ -123,10 +135,7 @@ export class MissionPage {
   }
 
   fit(): void {
-    const { hidden, points } = this.state;
-    this.stage.globalPort.fit(this.stage.map.extent(({ agent }) => !hidden.has(agent), points));
-    this.stage.localPort.fit(this.stage.local.bounds());
-    this.stage.invalidate(true);
+    this.inSight.fit(this.state);
   }
 
   agentOf(localMap: string): string {
@@ -153,7 +162,10 @@ export class MissionPage {
   private openLive(): Live {
     return new Live(this.mission, this.rest.token, {
       onMap: (changes) => void (this.past.model === undefined && this.onMap(changes)),
-      onPulse: (pulse) => this.connection.onPulse(pulse),
+      onPulse: (pulse) => {
+        this.names.learn(pulse);
+        this.connection.onPulse(pulse);
+      },
       onEvent: (event) => this.onEvent(event),
       onConnection: (state) => this.connection.onState(state),
     });
@@ -165,8 +177,9 @@ export class MissionPage {
   }
 
   private onEvent(event: MissionEvent): void {
-    const age = BigInt(Date.now()) * 1_000_000n - event.timeNs;
-    this.events.add(event, age < RECENT_NS);
+    // By the viewer's clock: that of a person's computer may be wrong.
+    const nowNs = this.live.pulse?.timeNs ?? BigInt(Date.now()) * 1_000_000n;
+    this.events.add(event, nowNs - event.timeNs < RECENT_NS);
     if (event.event.case === 'agentLeft') this.robots.noteLeft(lastSegment(event.event.value.agent), event.timeNs);
     if (/^(overlap|islands|loop|global)/.test(event.event.case ?? '')) this.fetched.want();
   }
@@ -199,6 +212,7 @@ export class MissionPage {
 
   private takeMap(): void {
     this.mapChanged = false;
+    this.inSight.onMap();
     this.painter.addRobots(this.model.agents());
     this.painter.islands = [...this.model.localMaps.keys()];
     this.stage.pastRevision = this.past.model?.revision;
@@ -210,20 +224,34 @@ export class MissionPage {
     this.truth.onMap(this.model);
   }
 
+  private onRequests(error: unknown): void {
+    const { refused, failed } = requestTrouble(error);
+    if (refused) this.onRefused(refused);
+    else this.connection.onRequests(failed);
+  }
+
   private repaint(): void {
     this.stage.paint(this.state, this.painter);
   }
 
   private updatePanels(): void {
     this.panelsMs = performance.now();
+    this.inSight.refit(this.state, this.past.model !== undefined);
     const { live, model, state } = this;
     const known = (live.pulse?.agents ?? []).map(({ name }) => lastSegment(name));
     this.painter.addRobots(known);
-    this.robots.update(this.painter.robots, model, live.pulse, state);
+    const now = { isLive: this.connection.isLive, isPast: this.past.model !== undefined };
+    this.robots.update(this.painter.robots, model, live.pulse, state, now);
+    this.events.rename();
+    this.legend.update(state, this.painter.theme, state.robot || (this.painter.robots[0] ?? ''));
     const receivedBytes = live.stream.receivedBytes + this.rest.receivedBytes;
-    this.numbers.update(model, live.pulse, { receivedBytes, drawnPoints: this.stage.figures.drawnPoints, isTruthShown: this.stage.truth.isShown });
+    this.numbers.update(model, live.pulse, {
+      ...now, receivedBytes, drawnPoints: this.stage.figures.drawnPoints, truth: this.truth.words(),
+      ofNow: [...(state.frames ? ['Every frame'] : []), ...(state.layer === 'global' ? [] : ['Local layer'])],
+    });
     this.layout.describe(`The map: ${mapWords(model)}`);
-    this.overlapsPanel.update(this.fetched.overlaps, state.refused, this.stage.chosenOverlap, (id) => this.agentOf(id));
+    this.overlapsPanel.update(this.fetched.overlaps, state.refused, this.stage.chosenOverlap,
+      (id) => this.agentOf(id), { note: overlapsNote(now.isPast, this.fetched.overlaps.length) });
   }
 
   private toggleRobot(robot: string): void {
@@ -241,6 +269,10 @@ export class MissionPage {
     const { signal } = this.abort;
     onSystemTheme(() => this.adopt(this.state));
     addEventListener('keydown', (event) => this.onKey(event), { signal, capture: true });
+    onGraphicsTrouble(this.layout.canvas, (trouble) => {
+      this.connection.onTrouble(trouble);
+      this.repaint();
+    }, signal);
     let down = { x: 0, y: 0 };
     const port = this.layout.globalPort;
     port.addEventListener('pointerdown', ({ clientX: x, clientY: y }) => void (down = { x, y }));

@@ -1,5 +1,6 @@
 import type { Rest } from './feed/rest';
 import { History } from './model/history';
+import { count } from './model/words';
 import type { IslandChange, MapModel } from './model/map_model';
 import { Timeline } from './panels/timeline';
 
@@ -14,6 +15,7 @@ export class Past {
   constructor(
     private readonly rest: Rest, private readonly mission: string,
     private readonly onMap: (changes: IslandChange[]) => void, private readonly points: () => number,
+    private readonly onShown: (isPast: boolean) => void = () => {},
   ) {
     this.timeline = new Timeline({ seek: (step) => this.seek(step), live: () => this.live() });
   }
@@ -30,7 +32,7 @@ export class Past {
 
   play(): void {
     if (this.timeline.isOpen && this.history) this.timeline.togglePlay();
-    else void this.open().then(() => this.timeline.togglePlay());
+    else void this.open().then(() => this.history && this.timeline.togglePlay());
   }
 
   step(by: number): boolean {
@@ -48,22 +50,32 @@ export class Past {
   close(): void {
     this.timeline.close();
     this.history = undefined;
+    this.onShown(false);
   }
 
   private async open(): Promise<void> {
+    this.timeline.open();
     if (this.isLoading) return;
     this.isLoading = true;
-    this.timeline.open();
     const history = new History();
     try {
-      await this.rest.history(this.mission, this.points() <= MOST_POINTS, (change) => history.add(change));
-      this.history = history;
-      this.seek(history.steps.length - 1);
-      if (history.steps.length === 0) this.timeline.fail('The journal knows no past of this mission.');
+      const hasPoints = this.points() <= MOST_POINTS;
+      await this.rest.history(this.mission, hasPoints, (change) => history.add(change));
+      this.take(history, hasPoints);
     } catch (error) {
       this.timeline.fail(error instanceof Error ? error.message : String(error));
     }
     this.isLoading = false;
+  }
+
+  /** Shows what came, unless nobody waits for it any more. */
+  private take(history: History, hasPoints: boolean): void {
+    if (!this.timeline.isOpen) return;
+    if (history.steps.length === 0) return this.timeline.fail('The journal knows no past of this mission.');
+    this.history = history;
+    this.timeline.note = hasPoints ? '' : `without points, of which there are more than ${count(MOST_POINTS)}`;
+    this.onShown(true);
+    this.seek(history.steps.length - 1);
   }
 
   private seek(step: number): void {

@@ -2,14 +2,16 @@
 export class Refresher {
   private isRunning = false;
   private isWanted = false;
+  private isStopped = false;
   private lastMs = -Infinity;
   private timer: ReturnType<typeof setTimeout> | undefined;
 
-  constructor(private readonly everyMs: number, private readonly fetch: () => Promise<void>) {}
+  constructor(private readonly everyMs: number, private readonly fetch: () => Promise<void>,
+    private readonly onEnd: (error?: unknown) => void = () => {}) {}
 
   want(): void {
     this.isWanted = true;
-    if (this.isRunning || this.timer !== undefined) return;
+    if (this.isStopped || this.isRunning || this.timer !== undefined) return;
     const waitMs = Math.max(0, this.lastMs + this.everyMs - performance.now());
     this.timer = setTimeout(() => void this.run(), waitMs);
   }
@@ -17,7 +19,7 @@ export class Refresher {
   stop(): void {
     clearTimeout(this.timer);
     this.timer = undefined;
-    this.isRunning = true;
+    this.isStopped = true;
   }
 
   private async run(): Promise<void> {
@@ -27,9 +29,12 @@ export class Refresher {
     this.lastMs = performance.now();
     try {
       await this.fetch();
-    } catch {
-      // What could not be fetched stays as it was; the connection's banner says why.
+      this.onEnd();
+    } catch (error) {
+      // What could not be fetched stays as it was.
+      this.onEnd(error);
     }
+    if (this.isStopped) return;
     this.isRunning = false;
     if (this.isWanted) this.want();
   }

@@ -1,5 +1,5 @@
 import { Vector3 } from 'three';
-import { shortId } from './model/ids';
+import type { MapNames } from './model/map_names';
 import type { MapModel } from './model/map_model';
 import { type Label, Labels } from './scene/labels';
 import type { Painter } from './scene/painting';
@@ -11,7 +11,7 @@ export class SceneLabels {
   private readonly global: Labels;
   private readonly local: Labels;
 
-  constructor(private readonly stage: Stage, private readonly painter: Painter) {
+  constructor(private readonly stage: Stage, private readonly painter: Painter, private readonly names: MapNames) {
     this.global = new Labels(stage.globalPort);
     this.local = new Labels(stage.localPort);
   }
@@ -21,7 +21,7 @@ export class SceneLabels {
     if (layer !== 'local') this.global.update([...this.islands(model), ...this.robots(model, state)]);
     if (layer === 'global') return;
     this.local.update(this.stage.local.anchors().filter(({ agent }) => !hidden.has(agent)).map(({ id, agent, at }) => ({
-      key: `island ${id}`, text: `${agent} · ${shortId(id)}`, colour: this.painter.robotColour(agent), at,
+      key: `island ${id}`, text: this.names.of(id), colour: this.painter.robotColour(agent), at,
     })));
   }
 
@@ -37,7 +37,7 @@ export class SceneLabels {
       const box = this.stage.map.bounds(({ island }) => island === name);
       if (box.isEmpty()) return [];
       const owners = [...new Set(members.map(({ agent }) => agent))].join(', ');
-      const text = `${name === model.globalIsland ? 'Reference island' : 'Island'} · ${owners || shortId(name)}`;
+      const text = `${name === model.globalIsland ? 'Reference island' : 'Island'} · ${members.length > 1 && owners ? owners : this.names.of(members[0]?.id ?? name)}`;
       const at = new Vector3((box.min.x + box.max.x) / 2, box.max.y, box.min.z);
       return [{ key: `island ${name}`, text, colour: this.painter.islandColour(name), at }];
     });

@@ -37,7 +37,7 @@ export class Selection {
     this.onShow();
     try {
       const keyframe = await this.page.rest.keyframe(this.page.mission, id);
-      if (this.chosen === name) this.details.show(keyframeDetails(keyframe));
+      if (this.chosen === name) this.details.show(keyframeDetails(keyframe, this.page.names));
     } catch (error) {
       if (this.chosen === name) this.details.show([h('p', { role: 'alert' }, error instanceof Error ? error.message : String(error))]);
     }

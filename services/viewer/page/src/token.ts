@@ -1,4 +1,6 @@
 const KEY = 'corbslam.token';
+/** Where the browser keeps nothing for this page. */
+let held: string | undefined;
 
 /** The token of this tab: from the address once, then from the session's storage. */
 export function takeToken(): string | undefined {
@@ -9,10 +11,20 @@ export function takeToken(): string | undefined {
     values.delete('token');
     history.replaceState(null, '', `#${values}`);
   }
-  return sessionStorage.getItem(KEY) ?? undefined;
+  try {
+    return sessionStorage.getItem(KEY) ?? held;
+  } catch {
+    return held;
+  }
 }
 
 export function keepToken(token: string): void {
-  if (token) sessionStorage.setItem(KEY, token);
-  else sessionStorage.removeItem(KEY);
+  held = undefined;
+  try {
+    if (token) sessionStorage.setItem(KEY, token);
+    else sessionStorage.removeItem(KEY);
+  } catch {
+    // A browser that forbids storage: the token lives as long as the page.
+    held = token || undefined;
+  }
 }

@@ -1,5 +1,6 @@
 import { type Rest, RestError } from './feed/rest';
-import { type TruePose, alignTruth, dashes, parseTruth, referenceKeyframes } from './model/truth';
+import { many } from './model/words';
+import { type TruePose, type TruthFit, alignTruth, dashes, parseTruth, referenceKeyframes, truthFit } from './model/truth';
 import type { MapModel } from './model/map_model';
 import { Refresher } from './refresher';
 import type { Stage } from './scene/stage';
@@ -10,6 +11,7 @@ import type { Stage } from './scene/stage';
  */
 export class TrueTrajectory {
   private truth: TruePose[] | undefined;
+  private fit: TruthFit | undefined;
   private seen = '';
   private isWanted = false;
   private readonly again: Refresher;
@@ -22,6 +24,14 @@ export class TrueTrajectory {
     this.again = new Refresher(everyMs, () => this.refresh());
   }
 
+  /** How it is shown, for people; empty: none is known. */
+  words(): string {
+    if (!this.truth || this.truth.length === 0) return '';
+    if (!this.fit) return 'known, but fewer than 3 keyframes of the reference island are of its times';
+    if (!this.isWanted) return 'hidden with the paths';
+    return `dashed, laid on ${many(this.fit.common, 'keyframe')}: ${this.fit.rms.toPrecision(2)} m apart (RMS)`;
+  }
+
   /** Whether paths, and with them the truth, are to be seen. */
   show(isWanted: boolean): void {
     this.isWanted = isWanted;
@@ -29,11 +39,20 @@ export class TrueTrajectory {
   }
 
   onMap(model: MapModel): void {
+    if (model.keyframeCount === 0 && this.fit) this.forget();
     if (!this.isWanted || model.keyframeCount === 0 || this.truth?.length === 0) return;
     const now = [model.globalIsland, model.revision, model.keyframeCount >> 3].join();
     if (now === this.seen) return;
     this.seen = now;
     this.again.want();
+  }
+
+  /** The mission is empty: it was deleted. */
+  private forget(): void {
+    this.fit = undefined;
+    this.seen = '';
+    this.stage.truth.show([]);
+    this.onChange();
   }
 
   stop(): void {
@@ -53,7 +72,9 @@ export class TrueTrajectory {
   private async refresh(): Promise<void> {
     this.truth ??= parseTruth(await this.ask());
     if (this.truth.length === 0) return;
-    const alignment = alignTruth(this.truth, referenceKeyframes(this.model()));
+    const told = referenceKeyframes(this.model());
+    const alignment = alignTruth(this.truth, told);
+    this.fit = alignment ? truthFit(this.truth, told, alignment) : undefined;
     this.stage.truth.show(alignment ? dashes(this.truth, alignment) : []);
     this.onChange();
     this.stage.invalidate();

@@ -33,3 +33,10 @@ test('an alignment of a straight path is found with its turn and scale', () => {
   found.rotation.forEach((value, i) => assert.ok(Math.abs(value - turn[i]) < 1e-9));
   found.translation.forEach((value, i) => assert.ok(Math.abs(value - [5, 0, 0][i]) < 1e-9));
 });
+
+test('islands of a room stand a few metres apart, paths alone closer still', () => {
+  const islands = ['a', 'b'].map((name) => ({ name, isReference: name === 'a', box: box(0.5) }));
+  const apart = (hasPoints: boolean) => layOut(islands, new Map(), hasPoints).get('b')!.offsetX;
+  assert.ok(apart(true) > 4 && apart(true) < 10, String(apart(true)));
+  assert.ok(apart(false) < 2.5, String(apart(false)));
+});

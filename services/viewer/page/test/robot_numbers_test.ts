@@ -1,5 +1,6 @@
 import assert from 'node:assert/strict';
 import test from 'node:test';
+import { categoryColour } from '../src/model/palette';
 import { numberRobots } from '../src/model/robot_numbers';
 
 test('robots have the same number whatever order they came in', () => {
@@ -17,7 +18,15 @@ test('numbers in names count', () => {
 
 test('any name has a number, also where there are more than colours', () => {
   const names = ['', '-', '😀', 'Ünal', ...Array.from({ length: 20 }, (_, i) => `x${i}`)];
-  for (const number of numberRobots(names).values()) {
-    assert.ok(Number.isInteger(number) && number >= 0 && number < 8);
+  const numbers = [...numberRobots(names).values()];
+  assert.equal(new Set(numbers).size, names.length);
+  assert.deepEqual(numbers.toSorted((a, b) => a - b), [...names.keys()]);
+});
+
+test('twenty robots have twenty colours, in either theme', () => {
+  for (const theme of ['light', 'dark'] as const) {
+    const colours = Array.from({ length: 20 }, (_, number) => categoryColour(theme, number));
+    assert.equal(new Set(colours).size, 20);
+    for (const colour of colours) assert.match(colour, /^#[0-9a-f]{6}$/);
   }
 });

@@ -2,7 +2,7 @@ import assert from 'node:assert/strict';
 import test from 'node:test';
 import { setTimeout as pause } from 'node:timers/promises';
 import { MapModel } from '../src/model/map_model';
-import { type TimedPose, alignTruth, dashes, parseTruth, referenceKeyframes } from '../src/model/truth';
+import { type TimedPose, alignTruth, dashes, parseTruth, referenceKeyframes, truthFit } from '../src/model/truth';
 import { TrueTrajectory } from '../src/true_trajectory';
 import { change, keyframe } from './messages';
 
@@ -100,4 +100,20 @@ test('a mission without truth is not asked again', async () => {
   await pause(20);
   assert.deepEqual([seen.asked, seen.shown.length], [1, 0]);
   truth.stop();
+});
+
+test('no dash crosses a time of which the truth says nothing', () => {
+  const rows = [...Array(50).keys()].flatMap((i) => [`${i} ${i} 0 0 0 0 0 1`, `${500 + i} ${500 + i} 0 0 0 0 0 1`]).join('\n');
+  const none = { scale: 1, rotation: [0, 0, 0, 1] as [number, number, number, number], translation: [0, 0, 0] as [number, number, number] };
+  const segments = dashes(parseTruth(rows), none);
+  assert.ok(segments.length > 0);
+  for (let i = 0; i < segments.length; i += 6) assert.ok(segments[i + 3] - segments[i] < 2, `a dash from ${segments[i]} to ${segments[i + 3]}`);
+});
+
+test('how far the truth lies from the keyframes is counted', () => {
+  const truth = parseTruth(ROWS);
+  const frames = [0, 50, 100, 200].map((i, n) => frame(10 + i / 10, 7 + (n % 2 ? 0.1 : -0.1), i + 3));
+  const fit = truthFit(truth, frames, alignTruth(truth, frames)!);
+  assert.equal(fit.common, 4);
+  assert.ok(fit.rms > 0.05 && fit.rms < 0.11, String(fit.rms));
 });

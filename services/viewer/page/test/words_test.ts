@@ -2,11 +2,13 @@ import assert from 'node:assert/strict';
 import test from 'node:test';
 import { create } from '@bufbuild/protobuf';
 import { type MissionEvent, MissionEventSchema } from '@gen/corbslam/v1/events_pb';
+import { TrackingState, WhyNoPose } from '@gen/corbslam/v1/agent_service_pb';
 import { OverlapVerdict } from '@gen/corbslam/v1/overlap_pb';
-import { bytes, count, eventWords, mapWords, since, verdictWords } from '../src/model/words';
+import { MapNames } from '../src/model/map_names';
+import { bytes, count, eventWords, mapWords, since, timeOfDay, trackingWords, verdictWords } from '../src/model/words';
 
 function said(event: MissionEvent['event'] | object): string {
-  return eventWords(create(MissionEventSchema, { event: event as never })).text;
+  return eventWords(create(MissionEventSchema, { event: event as never }), new MapNames()).text;
 }
 
 test('events are said in words', () => {
@@ -37,4 +39,17 @@ test('the picture is told to those who do not see it', () => {
   const seen = { islands, agents: () => ['alpha', 'beta'], keyframeCount: 1, pointCount: 1200 };
   assert.equal(mapWords(seen), '2 islands, 1 keyframe, 1\u2009200 points of alpha and beta');
   assert.equal(mapWords({ ...seen, keyframeCount: 0 }), 'nothing yet');
+});
+
+test('what happened on another day has its date', () => {
+  const now = new Date(2026, 2, 2, 12).getTime();
+  const at = (ms: number) => timeOfDay(BigInt(ms) * 1_000_000n, now);
+  assert.equal(at(now), new Date(now).toLocaleTimeString());
+  assert.match(at(now - 86_400_000), /1.*,/);
+  assert.match(at(new Date(2025, 2, 2).getTime()), /2025/);
+});
+
+test('a robot that has no pose says why', () => {
+  assert.equal(trackingWords({ state: TrackingState.LOST, whyNoPose: WhyNoPose.NOT_RECOGNISED }), 'lost: the place is not recognised');
+  assert.equal(trackingWords({ state: TrackingState.TRACKING, whyNoPose: WhyNoPose.UNSPECIFIED }), 'tracking');
 });

@@ -7,6 +7,9 @@ import type { MapChange } from '../model/map_change';
 import { decodeMapChange } from './map_change';
 import { LengthPrefixed } from './length_prefixed';
 
+/** Further overlaps are not asked for. */
+export const MOST_OVERLAPS = 20_000;
+
 /** The server refused, with a reason for people. */
 export class RestError extends Error {
   constructor(readonly status: number, message: string) {
@@ -40,7 +43,7 @@ export class Rest {
       const page = await this.json(`${root(mission)}/overlaps?${query}`, ListOverlapsResponseSchema);
       overlaps.push(...page.overlaps);
       pageToken = page.nextPageToken;
-    } while (pageToken && overlaps.length < 20_000);
+    } while (pageToken && overlaps.length < MOST_OVERLAPS);
     return overlaps;
   }
 

@@ -9,6 +9,10 @@ const LONGEST_WAIT_MS = 8000;
 /** Of ViewerMessage.map: field 1, length-delimited. A message has one part. */
 const MAP_TAG = 10;
 const SLICE_MS = 12;
+/** A pulse comes each second, or later where the store is slow; a silent link may be dead and not say so. */
+const SILENT_MS = 15_000;
+const DEAD_MS = 45_000;
+const LISTEN_EVERY_MS = 1000;
 
 /** How the connection stands. */
 export type StreamState =
@@ -16,7 +20,9 @@ export type StreamState =
   | { name: 'open' }
   | { name: 'away'; retryMs: number }
   | { name: 'refused'; why: 'token' | 'mission' }
-  | { name: 'missing'; retryMs: number };
+  | { name: 'silent'; forMs: number }
+  | { name: 'busy'; retryMs: number; reason: string }
+  | { name: 'impossible'; reason: string };
 
 /** What the stream tells. */
 export interface StreamListener {
@@ -32,7 +38,11 @@ export class Stream {
   private queue: ArrayBuffer[] = [];
   private waitMs = FIRST_WAIT_MS;
   private timer: ReturnType<typeof setTimeout> | undefined;
+  private pumping: ReturnType<typeof setTimeout> | undefined;
   private isPumping = false;
+  private heardMs = 0;
+  private isSilent = false;
+  private readonly listening = setInterval(() => this.listen(), LISTEN_EVERY_MS);
   private isClosed = false;
 
   constructor(
@@ -46,6 +56,7 @@ export class Stream {
   close(): void {
     this.isClosed = true;
     clearTimeout(this.timer);
+    clearInterval(this.listening);
     this.socket?.close();
     this.queue = [];
   }
@@ -62,27 +73,53 @@ export class Stream {
     const protocols = this.token ? ['corbslam', `token.${this.token}`] : ['corbslam'];
     const socket = new WebSocket(url, protocols);
     socket.binaryType = 'arraybuffer';
-    socket.onopen = () => this.listener.onState({ name: 'open' });
-    socket.onmessage = ({ data }) => this.receive(data as ArrayBuffer);
-    socket.onclose = ({ code }) => this.onClose(socket, code);
+    socket.onopen = () => this.onOpen(socket);
+    socket.onmessage = ({ data }) => socket === this.socket && this.receive(data as ArrayBuffer);
+    socket.onclose = ({ code, reason }) => this.onClose(socket, code, reason);
     this.socket = socket;
+  }
+
+  private onOpen(socket: WebSocket): void {
+    if (socket !== this.socket) return;
+    this.heardMs = performance.now();
+    this.isSilent = false;
+    this.listener.onState({ name: 'open' });
+  }
+
+  /** Says when nothing comes any more, and gives a connection up that stays silent. */
+  private listen(): void {
+    if (this.socket?.readyState !== WebSocket.OPEN) return;
+    const forMs = performance.now() - this.heardMs;
+    if (forMs < SILENT_MS) return;
+    if (forMs < DEAD_MS) {
+      this.isSilent = true;
+      return this.listener.onState({ name: 'silent', forMs });
+    }
+    const dead = this.socket;
+    dead.close();
+    this.onClose(dead, 0, '');
   }
 
   private receive(data: ArrayBuffer): void {
     this.waitMs = FIRST_WAIT_MS;
+    this.heardMs = performance.now();
+    if (this.isSilent) this.listener.onState({ name: 'open' });
+    this.isSilent = false;
     this.receivedBytes += data.byteLength;
     this.queue.push(data);
-    if (!this.isPumping) this.pump();
+    // Of a page that nobody sees, browsers hold timers back for up to a minute.
+    if (!this.isPumping || document.hidden) this.pump();
   }
 
   /** Decodes for a few milliseconds, then lets the page draw. */
   private pump(): void {
     const end = performance.now() + SLICE_MS;
-    while (this.queue.length > 0 && performance.now() < end) {
+    while (this.queue.length > 0 && (document.hidden || performance.now() < end)) {
       this.decode(new Uint8Array(this.queue.shift()!));
     }
     this.isPumping = this.queue.length > 0;
-    if (this.isPumping) setTimeout(() => this.pump(), 0);
+    clearTimeout(this.pumping);
+    if (this.isPumping) this.pumping = setTimeout(() => this.pump(), 0);
   }
 
   private decode(bytes: Uint8Array): void {
@@ -90,13 +127,16 @@ export class Stream {
     this.listener.onMap(decodeMapChange(new WireReader(bytes, 1).part().content));
   }
 
-  private onClose(socket: WebSocket, code: number): void {
+  private onClose(socket: WebSocket, code: number, reason: string): void {
     if (this.isClosed || socket !== this.socket) return;
+    this.socket = undefined;
     if (code === 4401) return this.listener.onState({ name: 'refused', why: 'token' });
     if (code === 4403) return this.listener.onState({ name: 'refused', why: 'mission' });
+    // A mission that is not there yet is waited for: what can't be found never will be.
+    if (code === 4404) return this.listener.onState({ name: 'impossible', reason });
     const retryMs = this.waitMs;
     this.waitMs = Math.min(2 * this.waitMs, LONGEST_WAIT_MS);
-    this.listener.onState({ name: code === 4404 ? 'missing' : 'away', retryMs });
+    this.listener.onState(code === 4429 ? { name: 'busy', retryMs, reason } : { name: 'away', retryMs });
     this.timer = setTimeout(() => this.connect(), retryMs);
   }
 }

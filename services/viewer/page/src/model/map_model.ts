@@ -26,6 +26,8 @@ export class MapModel {
   /** Arrivals so far; ages are shown relative to them. */
   keyframeArrivals = 0;
   pointArrivals = 0;
+  /** Local maps that came so far; one that went leaves its number unused. */
+  private arrivals = 0;
   private generation = 1;
   private readonly stale = new Map<string, number>();
   private readonly left = new Map<string, Map<number, Pose>>();
@@ -62,6 +64,11 @@ export class MapModel {
     return islands;
   }
 
+  /** The islands of an agent's local maps, by their arrival. */
+  islandsOf(agent: string): string[] {
+    return [...this.localMaps.values()].filter((one) => one.agent === agent).map(({ island }) => island);
+  }
+
   /** The agents' names in the order of their arrival. */
   agents(): string[] {
     return [...new Set([...this.localMaps.values()].map((localMap) => localMap.agent))].filter(Boolean).sort(byName);
@@ -73,7 +80,7 @@ export class MapModel {
     const { globalIsland, revision, keyframeCount, pointCount, keyframeArrivals, pointArrivals } = this;
     return Object.assign(other, {
       globalIsland, revision, keyframeCount, pointCount, keyframeArrivals, pointArrivals,
-      generation: this.generation,
+      generation: this.generation, arrivals: this.arrivals,
     });
   }
 
@@ -89,7 +96,7 @@ export class MapModel {
     const localMap = this.localMaps.get(id);
     if (localMap && agent) localMap.agent = agent;
     else if (!localMap) {
-      const created = newLocalMap(id, this.localMaps.size);
+      const created = newLocalMap(id, this.arrivals++);
       created.agent = agent;
       this.localMaps.set(id, created);
     }

@@ -5,9 +5,21 @@ export type ColourMode = 'robot' | 'island' | 'paper' | 'height' | 'age';
 const LIGHT = ['#0072b2', '#c94f00', '#00805c', '#a8347d', '#7a6500', '#2f8fb8', '#5b4bb0', '#5a5a5a'];
 const DARK = ['#5cb8f0', '#ff9a4d', '#2fd6a0', '#f08bc8', '#f0e060', '#9ad7f5', '#b5a6ff', '#c8c8c8'];
 
+// What robots beyond the eighth and the sixteenth are mixed with.
+const SHADES: Record<Theme, string>[] = [{ light: '#000000', dark: '#303840' }, { light: '#ffffff', dark: '#ffffff' }];
+
 export function categoryColour(theme: Theme, number: number): string {
   const colours = theme === 'light' ? LIGHT : DARK;
-  return colours[number % colours.length];
+  const round = Math.floor(number / colours.length) % (SHADES.length + 1);
+  const colour = colours[number % colours.length];
+  return round === 0 ? colour : mixed(colour, SHADES[round - 1][theme], 0.45);
+}
+
+/** So much of the way from one colour to another, both as #rrggbb. */
+export function mixed(a: string, b: string, part: number): string {
+  const channel = (colour: string, i: number) => Number.parseInt(colour.slice(1 + 2 * i, 3 + 2 * i), 16);
+  const mix = (i: number) => Math.round(channel(a, i) * (1 - part) + channel(b, i) * part);
+  return `#${[0, 1, 2].map((i) => mix(i).toString(16).padStart(2, '0')).join('')}`;
 }
 
 /** Everything else that is drawn in the map. */

@@ -48,20 +48,47 @@ export function alignTruth(truth: TruePose[], told: TimedPose[]): Alignment | un
   return source.length < 3 ? undefined : alignPoses(source, target);
 }
 
-/** A dashed path in the island's frame, as segments (x, y, z twice each). */
-export function dashes(truth: TruePose[], { scale, rotation, translation }: Alignment): number[] {
-  const path = truth.map(({ centre }) => {
-    const turned = rotate(rotation, centre);
-    return turned.map((value, k) => scale * value + translation[k]) as Vec3;
-  });
+/** How the truth lies on what was told. */
+export interface TruthFit {
+  /** Keyframes whose time it has. */
+  common: number;
+  /** Of their centres, in the island's unit. */
+  rms: number;
+}
+
+export function truthFit(truth: TruePose[], told: TimedPose[], alignment: Alignment): TruthFit {
+  let [common, sum] = [0, 0];
+  for (const { timestampNs, pose } of told) {
+    const near = nearest(truth, Number(timestampNs) / 1e9);
+    if (!near) continue;
+    const [x, y, z] = placed(near.centre, alignment);
+    sum += (x - pose.centre[0]) ** 2 + (y - pose.centre[1]) ** 2 + (z - pose.centre[2]) ** 2;
+    common++;
+  }
+  return { common, rms: common > 0 ? Math.sqrt(sum / common) : 0 };
+}
+
+function placed(centre: Vec3, { scale, rotation, translation }: Alignment): Vec3 {
+  return rotate(rotation, centre).map((value, k) => scale * value + translation[k]) as Vec3;
+}
+
+/** Steps of time that are so much longer than most are gaps. */
+const GAP = 10;
+
+/** A dashed path in the island's frame, as segments (x, y, z twice each); nothing over gaps of time. */
+export function dashes(truth: TruePose[], alignment: Alignment): number[] {
+  const path = truth.map(({ centre }) => placed(centre, alignment));
+  const steps = truth.slice(1).map(({ timeS }, i) => timeS - truth[i].timeS);
+  const longest = GAP * ([...steps].sort((a, b) => a - b)[steps.length >> 1] ?? 0);
   const lengths = path.slice(1).map((to, i) => Math.hypot(...to.map((value, k) => value - path[i][k])));
   const dash = lengths.reduce((sum, length) => sum + length, 0) / (2 * DASHES);
   const segments: number[] = [];
   let travelled = 0;
   lengths.forEach((length, i) => {
     // The middle of a step decides: steps are short beside a dash, or few.
+    const isGap = longest > 0 && steps[i] > longest;
     const isOn = dash === 0 || Math.floor((travelled + length / 2) / dash) % 2 === 0;
-    if (isOn) segments.push(...path[i], ...path[i + 1]);
+    if (isOn && !isGap) segments.push(...path[i], ...path[i + 1]);
     travelled += length;
   });
   return segments;

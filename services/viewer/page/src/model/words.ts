@@ -1,8 +1,10 @@
 // What people read, made of what the wire says. Everything here is plain text.
 import type { MissionEvent } from '@gen/corbslam/v1/events_pb';
 import { type Overlap, OverlapVerdict } from '@gen/corbslam/v1/overlap_pb';
-import { TrackingState } from '@gen/corbslam/v1/agent_service_pb';
-import { lastSegment, shortId } from './ids';
+import { type AgentStatus, TrackingState, WhyNoPose } from '@gen/corbslam/v1/agent_service_pb';
+import type { Mission } from '@gen/corbslam/v1/resources_pb';
+import type { MapNames } from './map_names';
+import { lastSegment } from './ids';
 
 const VERDICTS: Record<OverlapVerdict, string> = {
   [OverlapVerdict.UNSPECIFIED]: 'No verdict yet.',
@@ -38,8 +40,23 @@ const STATES: Record<TrackingState, string> = {
   [TrackingState.LOST]: 'lost',
 };
 
-export function trackingWords(state: TrackingState): string {
-  return STATES[state] ?? 'not known';
+const WHY: Partial<Record<WhyNoPose, string>> = {
+  [WhyNoPose.FEW_KEYPOINTS]: 'the picture has too few corners',
+  [WhyNoPose.FEW_DEPTHS]: 'too few corners have a depth',
+  [WhyNoPose.MAPPING_BUSY]: 'mapping still works on earlier frames',
+  [WhyNoPose.MAPPING_PAUSED]: 'there is no map, and mapping is paused',
+  [WhyNoPose.NOT_RECOGNISED]: 'the place is not recognised',
+};
+
+export function trackingWords({ state, whyNoPose }: Pick<AgentStatus, 'state' | 'whyNoPose'>): string {
+  const why = state === TrackingState.TRACKING ? undefined : WHY[whyNoPose];
+  return (STATES[state] ?? 'not known') + (why ? `: ${why}` : '');
+}
+
+/** What is wrong with a mission that answers, for people; empty: nothing. */
+export function missionTrouble(mission: Mission | undefined): string {
+  if (!mission?.damage) return '';
+  return `The mission's journal is damaged; it takes nothing in, and what could not be read is not shown: ${mission.damage.replace(/\.$/, '')}.`;
 }
 
 /** An event as a sentence, and its kind for the list's marks. */
@@ -49,23 +66,23 @@ export interface EventWords {
 }
 
 const robot = (name: string) => lastSegment(name);
-const map = (name: string) => `map ${shortId(lastSegment(name))}`;
 const list = (names: string[]) =>
   names.length < 2 ? names.join() : `${names.slice(0, -1).join(', ')} and ${names.at(-1)}`;
-const many = (n: number, one: string, more = `${one}s`) => `${count(n)} ${n === 1 ? one : more}`;
+export const many = (n: number | bigint, one: string, more = `${one}s`) => `${count(n)} ${Number(n) === 1 ? one : more}`;
 
-export function eventWords({ event }: MissionEvent): EventWords {
+export function eventWords({ event }: MissionEvent, names: MapNames): EventWords {
+  const map = (name: string) => names.of(lastSegment(name));
   switch (event.case) {
     case 'agentJoined':
       return { kind: 'robot', text: `${robot(event.value.agent)} joined` };
     case 'agentLeft':
       return { kind: 'robot', text: `${robot(event.value.agent)} left` };
     case 'localMapBegun':
-      return { kind: 'robot', text: `${robot(event.value.agent)} began ${map(event.value.localMap)}` };
+      return { kind: 'robot', text: `${robot(event.value.agent)} began ${names.ownOf(lastSegment(event.value.localMap))}` };
     case 'trackingLost':
       return { kind: 'lost', text: `${robot(event.value.agent)} lost tracking for ${many(event.value.frames, 'frame')}` };
     case 'overlapAccepted':
-      return { kind: 'other', text: overlapWords(event.value.localMaps) };
+      return { kind: 'other', text: overlapWords(event.value.localMaps.map(map)) };
     default:
       return fusionWords(event);
   }
@@ -93,10 +110,10 @@ function mergeWords(agents: string[], maps: number, ms: number): string {
   return `Maps of ${owners} became one (${many(maps, 'local map')}, ${seconds(ms)})`;
 }
 
-function overlapWords(localMaps: string[]): string {
-  const [a, b] = localMaps;
-  if (a === b) return `Overlap accepted within ${map(a ?? '')}`;
-  return `Overlap accepted between ${list(localMaps.map(map))}`;
+function overlapWords(maps: string[]): string {
+  const [a, b] = maps;
+  if (a === b) return `Overlap accepted within ${a}`;
+  return `Overlap accepted between ${list(maps)}`;
 }
 
 function seconds(ms: number): string {
@@ -123,9 +140,13 @@ export function bytes(n: number | bigint): string {
   return `${scaled < 10 ? scaled.toFixed(1) : Math.round(scaled)} ${unit}`;
 }
 
-/** Local time of day of a store's or viewer's clock. */
-export function timeOfDay(ns: bigint): string {
-  return new Date(Number(ns / 1_000_000n)).toLocaleTimeString();
+/** Local time of day of a store's or viewer's clock, with the date where that is another day's than now. */
+export function timeOfDay(ns: bigint, nowMs = Date.now()): string {
+  const [time, now] = [new Date(Number(ns / 1_000_000n)), new Date(nowMs)];
+  const clock = time.toLocaleTimeString();
+  if (time.toDateString() === now.toDateString()) return clock;
+  const year = time.getFullYear() === now.getFullYear() ? undefined : 'numeric';
+  return `${time.toLocaleDateString([], { day: 'numeric', month: 'short', year })}, ${clock}`;
 }
 
 /** How long something has lasted, in a word or two. */

@@ -1,5 +1,6 @@
 import type { Keyframe } from '@gen/corbslam/v1/resources_pb';
 import { lastSegment, parseKeyframeName } from '../model/ids';
+import type { MapNames } from '../model/map_names';
 import { count } from '../model/words';
 import { h, panel, table } from './dom';
 import { keypointsFigure } from './keypoints';
@@ -27,19 +28,19 @@ export class DetailsPanel {
   }
 }
 
-export function keyframeDetails(keyframe: Keyframe): Node[] {
+export function keyframeDetails(keyframe: Keyframe, names: MapNames): Node[] {
   const id = parseKeyframeName(keyframe.name);
   const parent = parseKeyframeName(keyframe.parent);
   const features = keyframe.payload?.features;
   const rows: [string, string][] = [
     ['Robot', lastSegment(keyframe.agent)],
-    ['Local map', id?.localMap ?? keyframe.name],
-    ['Island', lastSegment(keyframe.island)],
-    ['Time', `${(Number(keyframe.timestampNs) / 1e9).toFixed(3)} s (the robot’s clock)`],
+    ['Local map', id ? names.of(id.localMap) : keyframe.name],
+    ['Island', `that of ${names.of(lastSegment(keyframe.island))}`],
+    ['Robot’s clock', `${(Number(keyframe.timestampNs) / 1e9).toFixed(3)} s`],
     ['Place', keyframe.placed ? 'given by fusion' : 'follows its nearest relative'],
     ['Local adjustment', keyframe.settled ? 'settled' : 'still going on'],
     ['Revision', keyframe.revision > 0n ? count(keyframe.revision) : 'none yet'],
-    ['Parent', parent ? `#${parent.index}${parent.localMap === id?.localMap ? '' : ` of ${parent.localMap}`}` : 'none'],
+    ['Parent', parent ? `#${parent.index}${parent.localMap === id?.localMap ? '' : ` of ${names.of(parent.localMap)}`}` : 'none'],
     ['Keypoints', count(keyframe.keypoints)],
     ['… that see a map point', count(keyframe.observedPoints)],
   ];

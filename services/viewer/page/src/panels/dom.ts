@@ -15,6 +15,11 @@ export function h<K extends keyof HTMLElementTagNameMap>(
   return element;
 }
 
+/** Says words anew only where they are others: screen readers read what changes. */
+export function setText(element: HTMLElement, words: string): void {
+  if (element.textContent !== words) element.textContent = words;
+}
+
 /** A coloured mark; the style sheet draws it. */
 export function swatch(colour: string): HTMLElement {
   const mark = h('span', { class: 'swatch', 'aria-hidden': 'true' });

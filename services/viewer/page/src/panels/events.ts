@@ -1,5 +1,6 @@
 import type { MissionEvent } from '@gen/corbslam/v1/events_pb';
-import { eventWords, timeOfDay } from '../model/words';
+import type { MapNames } from '../model/map_names';
+import { eventWords, many, timeOfDay } from '../model/words';
 import { h, panel } from './dom';
 
 const MOST_EVENTS = 200;
@@ -11,8 +12,10 @@ export class EventsPanel {
   private readonly list = h('ol', { class: 'events', 'aria-live': 'polite', 'aria-relevant': 'additions' });
   private readonly none = h('p', { class: 'quiet' }, 'None since the map store was started.');
   private readonly seen = new Set<string>();
+  private readonly shown: { event: MissionEvent; item: HTMLElement; text: HTMLElement }[] = [];
+  private namesVersion = 0;
 
-  constructor() {
+  constructor(private readonly names: MapNames) {
     const { root, body } = panel('events', 'Events');
     this.root = root;
     body.append(this.none, this.list);
@@ -24,14 +27,33 @@ export class EventsPanel {
     if (this.seen.has(key)) return false;
     this.seen.add(key);
     this.none.remove();
-    const { kind, text } = eventWords(event);
-    const item = h('li', { class: `event ${kind}` },
-      h('span', { class: 'mark', 'aria-hidden': 'true' }, MARKS[kind]),
-      h('span', { class: 'text' }, text),
-      h('time', {}, timeOfDay(event.timeNs)));
+    if (event.missed > 0n) this.addRow('other', `${many(Number(event.missed), 'earlier event')} forgotten by the store`);
+    const { kind, text } = eventWords(event, this.names);
+    const { item, words } = this.addRow(kind, text, event);
     if (kind === 'merge' && isRecent) item.classList.add('flash');
-    this.list.prepend(item);
+    this.shown.push({ event, item, text: words });
     while (this.list.children.length > MOST_EVENTS) this.list.lastElementChild!.remove();
+    if (this.shown.length > MOST_EVENTS) this.shown.shift();
     return true;
+  }
+
+  /** Says local maps' names that came after their events. */
+  rename(): void {
+    if (this.namesVersion === this.names.version) return;
+    this.namesVersion = this.names.version;
+    for (const { event, text } of this.shown) {
+      const words = eventWords(event, this.names).text;
+      if (text.textContent !== words) text.textContent = words;
+    }
+  }
+
+  private addRow(kind: keyof typeof MARKS, text: string, event?: MissionEvent): { item: HTMLElement; words: HTMLElement } {
+    const words = h('span', { class: 'text' }, text);
+    const time = event && new Date(Number(event.timeNs / 1_000_000n));
+    const item = h('li', { class: `event ${kind}` },
+      h('span', { class: 'mark', 'aria-hidden': 'true' }, MARKS[kind]), words,
+      event && h('time', { datetime: time!.toISOString(), title: time!.toLocaleString() }, timeOfDay(event.timeNs)));
+    this.list.prepend(item);
+    return { item, words };
   }
 }

@@ -11,7 +11,7 @@ export function keypointsFigure(features: Features): HTMLElement {
   const caption = h('figcaption', {},
     h('span', { class: 'depth-known' }, `● ${known} with depth`), ' ',
     h('span', { class: 'depth-unknown' }, `○ ${features.xPx64.length - known} without`),
-    '; larger: coarser octave');
+    '; larger: seen at a coarser scale');
   return h('figure', {}, canvas, caption);
 }
 

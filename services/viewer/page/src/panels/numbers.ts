@@ -6,7 +6,14 @@ import { panel, refill, table } from './dom';
 /** Figures of this page itself. */
 export interface PageFigures {
   receivedBytes: number;
-  isTruthShown: boolean;
+  /** How the truth is shown; empty: none is known. */
+  truth: string;
+  /** The map is one of the past. */
+  isPast: boolean;
+  /** What is shown beside the past though it is of now. */
+  ofNow: string[];
+  /** What the pulse says is how things are now. */
+  isLive: boolean;
   drawnPoints: number;
 }
 
@@ -21,12 +28,13 @@ export class NumbersPanel {
 
   update(model: MapModel, pulse: MissionPulse | undefined, page: PageFigures): void {
     const rows: [string, string][] = [
+      ...(page.isPast ? [['Shown', 'the past'] as [string, string], ...page.ofNow.map((what): [string, string] => [what, 'known of now alone'])] : []),
       ['Revision', count(model.revision)],
       ['Islands', String(model.islands().size)],
       ['Keyframes', count(model.keyframeCount)],
       ['Map points', count(model.pointCount)],
-      ...fusionRows(pulse),
-      ...(page.isTruthShown ? [['Truth', 'the dashed line'] as [string, string]] : []),
+      ...(page.isPast || !page.isLive ? [] : fusionRows(pulse)),
+      ...(page.truth ? [['Truth', page.truth] as [string, string]] : []),
       ['Points drawn', count(page.drawnPoints)],
       ['Received', bytes(page.receivedBytes)],
     ];
@@ -42,6 +50,8 @@ function fusionRows(pulse: MissionPulse | undefined): [string, string][] {
     rows.push(['Overlaps verified', count(statistics.overlapsVerified)]);
     rows.push(['Overlaps accepted', count(statistics.overlapsAccepted)]);
   }
+  if (statistics && statistics.failedRequests > 0n) rows.push(['Requests that failed', count(statistics.failedRequests)]);
+  if (mission?.asleep) rows.push(['Mission', 'asleep: on the store’s disk alone']);
   if (mission) rows.push(['Fusion', fusionWords(mission)]);
   if (mission && mission.workerAwaySinceNs > 0n) {
     rows.push(['Worker away for', since(mission.workerAwaySinceNs, pulse!.timeNs)]);

@@ -1,4 +1,5 @@
 import type { Overlap } from '@gen/corbslam/v1/overlap_pb';
+import { MOST_OVERLAPS } from '../feed/rest';
 import { parseKeyframeName, shortId } from '../model/ids';
 import { count, isAccepted, verdictWords } from '../model/words';
 import { h, panel, refill, table } from './dom';
@@ -16,18 +17,22 @@ export class OverlapsPanel {
     ({ root: this.root, body: this.body } = panel('overlaps', 'Overlaps'));
   }
 
-  update(overlaps: Overlap[], showsRefused: boolean, chosen: Overlap | undefined, agentOf: (localMap: string) => string): void {
+  update(overlaps: Overlap[], showsRefused: boolean, chosen: Overlap | undefined,
+    agentOf: (localMap: string) => string, said: { note: string }): void {
     const shown = overlaps.filter((overlap) => showsRefused || isAccepted(overlap)).reverse();
     const accepted = overlaps.filter(isAccepted).length;
-    const key = [shown.length, shown[0]?.number, accepted, chosen?.number, showsRefused].join();
+    const key = [shown.length, shown[0]?.number, accepted, chosen?.number, showsRefused, said.note].join();
     // New rows would move the others away from under the pointer.
     if (this.body.matches(':hover') && this.chosen === chosen?.number && this.wasRefused === showsRefused) return;
+    const { note } = said;
     this.chosen = chosen?.number;
     this.wasRefused = showsRefused;
     refill(this.body, key, () => [
       h('p', { class: 'quiet' }, this.summary(overlaps.length, accepted, showsRefused)),
+      note !== '' && h('p', { class: 'quiet' }, note),
+      shown.length > MOST_ROWS && h('p', { class: 'quiet' }, `The newest ${MOST_ROWS} are listed; each has its line in the map.`),
       h('ul', { class: 'overlaps' }, ...shown.slice(0, MOST_ROWS).map((overlap) => this.row(overlap, chosen, agentOf))),
-    ]);
+    ].filter((node) => node !== false));
   }
 
   private summary(all: number, accepted: number, showsRefused: boolean): string {
@@ -45,6 +50,14 @@ export class OverlapsPanel {
       h('span', { class: 'text' }, sides),
       h('small', {}, reason(overlap))));
   }
+}
+
+/** What is to be known of the list as a whole. */
+export function overlapsNote(isPast: boolean, all: number): string {
+  const parts: string[] = [];
+  if (isPast) parts.push('As they are now; the map shows those of the moment.');
+  if (all >= MOST_OVERLAPS) parts.push(`There are more than ${count(MOST_OVERLAPS)}; the others are not shown.`);
+  return parts.join(' ');
 }
 
 /** In a word or two, beside the mark that says whether it is believed. */

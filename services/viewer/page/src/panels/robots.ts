@@ -2,9 +2,12 @@ import type { MissionPulse } from '@gen/corbslam/v1/viewer_pb';
 import type { AgentStatus } from '@gen/corbslam/v1/agent_service_pb';
 import { lastSegment } from '../model/ids';
 import type { MapModel } from '../model/map_model';
-import { bytes, count, since, trackingWords } from '../model/words';
+import { bytes, count, many, since, trackingWords } from '../model/words';
 import type { ViewState } from '../view_state';
 import { h, panel, refill, swatch, table } from './dom';
+
+/** Of AgentStatus.outboxCode. */
+const RESOURCE_EXHAUSTED = 8;
 
 /** What the panel asks of the page. */
 export interface RobotActions {
@@ -17,16 +20,18 @@ export interface RobotActions {
 export class RobotsPanel {
   readonly root: HTMLElement;
   private readonly body: HTMLElement;
-  /** By robot: since when it is away, by the viewer's clock. */
+  /** By robot: since when it is away, as far as that was told or seen. */
   private readonly awaySince = new Map<string, bigint>();
+  private readonly wasConnected = new Set<string>();
 
   constructor(private readonly actions: RobotActions) {
     ({ root: this.root, body: this.body } = panel('robots', 'Robots'));
   }
 
-  update(robots: readonly string[], model: MapModel, pulse: MissionPulse | undefined, state: ViewState): void {
-    this.noteAbsences(pulse);
-    const rows = robots.map((robot) => this.facts(robot, model, pulse));
+  /** `isLive`: what the pulse says is how things are now; `isPast`: the map is one of the past. */
+  update(robots: readonly string[], model: MapModel, pulse: MissionPulse | undefined, state: ViewState, now: { isLive: boolean; isPast: boolean }): void {
+    if (now.isLive) this.noteAbsences(pulse);
+    const rows = robots.map((robot) => this.facts(robot, model, now.isLive ? pulse : undefined, now.isPast));
     const key = JSON.stringify([rows, state.robot, [...state.hidden], robots.map((r) => this.actions.colour(r))]);
     refill(this.body, key, () => {
       if (robots.length === 0) return [h('p', { class: 'quiet' }, 'No robot has sent anything yet.')];
@@ -42,8 +47,10 @@ export class RobotsPanel {
   private noteAbsences(pulse: MissionPulse | undefined): void {
     for (const { name, connected } of pulse?.agents ?? []) {
       const robot = lastSegment(name);
-      if (connected) this.awaySince.delete(robot);
-      else if (!this.awaySince.has(robot)) this.awaySince.set(robot, pulse!.timeNs);
+      if (connected) {
+        this.awaySince.delete(robot);
+        this.wasConnected.add(robot);
+      } else if (!this.awaySince.has(robot) && this.wasConnected.has(robot)) this.awaySince.set(robot, pulse!.timeNs);
     }
   }
 
@@ -63,19 +70,24 @@ export class RobotsPanel {
     return h('div', { class: 'robot-row' }, h('div', { class: 'robot-head' }, box, name, connection), table(rest));
   }
 
-  private facts(robot: string, model: MapModel, pulse: MissionPulse | undefined): [string, string][] {
+  private facts(robot: string, model: MapModel, pulse: MissionPulse | undefined, isPast: boolean): [string, string][] {
     const agent = pulse?.agents.find(({ name }) => lastSegment(name) === robot);
     const maps = pulse?.localMaps.filter((map) => lastSegment(map.agent) === robot) ?? [];
     const own = [...model.localMaps.values()].filter((map) => map.agent === robot);
     const keyframes = own.reduce((sum, map) => sum + map.keyframes.count, 0);
     const lost = maps.reduce((sum, map) => sum + Number(map.lostFrames), 0);
+    const then = isPast ? ' then' : '';
     const rows: [string, string][] = [this.connection(robot, agent?.connected, pulse)];
-    rows.push(['Local maps', String(Math.max(own.length, agent?.localMaps.length ?? 0))]);
-    rows.push(['Keyframes', count(keyframes)]);
+    if (agent?.localiseOnly) rows.push(['Role', 'only localises, maps nothing']);
+    rows.push([`Local maps${then}`, String(isPast ? own.length : Math.max(own.length, agent?.localMaps.length ?? 0))]);
+    rows.push([`Keyframes${then}`, count(keyframes)]);
     if (lost > 0) rows.push(['Lost frames', count(lost)]);
     if (agent?.connected) rows.push(['Shared map', agent.upToDate ? 'up to date' : 'waits for updates']);
     const told = pulse?.robots.find((one) => lastSegment(one.agent) === robot);
-    return [...rows, ...(told?.status ? statusFacts(told.status) : told?.error ? [['Robot', told.error] as [string, string]] : [])];
+    if (told?.status) return [...rows, ...statusFacts(told.status)];
+    if (agent?.connected && agent.lastPose) rows.push(['Tracking', agent.lastPose.lostSince ? 'lost at last report' : 'tracking at last report']);
+    if (told?.error) rows.push(['Asked itself', `does not answer: ${told.error}`]);
+    return rows;
   }
 
   private connection(robot: string, connected: boolean | undefined, pulse: MissionPulse | undefined): [string, string] {
@@ -86,12 +98,18 @@ export class RobotsPanel {
   }
 }
 
-function statusFacts(status: AgentStatus): [string, string][] {
-  const rows: [string, string][] = [['Tracking', trackingWords(status.state)]];
+/** What a robot says of itself. */
+export function statusFacts(status: AgentStatus): [string, string][] {
+  const rows: [string, string][] = [['Tracking', trackingWords(status)]];
+  if (status.mappingPaused) rows.push(['Mapping', 'paused']);
+  if (status.dropped > 0n) rows.push(['Frames passed over', `${count(status.dropped)}, they came too fast`]);
   if (status.outboxBatches > 0n) {
     const size = bytes(status.outboxMemoryBytes + status.outboxSpoolBytes);
-    rows.push(['Waits to be sent', `${count(status.outboxBatches)} batches, ${size}`]);
+    rows.push(['Waits to be sent', `${count(status.outboxBatches)} ${status.outboxBatches === 1n ? 'batch' : 'batches'}, ${size}`]);
   }
+  if (status.outboxCode === RESOURCE_EXHAUSTED) rows.push(['Room for it', 'none: changes wait in the map']);
+  else if (status.outboxCode !== 0) rows.push(['Room for it', 'its disk fails']);
+  if (status.lostLocalMaps > 0) rows.push(['Could not go on', many(status.lostLocalMaps, 'local map')]);
   if (status.sessionMessage) rows.push(['Link', status.sessionMessage]);
   return rows;
 }

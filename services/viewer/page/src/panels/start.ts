@@ -1,6 +1,6 @@
 import type { Mission } from '@gen/corbslam/v1/resources_pb';
 import { lastSegment } from '../model/ids';
-import { count } from '../model/words';
+import { many } from '../model/words';
 import { h } from './dom';
 
 /** The start screen: the missions, or a question for the token. */
@@ -31,9 +31,19 @@ export class StartScreen {
     this.show('The viewer does not answer', h('p', { role: 'alert' }, reason), h('p', { class: 'quiet' }, 'It is asked again in a moment.'));
   }
 
+  /** This browser can't draw. */
+  cannotDraw(reason: string): void {
+    this.show('This browser can’t draw the map', h('p', { role: 'alert' }, reason),
+      h('p', {}, 'Maps are drawn with WebGL 2. It may be off in the browser’s settings, or missing with this graphics card or remote desktop.'),
+      h('p', {}, h('a', { href: '#' }, 'All missions')));
+  }
+
   private row(mission: Mission): HTMLElement {
     const name = lastSegment(mission.name);
-    const words = `${count(mission.agents)} robots · ${count(mission.islands)} islands · ${count(mission.keyframes)} keyframes · ${count(mission.mapPoints)} points`;
+    const words = [
+      many(mission.agents, 'robot'), many(mission.islands, 'island'), many(mission.keyframes, 'keyframe'), many(mission.mapPoints, 'point'),
+      ...(mission.asleep ? ['asleep'] : []), ...(mission.damage ? ['its journal is damaged'] : []),
+    ].join(' · ');
     return h('li', {}, h('button', { click: () => this.open(name) }, h('strong', {}, name), h('span', {}, words)));
   }
 

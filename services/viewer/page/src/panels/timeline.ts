@@ -1,5 +1,5 @@
 import type { HistoryStep } from '../model/history';
-import { count } from '../model/words';
+import { count, many } from '../model/words';
 import { h } from './dom';
 
 /** What the timeline asks of the page. */
@@ -18,6 +18,8 @@ export class Timeline {
   private readonly words = h('output', { class: 'timeline-words' });
   private readonly playButton = h('button', { type: 'button', click: () => this.togglePlay() }, '▶ Play');
   private readonly speed = h('select', { 'aria-label': 'Speed' }, ...SPEEDS.map(([value, text]) => h('option', { value }, text)));
+  /** What is to be known of all moments. */
+  note = '';
   private timer: ReturnType<typeof setTimeout> | undefined;
 
   constructor(private readonly actions: TimelineActions) {
@@ -33,16 +35,23 @@ export class Timeline {
 
   open(): void {
     this.root.hidden = false;
-    this.words.textContent = 'Fetching the history …';
+    if (!this.slider.disabled && this.slider.max !== '') return;
+    this.wait('Fetching the history …');
   }
 
   close(): void {
     this.pause();
     this.root.hidden = true;
+    this.slider.max = '';
   }
 
   fail(reason: string): void {
-    this.words.textContent = reason;
+    this.wait(`The past can’t be shown: ${reason}`);
+  }
+
+  private wait(words: string): void {
+    this.words.textContent = words;
+    for (const element of [this.slider, this.playButton, this.speed]) element.disabled = true;
   }
 
   show(steps: HistoryStep[], position: number): void {
@@ -50,7 +59,8 @@ export class Timeline {
     this.slider.value = String(position);
     const step = steps[position];
     if (!step) return;
-    const text = stepWords(step, steps[position - 1], position, steps.length);
+    for (const element of [this.slider, this.playButton, this.speed]) element.disabled = false;
+    const text = [stepWords(step, steps[position - 1], position, steps.length), this.note].filter(Boolean).join(' · ');
     this.words.textContent = text;
     this.slider.setAttribute('aria-valuetext', text);
   }
@@ -79,9 +89,10 @@ export class Timeline {
 
 function stepWords({ revision, summary }: HistoryStep, before: HistoryStep | undefined, position: number, all: number): string {
   const parts = [`Revision ${count(revision)}`, `step ${position + 1} of ${all}`];
+  if (position === 0) parts.push('the oldest that the journal has');
   if (summary) {
-    parts.push(`${summary.islands} ${summary.islands === 1 ? 'island' : 'islands'}${change(summary.islands, before?.summary?.islands)}`);
-    parts.push(`${count(summary.keyframes)} keyframes${change(summary.keyframes, before?.summary?.keyframes)}`);
+    parts.push(`${many(summary.islands, 'island')}${change(summary.islands, before?.summary?.islands)}`);
+    parts.push(`${many(summary.keyframes, 'keyframe')}${change(summary.keyframes, before?.summary?.keyframes)}`);
   }
   return parts.join(' · ');
 }

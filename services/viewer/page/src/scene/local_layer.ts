@@ -70,7 +70,7 @@ export class LocalLayer {
       name, isReference: false,
       box: { minX: box.min.x, maxX: box.max.x, minZ: box.min.z, maxZ: box.max.z },
     }));
-    this.plots = layOut(islands, this.plots);
+    this.plots = layOut(islands, this.plots, false);
     for (const [id, { lines }] of this.trajectories) {
       const plot = this.plots.get(id);
       lines.mesh.matrix.makeTranslation(plot?.offsetX ?? 0, 0, plot?.offsetZ ?? 0);

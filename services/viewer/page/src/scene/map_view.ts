@@ -62,6 +62,11 @@ export class MapView {
     return this.around(wanted, points ? pointBox : keyframeBox);
   }
 
+  /** A local map is on its way to where it belongs. */
+  get isMoving(): boolean {
+    return [...this.views.values()].some(({ placement }) => placement.isMoving);
+  }
+
   private around(wanted: (localMap: LocalMapModel) => boolean, boxOf: (localMap: LocalMapModel) => Box3): Box3 {
     const box = new Box3();
     for (const { model } of this.views.values()) {

@@ -1,4 +1,4 @@
-import { type ColourMode, type SceneColours, type Theme, categoryColour, sceneColours } from '../model/palette';
+import { type ColourMode, type SceneColours, type Theme, categoryColour, mixed, sceneColours } from '../model/palette';
 import type { LocalMapModel } from '../model/local_map';
 import { byName, numberRobots } from '../model/robot_numbers';
 import type { ViewState } from '../view_state';
@@ -47,6 +47,12 @@ export class Painter {
     return robot === (state.robot || this.names[0]) ? own : others;
   }
 
+  /** As the list of robots shows it: what the map draws it in. */
+  legendColour(robot: string, state: ViewState, islands: string[]): string {
+    if (state.colour === 'island' && islands.length > 0) return this.islandColour(islands.at(-1)!);
+    return this.markColour(robot, state);
+  }
+
   pointColour(localMap: LocalMapModel, state: ViewState, colours: SceneColours): string {
     if (state.colour === 'paper') return colours.ink;
     return mixed(this.lineColour(localMap, state, colours), colours.ink, 0.25);
@@ -72,10 +78,4 @@ export function paintMap(
     view.keyframes.path.lines.material.uniforms.opacity.value = isDim ? 0.45 : 1;
     view.keyframes.path.lines.material.uniforms.widthPx.value = isDim ? 2 : 3;
   }
-}
-
-function mixed(a: string, b: string, part: number): string {
-  const channel = (colour: string, i: number) => Number.parseInt(colour.slice(1 + 2 * i, 3 + 2 * i), 16);
-  const mix = (i: number) => Math.round(channel(a, i) * (1 - part) + channel(b, i) * part);
-  return `#${[0, 1, 2].map((i) => mix(i).toString(16).padStart(2, '0')).join('')}`;
 }

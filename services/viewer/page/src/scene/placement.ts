@@ -1,5 +1,6 @@
 import { Matrix4, Quaternion, Vector3 } from 'three';
 import type { Alignment } from '../model/alignment';
+import { wantsStillness } from '../motion';
 
 export const BLEND_MS = 800;
 
@@ -60,6 +61,7 @@ export class Placement {
     this.startMiddle.copy(middle).applyMatrix4(from);
     this.matrix.copy(from);
     this.startMs = nowMs;
+    if (wantsStillness()) this.advance(nowMs + BLEND_MS);
   }
 }
 

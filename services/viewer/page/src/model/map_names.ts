@@ -1,0 +1,42 @@
+import type { MissionPulse } from '@gen/corbslam/v1/viewer_pb';
+import { lastSegment, shortId } from './ids';
+
+/** What people call local maps: their robot's, in the order in which the store heard of them. */
+export class MapNames {
+  private readonly known = new Map<string, { agent: string; number: number }>();
+  /** Grows with each name that came. */
+  version = 0;
+
+  learn({ agents, localMaps }: Pick<MissionPulse, 'agents' | 'localMaps'>): void {
+    for (const agent of agents) {
+      agent.localMaps.forEach((name, i) => this.note(lastSegment(name), lastSegment(agent.name), i + 1));
+    }
+    // Sessions that became parts of another one keep the names that they had.
+    for (const { name, agent, joinedLocalMaps } of localMaps) {
+      for (const id of [name, ...joinedLocalMaps].map(lastSegment)) {
+        if (!this.known.has(id)) this.note(id, lastSegment(agent), 0);
+      }
+    }
+  }
+
+  /** "alpha’s map 2". */
+  of(id: string): string {
+    const agent = this.known.get(id)?.agent;
+    return agent ? `${agent}’s ${this.ownOf(id)}` : `map ${shortId(id)}`;
+  }
+
+  /** "map 2", where it is said whose. */
+  ownOf(id: string): string {
+    const number = this.known.get(id)?.number;
+    return number ? `map ${number}` : `map ${shortId(id)}`;
+  }
+
+  private note(id: string, agent: string, number: number): void {
+    const before = this.known.get(id);
+    if (before && before.agent === agent && (before.number === number || number === 0)) return;
+    // A number that was given once stays, though an earlier local map be deleted.
+    if (before?.number && before.agent === agent) return;
+    this.known.set(id, { agent, number });
+    this.version++;
+  }
+}
