@@ -63,7 +63,7 @@ TEST(RenderMapTest, ShowsEverything) {
   EXPECT_GT(CountNear(*image, {30, 30, 30}), 1000);  // Points and letters are there.
   EXPECT_GT(CountNear(*image, {255, 255, 255}), image->rows * image->cols / 2);
   const std::string path = ::testing::TempDir() + "map_picture_test.png";
-  ASSERT_TRUE(WritePng(*image, path).ok());
+  ASSERT_TRUE(WriteImage(*image, path).ok());
   EXPECT_EQ(cv::imread(path).size(), image->size());
 }
 
@@ -90,9 +90,21 @@ TEST(RenderMapTest, DrawsASingleKeyframe) {
   EXPECT_TRUE(RenderMap(picture).ok());
 }
 
-TEST(WritePngTest, NamesAFolderThatIsNotThere) {
-  EXPECT_EQ(WritePng(cv::Mat::zeros(4, 4, CV_8UC3), "/nowhere/map.png").code(),
+TEST(WriteImageTest, NamesAFolderThatIsNotThere) {
+  EXPECT_EQ(WriteImage(cv::Mat::zeros(4, 4, CV_8UC3), "/nowhere/map.png").code(),
             absl::StatusCode::kUnavailable);
+}
+
+TEST(WriteImageTest, WritesTheKindThatTheNameSays) {
+  const std::string stem = ::testing::TempDir() + "write_image_test";
+  const cv::Mat image = cv::Mat::zeros(4, 4, CV_8UC3);
+  ASSERT_TRUE(WriteImage(image, stem + ".PNG").ok());
+  EXPECT_EQ(cv::imread(stem + ".PNG").size(), image.size());
+  for (const char* end : {".pdf", "", "."}) {
+    const absl::Status status = WriteImage(image, stem + end);
+    EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument) << end;
+    EXPECT_THAT(std::string(status.message()), ::testing::HasSubstr(stem + end));
+  }
 }
 
 TEST(LookFromAboveTest, ShowsTheGroundAndTheMotionAcross) {

@@ -64,7 +64,7 @@ absl::Status DrawNow(const ServedMap& map, const std::string& own, const FusedAc
     return WriteBytes(svg, arguments.out);
   }
   ASSIGN_OR_RETURN(const cv::Mat image, RenderMap(picture, arguments.picture));
-  return WritePng(image, arguments.out);
+  return WriteImage(image, arguments.out);
 }
 
 absl::Status Render(RenderArguments arguments) {

@@ -59,7 +59,7 @@ absl::Status DrawMoments(const Messages& past, const std::string& own,
     return WriteBytes(svg, out);
   }
   ASSIGN_OR_RETURN(const cv::Mat image, RenderSnapshots(snapshots, {options.width_px}));
-  return WritePng(image, out);
+  return WriteImage(image, out);
 }
 
 // Goes through the past twice: what is largest decides the view of all frames.

@@ -197,6 +197,7 @@ std::string FlatMap(const MapPicture& map, size_t most_points, int width_px) {
   MapPicture thinned = map;
   const size_t step = std::max<size_t>(1, (map.points.size() + most_points - 1) / most_points);
   thinned.points.clear();
+  thinned.all_points = map.points.size();
   for (size_t i = 0; i < map.points.size(); i += step) thinned.points.push_back(map.points[i]);
   MapPictureOptions options;
   options.width_px = width_px;
