@@ -59,7 +59,8 @@ void DrawPath(const PathPlot::Path& path, double largest, const CellLayout& layo
   const size_t step = std::max<size_t>(1, count / kMostPoints);
   std::vector<Eigen::Vector2d> stretch;
   size_t colour = kColours;
-  for (size_t i = 0; i < count; i += step) {
+  for (size_t i = 0; i < count; ++i) {
+    if (i % step != 0 && path.points[i].allFinite()) continue;  // Gaps stay.
     const size_t next = ColourOf(path.values[i], largest);
     if (next != colour && !stretch.empty()) {
       stretch.push_back(layout.Place(path.points[i]));

@@ -78,9 +78,12 @@ Bounds ChooseBounds(const std::vector<Eigen::Vector2d>& paths,
   const double extent = std::max(bounds.Size().maxCoeff(), 1e-3);
   const Bounds near{bounds.low.array() - kNear * extent, bounds.high.array() + kNear * extent};
   const Bounds far{bounds.low.array() - kFar * extent, bounds.high.array() + kFar * extent};
-  for (int axis = 0; axis < 2 && !points.empty(); ++axis) {
+  for (int axis = 0; axis < 2; ++axis) {
     std::vector<double> values;
-    for (const Eigen::Vector2d& x : points) values.push_back(x[axis]);
+    for (const Eigen::Vector2d& x : points) {
+      if (x.allFinite()) values.push_back(x[axis]);
+    }
+    if (values.empty()) break;
     const double low = std::min(near.low[axis], std::max(far.low[axis], Quantile(values, 0.1)));
     const double high = std::max(near.high[axis], std::min(far.high[axis], Quantile(values, 0.9)));
     bounds.low[axis] = std::min(bounds.low[axis], std::max(low, Quantile(values, 0.02)));

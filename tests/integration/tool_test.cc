@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "absl/strings/match.h"
@@ -72,6 +73,15 @@ TEST(ToolTest, RefusesBadArgumentsBeforeAnythingStarts) {
       Complaint("corbslam", {"render", "--server", kNobody, "--insecure", "--mission", "a b/c"},
                 absl::Seconds(10)),
       HasSubstr("--mission is \"a b/c\""));
+  // What can't be drawn is refused before anybody is asked.
+  for (const auto& [flag, value, complaint] :
+       {std::tuple("--out", "map.pdf", "--out map.pdf: the file must end with .svg or .png"),
+        {"--out", "-", "--out -: the file must end with"},
+        {"--width", "1", "--width 1 must be 200 to 10000"}}) {
+    EXPECT_THAT(Complaint("corbslam", {"render", "--server", kNobody, "--insecure", flag, value},
+                          absl::Seconds(10)),
+                AllOf(HasSubstr("INVALID_ARGUMENT"), HasSubstr(complaint)));
+  }
 }
 
 TEST(ToolTest, SaysThatNoStoreAnswers) {
