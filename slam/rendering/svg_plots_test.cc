@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <string>
+#include <utility>
 
 #include "absl/strings/str_cat.h"
 
@@ -72,6 +73,16 @@ TEST(PathPlotTest, IsColouredByValue) {
   const std::string svg = DrawPathPlot(plot, SvgLook::kAlone);
   EXPECT_THAT(svg, AllOf(IsDrawing(), HasSubstr("error (m)"), HasSubstr("stroke-dasharray"),
                          HasSubstr(" m</text>"), HasSubstr("truth")));
+}
+
+TEST(PathPlotTest, TheColourBarEndsWithANumber) {
+  PathPlot plot;
+  plot.value_label = "error (m)";
+  for (const auto& [largest, end] : {std::pair(0.0298, "0.03"), {1.02, "1.5"}, {7.0, "8"}}) {
+    plot.paths = {{{{0, 0}, {10, 0}, {20, 5}}, {0, 0.5 * largest, largest}}};
+    EXPECT_THAT(DrawPathPlot(plot, SvgLook::kAlone),
+                HasSubstr(absl::StrCat("text-anchor=\"middle\">", end, "</text>")));
+  }
 }
 
 TEST(PathPlotTest, TakesAnyNumbers) {

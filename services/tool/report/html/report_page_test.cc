@@ -215,6 +215,20 @@ TEST(ToHtmlTest, ErrorsStandWhereTheyWere) {
   EXPECT_THAT(html, HasSubstr("since the robot&#39;s first tracked frame (s)"));
 }
 
+// Two worlds, say: where one would lie in the other means nothing.
+TEST(ToHtmlTest, ARobotOutsideTheGlobalFrameHasAPictureOfItsOwn) {
+  const std::vector<std::string> names = {"alpha", "bravo", kHostile};
+  ReportDetail detail = MakeDetail(names);
+  detail.robots[0].errors_are_global = detail.robots[1].errors_are_global = true;
+  detail.map.note = absl::StrCat("not drawn: ", kHostile);
+  const std::string html = ToHtml(MakeReport(names), detail);
+  EXPECT_EQ(FindFault(html), "");
+  EXPECT_THAT(html, HasSubstr("<figcaption>Trajectories from above, by error</figcaption>"));
+  EXPECT_THAT(html, HasSubstr("by error: &lt;/script&gt;"));
+  EXPECT_THAT(html, Not(HasSubstr("by error: bravo")));
+  EXPECT_THAT(html, HasSubstr("<p class=\"warnings\">not drawn: &lt;/script&gt;"));
+}
+
 TEST(ToHtmlTest, NoNameOfABarIsCutOff) {
   const std::string html = ToHtml(MakeReport({"alpha"}), MakeDetail({"alpha"}));
   EXPECT_THAT(html, HasSubstr(">adjustment 1</text>"));

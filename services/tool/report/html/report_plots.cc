@@ -8,6 +8,7 @@
 #include "services/tool/report/html/map_data.h"
 #include "slam/rendering/map_cell.h"
 #include "slam/rendering/svg_plots.h"
+#include "slam/rendering/svg_text.h"
 
 namespace corbslam::services {
 namespace {
@@ -84,33 +85,57 @@ std::string ErrorOverTime(const ReportDetail& detail, const std::vector<Paint>& 
                 DrawLinePlot(plot, kLook));
 }
 
-std::string ErrorOnPaths(const ReportDetail& detail) {
-  const Eigen::Vector2d kGap = Eigen::Vector2d::Constant(std::numeric_limits<double>::quiet_NaN());
-  std::vector<Rigid3d> truth;
-  for (const ReportDetail::Robot& robot : detail.robots) {
-    for (const PoseError& error : robot.errors) truth.push_back(error.truth);
+// Adds a robot's path and the true one, both with gaps where it was lost.
+void AddPath(const ReportDetail::Robot& robot, const PlaneFromWorld& plane, PathPlot& plot) {
+  const Eigen::Vector2d gap = Eigen::Vector2d::Constant(std::numeric_limits<double>::quiet_NaN());
+  const GapFinder gaps(robot.errors);
+  PathPlot::Path& path = plot.paths.emplace_back();
+  std::vector<Eigen::Vector2d>& true_path = plot.truth.emplace_back();
+  for (size_t i = 0; i < robot.errors.size(); ++i) {
+    const PoseError& error = robot.errors[i];
+    if (i > 0 && gaps.IsBetween(robot.errors[i - 1], error)) {
+      path.points.push_back(gap);
+      path.values.push_back(gap.x());
+      true_path.push_back(gap);
+    }
+    path.points.push_back(plane * error.aligned);
+    path.values.push_back(error.error_m);
+    true_path.push_back(plane * error.truth.translation);
   }
+}
+
+// `robots` have their truths in one frame.
+std::string ErrorOnPaths(const std::vector<const ReportDetail::Robot*>& robots,
+                         const std::string& caption, const std::string& note) {
+  std::vector<Rigid3d> truth;
+  for (const ReportDetail::Robot* robot : robots) {
+    for (const PoseError& error : robot->errors) truth.push_back(error.truth);
+  }
+  if (truth.empty()) return "";
   const PlaneFromWorld plane = LookFromAbove(truth);
   PathPlot plot;
-  plot.title = "Trajectories from above, coloured by their absolute error";
+  plot.title = caption;
   plot.value_label = "absolute error (m)";
+  for (const ReportDetail::Robot* robot : robots) AddPath(*robot, plane, plot);
+  return Figure(EscapeMarkup(caption), note, DrawPathPlot(plot, kLook));
+}
+
+// A robot that nothing connects with the others, or that was in another world, gets a picture of
+// its own: where it would lie in theirs means nothing.
+std::string ErrorOnPaths(const ReportDetail& detail) {
+  constexpr size_t kMostApart = 8;
+  std::vector<const ReportDetail::Robot*> together;
+  std::vector<const ReportDetail::Robot*> apart;
   for (const ReportDetail::Robot& robot : detail.robots) {
-    PathPlot::Path& path = plot.paths.emplace_back();
-    std::vector<Eigen::Vector2d>& true_path = plot.truth.emplace_back();
-    const GapFinder gaps(robot.errors);
-    for (size_t i = 0; i < robot.errors.size(); ++i) {
-      const PoseError& error = robot.errors[i];
-      if (i > 0 && gaps.IsBetween(robot.errors[i - 1], error)) {
-        path.points.push_back(kGap);
-        path.values.push_back(kGap.x());
-        true_path.push_back(kGap);
-      }
-      path.points.push_back(plane * error.aligned);
-      path.values.push_back(error.error_m);
-      true_path.push_back(plane * error.truth.translation);
-    }
+    if (!robot.errors.empty()) (robot.errors_are_global ? together : apart).push_back(&robot);
   }
-  return Figure("Trajectories from above, by error", "", DrawPathPlot(plot, kLook));
+  const std::string caption = "Trajectories from above, by error";
+  std::string figures = ErrorOnPaths(together, caption, "");
+  for (size_t i = 0; i < std::min(apart.size(), kMostApart); ++i) {
+    absl::StrAppend(&figures, ErrorOnPaths({apart[i]}, absl::StrCat(caption, ": ", apart[i]->name),
+                                           "Outside the global frame, under its own alignment."));
+  }
+  return figures;
 }
 
 std::string ErrorByLength(const ReportDetail& detail, const std::vector<Paint>& paints) {
