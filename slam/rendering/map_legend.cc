@@ -11,9 +11,9 @@
 namespace corbslam {
 namespace {
 
-constexpr double kTop_px = 30;   // Base line of the title.
-constexpr double kGap_px = 32;   // Between two entries.
-constexpr double kSign_px = 20;  // What a sign takes.
+constexpr double kTitleLine_px = 30;  // Base line of the title.
+constexpr double kApart_px = 32;      // Between two entries.
+constexpr double kSign_px = 20;       // What a sign takes.
 constexpr double kTruthSign_px = 46;
 
 double SignWidth(MapLegend::Sign sign) {
@@ -106,7 +106,7 @@ MapLegend ArrangeLegend(const MapPicture& picture, size_t points, double width_p
   const double line_px = 1.7 * legend.letter_px;
   const double room_px = width_px - 1.5 * kMapMargin_px;
   legend.title = Fit(picture.title, "", room_px, legend.letter_px + 2, measure);
-  Eigen::Vector2d at_px(kMapMargin_px, kTop_px + line_px);
+  Eigen::Vector2d at_px(kMapMargin_px, kTitleLine_px + line_px);
   for (const Label& label : LabelsOf(picture, points)) {
     const double sign_px = SignWidth(label.sign);
     const std::string text =
@@ -116,9 +116,9 @@ MapLegend ArrangeLegend(const MapPicture& picture, size_t points, double width_p
       at_px = {kMapMargin_px, at_px.y() + line_px};
     }
     legend.entries.push_back({label.sign, text, at_px});
-    at_px.x() += entry_px + kGap_px;
+    at_px.x() += entry_px + kApart_px;
   }
-  legend.header_px = at_px.y() + kTop_px;
+  legend.header_px = at_px.y() + kTitleLine_px;
   if (picture.note.empty()) return legend;
   legend.note = BreakLines(picture.note, room_px, legend.letter_px, measure);
   legend.note_px = static_cast<double>(legend.note.size()) * line_px;
@@ -126,7 +126,7 @@ MapLegend ArrangeLegend(const MapPicture& picture, size_t points, double width_p
 }
 
 void DrawLegend(const MapLegend& legend, double bottom_px, Surface& surface) {
-  surface.Text(legend.title, {kMapMargin_px, kTop_px}, legend.letter_px + 2, kInk);
+  surface.Text(legend.title, {kMapMargin_px, kTitleLine_px}, legend.letter_px + 2, kInk);
   for (const MapLegend::Entry& entry : legend.entries) {
     DrawSign(entry, surface);
     const Eigen::Vector2d text_px(SignWidth(entry.sign), 0.36 * legend.letter_px);
