@@ -10,6 +10,7 @@
 #include <fstream>
 #include <utility>
 
+#include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "slam/util/status_macros.h"
 
@@ -33,9 +34,11 @@ absl::Status WriteThrough(const std::string& path, absl::string_view bytes) {
   std::ofstream file(path, std::ios::binary);
   file << bytes;
   file.close();
+  const int failure = errno;
   if (file) return absl::OkStatus();
-  const std::string message = absl::StrCat("can't write ", path, ": ", std::strerror(errno));
-  return errno == ENOSPC ? absl::ResourceExhaustedError(message) : absl::UnavailableError(message);
+  const std::string message = absl::StrCat("can't write ", path, ": ", std::strerror(failure));
+  return failure == ENOSPC ? absl::ResourceExhaustedError(message)
+                           : absl::UnavailableError(message);
 }
 
 }  // namespace
@@ -99,13 +102,18 @@ absl::Status WriteWhole(const std::string& path, absl::string_view bytes) {
     return absl::InvalidArgumentError(
         absl::StrCat("can't write ", path, ": it is a folder; name a file in it"));
   }
-  if (std::filesystem::exists(there) && !std::filesystem::is_regular_file(there)) {
+  // What stands under /dev/stdout may be a plain file that somebody has open.
+  const bool is_device = absl::StartsWith(path, "/dev/") || absl::StartsWith(path, "/proc/");
+  if (is_device || (std::filesystem::exists(there) && !std::filesystem::is_regular_file(there))) {
     return WriteThrough(path, bytes);
   }
-  const std::filesystem::path target = std::filesystem::canonical(path, error);
-  ASSIGN_OR_RETURN(WholeFile file,
-                   WholeFile::Create(error ? path : target.string(), WholeFile::Old::kReplaced,
-                                     WholeFile::Readers::kOthersToo));
+  const std::filesystem::path canonical = std::filesystem::canonical(path, error);
+  const std::string target = error ? path : canonical.string();
+  ASSIGN_OR_RETURN(WholeFile file, WholeFile::Create(target, WholeFile::Old::kReplaced,
+                                                     WholeFile::Readers::kOthersToo));
+  if (std::filesystem::exists(there)) {
+    std::filesystem::permissions(target + ".part", there.permissions(), error);
+  }
   RETURN_IF_ERROR(file.Append(bytes));
   return file.FinishUnsynced();
 }

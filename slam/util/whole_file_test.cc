@@ -73,8 +73,11 @@ TEST_F(WholeFileTest, WritesWholeOrLeavesWhatWasThere) {
   EXPECT_EQ(full.code(), absl::StatusCode::kResourceExhausted);
   EXPECT_THAT(std::string(full.message()), AllOf(HasSubstr(path_), HasSubstr("No space left")));
   EXPECT_EQ(Read(path_), "old");
+  using std::filesystem::perms;
+  std::filesystem::permissions(path_, perms::owner_read | perms::owner_write);
   ASSERT_TRUE(WriteWhole(path_, "new").ok());
   EXPECT_EQ(Read(path_), "new");
+  EXPECT_EQ(std::filesystem::status(path_).permissions(), perms::owner_read | perms::owner_write);
 }
 
 TEST_F(WholeFileTest, FollowsLinksAndLeavesDevicesWhereTheyAre) {
