@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <string>
@@ -11,6 +12,7 @@
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
 #include "absl/strings/str_split.h"
 #include "absl/time/clock.h"
 #include "services/runtime/child_process.h"
@@ -82,6 +84,24 @@ TEST(ToolTest, RefusesBadArgumentsBeforeAnythingStarts) {
                           absl::Seconds(10)),
                 AllOf(HasSubstr("INVALID_ARGUMENT"), HasSubstr(complaint)));
   }
+}
+
+TEST(ToolTest, SaysThatATruthIsInMillimetres) {
+  const std::string estimate = TestPath("metres.txt");
+  const std::string truth = TestPath("millimetres.txt");
+  std::ofstream in_metres(estimate);
+  std::ofstream in_millimetres(truth);
+  for (int i = 0; i < 20; ++i) {
+    const double x = 0.1 * i;
+    const double y = 0.01 * i * i;
+    in_metres << absl::StrFormat("%d %g %g 0 0 0 0 1\n", i, x, y);
+    in_millimetres << absl::StrFormat("%d %g %g 0 0 0 0 1\n", i, 1000 * x, 1000 * y);
+  }
+  in_metres.close();
+  in_millimetres.close();
+  EXPECT_THAT(RunTool({"eval", "--truth", truth, estimate}),
+              HasSubstr("the truth is 1000 times as large as the estimates"));
+  EXPECT_THAT(RunTool({"eval", "--truth", estimate, estimate}), Not(HasSubstr("times as large")));
 }
 
 TEST(ToolTest, SaysThatNoStoreAnswers) {
