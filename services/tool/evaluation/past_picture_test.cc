@@ -125,7 +125,7 @@ class ApartPictureTest : public PastPictureTest {
  protected:
   std::vector<map_store::JournalRecord> Records() override {
     std::vector<map_store::JournalRecord> records = testing::MakeSmallMission();
-    records.resize(2);
+    records.erase(records.begin() + 2, records.end());
     return records;
   }
 };
