@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "absl/strings/str_replace.h"
 #include "slam/rendering/view_from_above.h"
 
 namespace corbslam {
@@ -90,7 +91,8 @@ std::vector<std::pair<std::string, double>> TextEnds(const std::string& svg, dou
   for (size_t at = svg.find("<text x=\""); at != std::string::npos;
        at = svg.find("<text x=\"", at + 1)) {
     const size_t begin = svg.find('>', at) + 1;
-    const std::string text = svg.substr(begin, svg.find('<', begin) - begin);
+    const std::string text =
+        absl::StrReplaceAll(svg.substr(begin, svg.find('<', begin) - begin), {{"&#39;", "'"}});
     ends.emplace_back(text, std::stod(svg.substr(at + 9)) + measure.TextWidth(text, letter_px));
   }
   return ends;

@@ -107,8 +107,11 @@ absl::Status WriteWhole(const std::string& path, absl::string_view bytes) {
   if (is_device || (std::filesystem::exists(there) && !std::filesystem::is_regular_file(there))) {
     return WriteThrough(path, bytes);
   }
-  const std::filesystem::path canonical = std::filesystem::canonical(path, error);
-  const std::string target = error ? path : canonical.string();
+  std::string target = path;
+  if (std::filesystem::is_symlink(std::filesystem::symlink_status(path, error))) {
+    const std::filesystem::path linked = std::filesystem::canonical(path, error);
+    if (!error) target = linked.string();
+  }
   ASSIGN_OR_RETURN(WholeFile file, WholeFile::Create(target, WholeFile::Old::kReplaced,
                                                      WholeFile::Readers::kOthersToo));
   if (std::filesystem::exists(there)) {
