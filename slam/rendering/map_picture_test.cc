@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "absl/strings/str_replace.h"
+#include "slam/rendering/canvas.h"
 #include "slam/rendering/view_from_above.h"
 
 namespace corbslam {
@@ -117,6 +118,11 @@ TEST(RenderMapSvgTest, CutsNoTextOff) {
   const auto svg = RenderMapSvg(picture, SvgLook::kAlone);
   EXPECT_THAT(*svg, ::testing::HasSubstr("\xE2\x80\xA6 (234)"));  // What it counts is not cut off.
   EXPECT_THAT(*svg, ::testing::HasSubstr("zulu (12 keyframes)"));
+}
+
+TEST(CanvasTest, ShowsAnEllipsisAsDots) {
+  const Canvas canvas(1, 1);
+  EXPECT_EQ(canvas.TextWidth("alpha\xE2\x80\xA6", 14), canvas.TextWidth("alpha...", 14));
 }
 
 TEST(RenderMapSvgTest, SaysHowManyOfThePointsItShows) {
