@@ -98,7 +98,7 @@ void SavePicture(const Map& before, const Map& after, const SyntheticMap& own) {
   cv::Mat both;
   cv::vconcat(Draw(before, own, "Before: bravo has drifted away from its truth"),
               Draw(after, own, "After: a loop closed against alpha's keyframes"), both);
-  const absl::Status written = WritePng(both, std::string(folder) + "/shared_loop.png");
+  const absl::Status written = WriteImage(both, std::string(folder) + "/shared_loop.png");
   EXPECT_TRUE(written.ok()) << written;
 }
 

@@ -45,14 +45,19 @@ struct Shape {
 };
 absl::StatusOr<std::optional<Shape>> ShapeOf(const std::string& path) {
   std::optional<Shape> shape;
+  // A clock that began at 0 has short times, too: then the head of EuRoC's columns tells.
+  bool says_nanoseconds = false;
   // The callback's error only ends the reading after one row.
   const absl::Status read = ForEachRow(
-      path, [](absl::string_view) {},
+      path,
+      [&](absl::string_view comment) {
+        says_nanoseconds = says_nanoseconds || absl::StrContains(comment, "[ns]");
+      },
       [&](const TextRow& row) -> absl::Status {
         int64_t nanoseconds = 0;
         shape = Shape{row.fields.size(), row.has_commas &&
                                              absl::SimpleAtoi(row.fields[0], &nanoseconds) &&
-                                             row.fields[0].size() >= 15};
+                                             (says_nanoseconds || row.fields[0].size() >= 15)};
         return absl::CancelledError();
       });
   if (!read.ok() && !absl::IsCancelled(read)) return read;

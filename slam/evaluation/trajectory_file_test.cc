@@ -44,6 +44,12 @@ TEST_F(TrajectoryFileTest, KnowsTheFormsByTheirContents) {
                     "#timestamp [ns],p_RS_R_x [m],p_RS_R_y [m],p_RS_R_z [m],q_RS_w [],q_RS_x [],"
                     "q_RS_y [],q_RS_z []\n1403715273262142976,1,2,3,0,1,0,0\n")),
                 1403715273262142976);
+  // A recording whose clock began at 0, as KITTI's: nanoseconds of few digits.
+  ExpectOnePose(ReadTrajectoryFile(Write("from_zero.csv",
+                                         "#timestamp [ns],p_RS_R_x [m],p_RS_R_y [m],p_RS_R_z [m],"
+                                         "q_RS_w [],q_RS_x [],q_RS_y [],q_RS_z []\n"
+                                         "103735900,1,2,3,0,1,0,0\n")),
+                103735900);
   // TUM-VI's header has no #.
   ExpectOnePose(ReadTrajectoryFile(
                     Write("b.csv",

@@ -13,6 +13,7 @@ namespace {
 constexpr size_t kMostBars = 40;
 constexpr double kRow_px = 24;
 constexpr double kTop_px = 8;
+constexpr double kLeastBar_px = 2;
 
 // Returns how much room the names take on the left.
 double NameWidth(const std::vector<std::string>& names, const SvgSurface& measure) {
@@ -113,8 +114,10 @@ std::string DrawTimeline(const Timeline& timeline, SvgLook look) {
   for (size_t i = 0; i < timeline.lanes.size(); ++i) {
     const double y_px = RowCentre(i);
     for (const Timeline::Span& span : timeline.lanes[i].spans) {
-      surface.Line({x.Place(span.begin), y_px}, {x.Place(span.end), y_px}, timeline.lanes[i].paint,
-                   13);
+      // Also a moment can be seen.
+      const double begin_px = x.Place(span.begin);
+      surface.Line({begin_px, y_px}, {std::max(x.Place(span.end), begin_px + kLeastBar_px), y_px},
+                   timeline.lanes[i].paint, 13);
     }
     for (const double mark : timeline.lanes[i].marks) {
       surface.Line({x.Place(mark), y_px - 9}, {x.Place(mark), y_px + 9}, kInk, 1.5);

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "absl/strings/str_replace.h"
+
 namespace corbslam {
 namespace {
 
@@ -29,6 +31,11 @@ cv::Scalar ToScalar(const Paint& paint) {
 
 double FontScale(double height_px) {
   return cv::getFontScaleFromHeight(kFont, 100) * height_px / 100;
+}
+
+// The font has ASCII only, and shows each byte of an ellipsis as a question mark.
+std::string ToAscii(const std::string& text) {
+  return absl::StrReplaceAll(text, {{"\xE2\x80\xA6", "..."}});
 }
 
 }  // namespace
@@ -93,15 +100,15 @@ void Canvas::Text(const std::string& text, const Point& at, double height_px, co
   }
   const cv::Point origin(static_cast<int>(std::lround(left_px * kOversampling)),
                          static_cast<int>(std::lround(at.y() * kOversampling)));
-  cv::putText(image_, text, origin, kFont, FontScale(height_px * kOversampling), ToScalar(paint), 2,
-              cv::LINE_AA);
+  cv::putText(image_, ToAscii(text), origin, kFont, FontScale(height_px * kOversampling),
+              ToScalar(paint), 2, cv::LINE_AA);
 }
 
 double Canvas::TextWidth(const std::string& text, double height_px) const {
   int baseline = 0;
-  return static_cast<double>(
-             cv::getTextSize(text, kFont, FontScale(height_px * kOversampling), 2, &baseline)
-                 .width) /
+  return static_cast<double>(cv::getTextSize(ToAscii(text), kFont,
+                                             FontScale(height_px * kOversampling), 2, &baseline)
+                                 .width) /
          kOversampling;
 }
 

@@ -108,6 +108,12 @@ CellLayout FitCell(const Bounds& bounds, const Bounds& rectangle_px) {
   return layout;
 }
 
+size_t CountSeen(const std::vector<Eigen::Vector3d>& points, const PlaneFromWorld& plane_from_world,
+                 const Bounds& bounds) {
+  return static_cast<size_t>(std::ranges::count_if(
+      points, [&](const Eigen::Vector3d& x) { return bounds.Contains(plane_from_world * x); }));
+}
+
 void DrawMap(const MapPicture& picture, const PlaneFromWorld& plane_from_world,
              const CellLayout& layout, Surface& surface) {
   DrawPoints(picture.points, plane_from_world, layout, surface);

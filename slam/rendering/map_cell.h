@@ -35,6 +35,10 @@ struct CellLayout {
 // Fits the view into a rectangle, centred.
 CellLayout FitCell(const Bounds& bounds, const Bounds& rectangle_px);
 
+// Returns how many points the bounds hold.
+size_t CountSeen(const std::vector<Eigen::Vector3d>& points, const PlaneFromWorld& plane_from_world,
+                 const Bounds& bounds);
+
 // Draws points, then others' keyframes, then own ones, then the truth. What lies outside is left
 // out.
 void DrawMap(const MapPicture& picture, const PlaneFromWorld& plane_from_world,

@@ -27,8 +27,10 @@ struct MapPicture {
   std::string title;
   std::vector<Robot> robots;
   std::vector<Eigen::Vector3d> points;
+  size_t all_points = 0;  // How many the map has, where `points` are only some of them.
   std::vector<std::vector<Eigen::Vector3d>> truth;  // True paths.
   std::string unit = "m";                           // Unit of the scale bar.
+  std::string note;  // What a reader must know of what isn't drawn; below the map.
 };
 
 struct MapPictureOptions {
@@ -45,8 +47,9 @@ absl::StatusOr<cv::Mat> RenderMap(const MapPicture& picture, const MapPictureOpt
 absl::StatusOr<std::string> RenderMapSvg(const MapPicture& picture, SvgLook look,
                                          const MapPictureOptions& options = {});
 
-// UNAVAILABLE names the path when the file can't be written.
-absl::Status WritePng(const cv::Mat& image, const std::string& path);
+// Writes a picture of the kind that the path's ending names, .png say. INVALID_ARGUMENT names an
+// ending that no kind has; other errors are WriteWhole's.
+absl::Status WriteImage(const cv::Mat& image, const std::string& path);
 
 }  // namespace corbslam
 

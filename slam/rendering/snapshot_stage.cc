@@ -13,6 +13,7 @@ constexpr double kTitle_px = 44;  // Room for the snapshot's title.
 constexpr double kName_px = 26;   // Room for an island's name above it.
 constexpr double kScale_px = 30;  // Room for the scale bar below it.
 constexpr double kGap_px = 12;
+constexpr double kInset_px = 7;  // Between a frame and what stands in it.
 constexpr double kLetter_px = 11;
 
 size_t CountKeyframes(const MapPicture& map) {
@@ -35,8 +36,9 @@ void DrawIsland(const MapPicture& map, const MapView& view, const Bounds& cell_p
   DrawMap(map, view.plane_from_world, layout, surface);
   const auto letters = static_cast<size_t>(cell_px.Size().x() / kLetter_px);
   surface.Text(Shorten(map.title, std::max<size_t>(letters, 8)),
-               cell_px.low + Eigen::Vector2d(0, 16), kLetter_px, kInk);
-  DrawScaleBar(map.unit, layout, {cell_px.low.x(), cell_px.high.y() - 12}, kLetter_px, surface);
+               cell_px.low + Eigen::Vector2d(kInset_px, 18), kLetter_px, kInk);
+  DrawScaleBar(map.unit, layout, {cell_px.low.x() + kInset_px, cell_px.high.y() - 12}, kLetter_px,
+               surface);
 }
 
 void DrawFrame(const Bounds& cell_px, Surface& surface) {

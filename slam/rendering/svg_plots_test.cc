@@ -3,7 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
+#include <string>
+#include <utility>
 
 #include "absl/strings/str_cat.h"
 
@@ -72,6 +75,16 @@ TEST(PathPlotTest, IsColouredByValue) {
                          HasSubstr(" m</text>"), HasSubstr("truth")));
 }
 
+TEST(PathPlotTest, TheColourBarEndsWithANumber) {
+  PathPlot plot;
+  plot.value_label = "error (m)";
+  for (const auto& [largest, end] : {std::pair(0.0298, "0.03"), {1.02, "1.5"}, {7.0, "8"}}) {
+    plot.paths = {{{{0, 0}, {10, 0}, {20, 5}}, {0, 0.5 * largest, largest}}};
+    EXPECT_THAT(DrawPathPlot(plot, SvgLook::kAlone),
+                HasSubstr(absl::StrCat("text-anchor=\"middle\">", end, "</text>")));
+  }
+}
+
 TEST(PathPlotTest, TakesAnyNumbers) {
   using Path = PathPlot::Path;
   for (const Path& path :
@@ -107,7 +120,43 @@ TEST(BarPlotTest, SaysWhatItLeavesOut) {
   EXPECT_THAT(DrawBarPlot({}, SvgLook::kAlone), AllOf(IsDrawing(), HasSubstr("no values")));
 }
 
-TEST(RampPaintTest, GoesFromBlueToRed) {
+// One point between two gaps, as of a robot that was lost before and behind it.
+TEST(LinePlotTest, ALonePointCanBeSeen) {
+  LinePlot plot = MakePlot({{0, 1}, {kNaN, kNaN}, {1, 3}, {kNaN, kNaN}, {2, 2}, {3, 2}});
+  plot.series[0].has_marks = false;
+  const std::string svg = DrawLinePlot(plot, SvgLook::kAlone);
+  const size_t curve = svg.find("stroke=\"#1e8c32\" stroke-width=\"1.8\"");
+  ASSERT_NE(curve, std::string::npos);
+  const std::string data = svg.substr(svg.rfind("<path d=", curve), 200);
+  const std::string path = data.substr(0, data.find(" fill"));
+  size_t dots = 0;
+  for (size_t at = path.find("h0"); at != std::string::npos; at = path.find("h0", at + 1)) ++dots;
+  EXPECT_EQ(dots, 2u) << path;
+}
+
+TEST(TimelineTest, AMomentCanBeSeen) {
+  Timeline timeline;
+  timeline.lanes = {{"alpha", SeriesPaint(0), {{0, 9}}, {}},
+                    {"bravo", SeriesPaint(1), {{4, 4}}, {}}};
+  const std::string svg = DrawTimeline(timeline, SvgLook::kAlone);
+  const size_t bar = svg.find("stroke=\"#145ad2\"");
+  ASSERT_NE(bar, std::string::npos);
+  const size_t begin = svg.rfind("<path d=\"M", bar) + 10;
+  const size_t line = svg.find('L', begin);
+  EXPECT_NEAR(std::stod(svg.substr(line + 1)) - std::stod(svg.substr(begin)), 2, 0.11);
+}
+
+TEST(RampPaintTest, GrowsLighterForThoseWhoSeeNoColours) {
+  const auto light = [](const Paint& paint) {
+    return 0.2126 * std::pow(paint.red / 255.0, 2.2) + 0.7152 * std::pow(paint.green / 255.0, 2.2) +
+           0.0722 * std::pow(paint.blue / 255.0, 2.2);
+  };
+  for (double share = 0; share < 0.99; share += 0.25) {
+    EXPECT_GT(light(RampPaint(share + 0.25)), 1.1 * light(RampPaint(share))) << share;
+  }
+}
+
+TEST(RampPaintTest, GoesFromBlueToOrange) {
   EXPECT_GT(RampPaint(0).blue, RampPaint(0).red);
   EXPECT_GT(RampPaint(1).red, RampPaint(1).blue);
   EXPECT_EQ(RampPaint(7).red, RampPaint(1).red);

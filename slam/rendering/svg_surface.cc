@@ -21,17 +21,23 @@ bool IsDrawable(const Surface::Point& x) {
 
 std::string Number(double number) { return FormatShort(number, 1); }
 
+// A point between two gaps is a line of no length, which round ends make a dot.
 std::string PathData(const std::vector<Surface::Point>& path) {
   std::string data;
-  bool goes_on = false;
+  size_t points = 0;  // How many the current stretch has.
+  const auto end_stretch = [&] {
+    if (points == 1) absl::StrAppend(&data, "h0");
+    points = 0;
+  };
   for (const Surface::Point& x : path) {
     if (!IsDrawable(x)) {
-      goes_on = false;
+      end_stretch();
       continue;
     }
-    absl::StrAppend(&data, goes_on ? "L" : "M", Number(x.x()), " ", Number(x.y()));
-    goes_on = true;
+    absl::StrAppend(&data, points > 0 ? "L" : "M", Number(x.x()), " ", Number(x.y()));
+    ++points;
   }
+  end_stretch();
   return data;
 }
 

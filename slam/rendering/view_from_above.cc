@@ -9,6 +9,10 @@ namespace {
 
 // Below this the cameras' y axes cancel each other out and say nothing of what is below.
 constexpr double kLeastMeanAxis = 0.3;
+// In extents of the paths: how far points are shown as they are, and the most of them, as where a
+// camera on a desk looks into a room.
+constexpr double kNear = 1.4;
+constexpr double kFar = 8;
 
 Eigen::Matrix3d MotionCovariance(const std::vector<Rigid3d>& world_from_cameras) {
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
@@ -72,14 +76,18 @@ Bounds ChooseBounds(const std::vector<Eigen::Vector2d>& paths,
     bounds.high = bounds.high.cwiseMax(x);
   }
   const double extent = std::max(bounds.Size().maxCoeff(), 1e-3);
-  const Bounds reach{bounds.low.array() - 1.4 * extent, bounds.high.array() + 1.4 * extent};
-  for (int axis = 0; axis < 2 && !points.empty(); ++axis) {
+  const Bounds near{bounds.low.array() - kNear * extent, bounds.high.array() + kNear * extent};
+  const Bounds far{bounds.low.array() - kFar * extent, bounds.high.array() + kFar * extent};
+  for (int axis = 0; axis < 2; ++axis) {
     std::vector<double> values;
-    for (const Eigen::Vector2d& x : points) values.push_back(x[axis]);
-    bounds.low[axis] =
-        std::min(bounds.low[axis], std::max(reach.low[axis], Quantile(values, 0.02)));
-    bounds.high[axis] =
-        std::max(bounds.high[axis], std::min(reach.high[axis], Quantile(values, 0.98)));
+    for (const Eigen::Vector2d& x : points) {
+      if (x.allFinite()) values.push_back(x[axis]);
+    }
+    if (values.empty()) break;
+    const double low = std::min(near.low[axis], std::max(far.low[axis], Quantile(values, 0.1)));
+    const double high = std::max(near.high[axis], std::min(far.high[axis], Quantile(values, 0.9)));
+    bounds.low[axis] = std::min(bounds.low[axis], std::max(low, Quantile(values, 0.02)));
+    bounds.high[axis] = std::max(bounds.high[axis], std::min(high, Quantile(values, 0.98)));
   }
   const double margin = 0.05 * std::max(bounds.Size().maxCoeff(), extent);
   bounds.low.array() -= margin;

@@ -27,8 +27,8 @@ struct Bounds {
 };
 
 // Returns what the picture shows: all of `paths`, and the middle 96 % of `points` as far as they
-// lie within 1.4 times the paths' extent. The bounds are never of zero size. `paths` must not be
-// empty.
+// lie within 1.4 times the paths' extent, or of each axis within the middle 80 % and 8 times that
+// extent. The bounds are never of zero size. `paths` must not be empty.
 Bounds ChooseBounds(const std::vector<Eigen::Vector2d>& paths,
                     const std::vector<Eigen::Vector2d>& points);
 

@@ -14,6 +14,7 @@
 #include "absl/strings/str_split.h"
 #include "absl/strings/strip.h"
 #include "slam/util/status_macros.h"
+#include "slam/util/whole_file.h"
 
 namespace corbslam {
 namespace {
@@ -122,11 +123,9 @@ std::string FormatReal(double number) {
 }
 
 absl::Status WriteLines(const std::vector<std::string>& lines, const std::string& path) {
-  std::ofstream file(path);
-  for (const std::string& line : lines) file << line << '\n';
-  file.close();
-  if (!file) return absl::UnavailableError(absl::StrCat("cannot write ", path));
-  return absl::OkStatus();
+  std::string text;
+  for (const std::string& line : lines) absl::StrAppend(&text, line, "\n");
+  return WriteWhole(path, text);
 }
 
 }  // namespace corbslam

@@ -37,7 +37,8 @@ std::string FormatSeconds(int64_t timestamp_ns);
 // Returns the shortest text that is read as the same number.
 std::string FormatReal(double number);
 
-// Writes the lines, each with its end. UNAVAILABLE names the path.
+// Writes the lines, each with its end: a file that can't be written whole stays what it was. Errors
+// are WriteWhole's.
 absl::Status WriteLines(const std::vector<std::string>& lines, const std::string& path);
 
 }  // namespace corbslam

@@ -7,9 +7,12 @@
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
+#include <fstream>
 #include <utility>
 
+#include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
+#include "slam/util/status_macros.h"
 
 namespace corbslam {
 namespace {
@@ -25,16 +28,30 @@ bool SyncFolderOf(const std::string& path) {
   return synced;
 }
 
+// Writes to what is no plain file: another one in its place would not be it.
+absl::Status WriteThrough(const std::string& path, absl::string_view bytes) {
+  errno = 0;
+  std::ofstream file(path, std::ios::binary);
+  file << bytes;
+  file.close();
+  const int failure = errno;
+  if (file) return absl::OkStatus();
+  const std::string message = absl::StrCat("can't write ", path, ": ", std::strerror(failure));
+  return failure == ENOSPC ? absl::ResourceExhaustedError(message)
+                           : absl::UnavailableError(message);
+}
+
 }  // namespace
 
-absl::StatusOr<WholeFile> WholeFile::Create(const std::string& path, Old old) {
+absl::StatusOr<WholeFile> WholeFile::Create(const std::string& path, Old old, Readers readers) {
   std::error_code error;
   if (old == Old::kKept && std::filesystem::exists(path, error)) {
     return absl::AlreadyExistsError(absl::StrCat("there is a file ", path, " already"));
   }
   WholeFile file(path, -1);
-  file.fd_ =
-      open(file.PartPath().c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, S_IRUSR | S_IWUSR);
+  const mode_t others = readers == Readers::kOwner ? 0 : S_IRGRP | S_IWGRP | S_IROTH | S_IWOTH;
+  file.fd_ = open(file.PartPath().c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC,
+                  S_IRUSR | S_IWUSR | others);
   if (file.fd_ < 0) return file.Failed("make");
   return file;
 }
@@ -68,9 +85,40 @@ absl::Status WholeFile::Append(absl::string_view bytes) {
 
 absl::Status WholeFile::Finish() {
   if (fsync(fd_) != 0) return Failed("write");
-  if (rename(PartPath().c_str(), path_.c_str()) != 0) return Failed("rename");
-  close(std::exchange(fd_, -1));
+  RETURN_IF_ERROR(FinishUnsynced());
   return SyncFolderOf(path_) ? absl::OkStatus() : Failed("rename");
+}
+
+absl::Status WholeFile::FinishUnsynced() {
+  if (rename(PartPath().c_str(), path_.c_str()) != 0) return Failed("rename");
+  if (close(std::exchange(fd_, -1)) != 0) return Failed("write");
+  return absl::OkStatus();
+}
+
+absl::Status WriteWhole(const std::string& path, absl::string_view bytes) {
+  std::error_code error;
+  const std::filesystem::file_status there = std::filesystem::status(path, error);
+  if (std::filesystem::is_directory(there)) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("can't write ", path, ": it is a folder; name a file in it"));
+  }
+  // What stands under /dev/stdout may be a plain file that somebody has open.
+  const bool is_device = absl::StartsWith(path, "/dev/") || absl::StartsWith(path, "/proc/");
+  if (is_device || (std::filesystem::exists(there) && !std::filesystem::is_regular_file(there))) {
+    return WriteThrough(path, bytes);
+  }
+  std::string target = path;
+  if (std::filesystem::is_symlink(std::filesystem::symlink_status(path, error))) {
+    const std::filesystem::path linked = std::filesystem::canonical(path, error);
+    if (!error) target = linked.string();
+  }
+  ASSIGN_OR_RETURN(WholeFile file, WholeFile::Create(target, WholeFile::Old::kReplaced,
+                                                     WholeFile::Readers::kOthersToo));
+  if (std::filesystem::exists(there)) {
+    std::filesystem::permissions(target + ".part", there.permissions(), error);
+  }
+  RETURN_IF_ERROR(file.Append(bytes));
+  return file.FinishUnsynced();
 }
 
 }  // namespace corbslam

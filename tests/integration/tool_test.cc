@@ -3,13 +3,16 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
 #include "absl/strings/str_split.h"
 #include "absl/time/clock.h"
 #include "services/runtime/child_process.h"
@@ -72,6 +75,33 @@ TEST(ToolTest, RefusesBadArgumentsBeforeAnythingStarts) {
       Complaint("corbslam", {"render", "--server", kNobody, "--insecure", "--mission", "a b/c"},
                 absl::Seconds(10)),
       HasSubstr("--mission is \"a b/c\""));
+  // What can't be drawn is refused before anybody is asked.
+  for (const auto& [flag, value, complaint] :
+       {std::tuple("--out", "map.pdf", "--out map.pdf: the file must end with .svg or .png"),
+        {"--out", "-", "--out -: the file must end with"},
+        {"--width", "1", "--width 1 must be 200 to 10000"}}) {
+    EXPECT_THAT(Complaint("corbslam", {"render", "--server", kNobody, "--insecure", flag, value},
+                          absl::Seconds(10)),
+                AllOf(HasSubstr("INVALID_ARGUMENT"), HasSubstr(complaint)));
+  }
+}
+
+TEST(ToolTest, SaysThatATruthIsInMillimetres) {
+  const std::string estimate = TestPath("metres.txt");
+  const std::string truth = TestPath("millimetres.txt");
+  std::ofstream in_metres(estimate);
+  std::ofstream in_millimetres(truth);
+  for (int i = 0; i < 20; ++i) {
+    const double x = 0.1 * i;
+    const double y = 0.01 * i * i;
+    in_metres << absl::StrFormat("%d %g %g 0 0 0 0 1\n", i, x, y);
+    in_millimetres << absl::StrFormat("%d %g %g 0 0 0 0 1\n", i, 1000 * x, 1000 * y);
+  }
+  in_metres.close();
+  in_millimetres.close();
+  EXPECT_THAT(RunTool({"eval", "--truth", truth, estimate}),
+              HasSubstr("the truth is 1000 times as large as the estimates"));
+  EXPECT_THAT(RunTool({"eval", "--truth", estimate, estimate}), Not(HasSubstr("times as large")));
 }
 
 TEST(ToolTest, SaysThatNoStoreAnswers) {

@@ -3,6 +3,7 @@
 #include <set>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
 
 namespace corbslam::services {
 
@@ -28,6 +29,14 @@ size_t CountLocalMaps(const ServedTrajectory& stored) {
   std::set<std::string> local_maps;
   for (const ServedPose& pose : stored) local_maps.insert(pose.local_map);
   return local_maps.size();
+}
+
+std::string Describe(const ServedMap::Elsewhere& elsewhere) {
+  return absl::StrJoin(elsewhere.keyframes, ", ", [](std::string* text, const auto& robot) {
+    const auto& [agent, keyframes] = robot;
+    absl::StrAppend(text, agent.empty() ? "?" : agent, " (", keyframes,
+                    keyframes == 1 ? " keyframe)" : " keyframes)");
+  });
 }
 
 }  // namespace corbslam::services

@@ -5,6 +5,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -53,7 +54,19 @@ struct ServedMap {
   std::vector<Keyframe> keyframes;
   std::vector<Eigen::Vector3d> points;
   std::vector<std::string> point_agents;  // Who made each point; "" if that is not known.
+
+  // What is connected to nothing in the global frame, and so not among the above.
+  struct Elsewhere {
+    size_t islands = 0;
+    std::map<std::string, size_t> keyframes;  // By agent.
+    std::map<std::string, size_t> points;
+  };
+  Elsewhere elsewhere;
 };
+
+// Returns "bravo (10 keyframes)" for each robot of which something lies elsewhere, joined by
+// commas; "" if nothing does.
+std::string Describe(const ServedMap::Elsewhere& elsewhere);
 
 }  // namespace corbslam::services
 

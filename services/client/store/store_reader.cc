@@ -51,6 +51,25 @@ absl::Status AddIsland(const v1::WatchMapResponse::Island& island, const SlotRea
   return absl::OkStatus();
 }
 
+// Counts the keyframes and points of an island of its own. Its first message tells that it is one.
+absl::Status CountElsewhere(const v1::WatchMapResponse::Island& island, const SlotReader& slots,
+                            const std::map<LocalMapId, std::string>& agents,
+                            ServedMap::Elsewhere& elsewhere) {
+  const auto agent_of = [&](LocalMapId local_map) {
+    const auto agent = agents.find(local_map);
+    return agent == agents.end() ? std::string() : agent->second;
+  };
+  if (island.anew()) ++elsewhere.islands;
+  for (const v1::WatchMapResponse::IslandKeyframe& proto : island.keyframes()) {
+    ASSIGN_OR_RETURN(const KeyframeId id, slots.Keyframe(proto.id()));
+    ++elsewhere.keyframes[agent_of(id.local_map)];
+  }
+  ASSIGN_OR_RETURN(const std::vector<LightMapPoint> points,
+                   ReadLightPoints(island.points(), slots));
+  for (const LightMapPoint& point : points) ++elsewhere.points[agent_of(point.id.local_map)];
+  return absl::OkStatus();
+}
+
 absl::Status AddResponse(const v1::WatchMapResponse& response, ServedMap& map) {
   ASSIGN_OR_RETURN(const SlotReader slots, SlotReader::Create(response.local_maps()));
   std::map<LocalMapId, std::string> agents;
@@ -58,7 +77,9 @@ absl::Status AddResponse(const v1::WatchMapResponse& response, ServedMap& map) {
     agents[LocalMapId{response.local_maps(i)}] = LastSegment(response.local_map_agents(i));
   }
   for (const v1::WatchMapResponse::Island& island : response.islands()) {
-    if (island.in_global_frame()) RETURN_IF_ERROR(AddIsland(island, slots, agents, map));
+    RETURN_IF_ERROR(island.in_global_frame()
+                        ? AddIsland(island, slots, agents, map)
+                        : CountElsewhere(island, slots, agents, map.elsewhere));
   }
   return absl::OkStatus();
 }

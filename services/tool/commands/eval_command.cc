@@ -81,6 +81,22 @@ void SayUnpaired(const std::string& name, size_t poses, size_t pairs, double max
                poses - pairs, poses, max_gap_s);
 }
 
+// Says so where the estimates fit the truth at another size only: a truth in millimetres, say, or
+// a baseline that is wrong. Under a rigid alignment such errors look like a bad map's.
+void SayOtherSize(const std::vector<PosePair>& pairs, Alignment alignment) {
+  constexpr double kOtherSize = 1.5;
+  const auto rigid = ComputeAbsoluteError(pairs, Alignment::kSe3);
+  const auto similar = ComputeAbsoluteError(pairs, Alignment::kSim3);
+  if (alignment == Alignment::kSim3 || !rigid.ok() || !similar.ok()) return;
+  const double scale = similar->truth_from_estimate.scale;
+  if (!(scale > kOtherSize || scale < 1 / kOtherSize)) return;
+  if (!(similar->rmse_m < 0.5 * rigid->rmse_m)) return;
+  std::fprintf(stderr,
+               "the truth is %.4g times as large as the estimates: with that scale the ATE is %.4g "
+               "m; are both in metres?\n",
+               scale, similar->rmse_m);
+}
+
 absl::Status Eval(const EvalArguments& arguments) {
   ASSIGN_OR_RETURN(const int64_t max_gap_ns, MaxGap_ns(arguments.max_gap_s));
   ASSIGN_OR_RETURN(const EvaluationInput input, ReadEvaluationInput(arguments.files));
@@ -95,6 +111,7 @@ absl::Status Eval(const EvalArguments& arguments) {
     all.insert(all.end(), pairs.begin(), pairs.end());
     ASSIGN_OR_RETURN(rows.emplace_back(), Measure(name, pairs, pairs, input.truth, alignment));
   }
+  SayOtherSize(all, alignment);
   if (input.estimates.size() > 1) {
     const auto merged = AssociateByTime(MergeByTime(input.estimates), input.truth, max_gap_ns);
     ASSIGN_OR_RETURN(rows.emplace_back(), Measure("fused", all, merged, input.truth, alignment));

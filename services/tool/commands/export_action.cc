@@ -29,6 +29,25 @@ using map_store::MissionRestorer;
 
 namespace {
 
+// Counts the points that are not connected to the global frame; of all robots where `agent` is
+// empty.
+size_t PointsElsewhere(const ServedMap& map, const std::string& agent) {
+  size_t points = 0;
+  for (const auto& [made_by, count] : map.elsewhere.points) {
+    if (agent.empty() || made_by == agent) points += count;
+  }
+  return points;
+}
+
+// Returns "" if nothing is left out.
+std::string DescribeLeftOut(const ServedMap& map, const std::string& agent) {
+  const size_t points = PointsElsewhere(map, agent);
+  if (points == 0) return "";
+  return absl::StrCat("without ", points,
+                      " points of islands that nothing connects with the global ",
+                      "frame: ", Describe(map.elsewhere));
+}
+
 absl::Status ExportPoints(const MissionArguments& arguments,
                           const std::shared_ptr<grpc::Channel>& channel) {
   ASSIGN_OR_RETURN(const auto agents, ReadAgents(channel, arguments.mission));
@@ -51,20 +70,30 @@ absl::Status ExportPoints(const MissionArguments& arguments,
     const auto colour = colours.find(map.point_agents[i]);
     points.push_back({map.points[i], colour == colours.end() ? Colour{} : colour->second});
   }
+  if (points.empty() && !arguments.agent.empty()) {
+    return absl::NotFoundError(
+        absl::StrCat("no point of robot ", arguments.agent, " is connected to the global frame (",
+                     PointsElsewhere(map, arguments.agent), " lie elsewhere)"));
+  }
   std::vector<std::string> comments;
   for (const auto& [agent, colour] : colours) {
     if (!arguments.agent.empty() && agent != arguments.agent) continue;
     comments.push_back(absl::StrCat("robot ", agent, " ", ToString(colour)));
-    Say(comments.back() + "\n");
   }
+  const std::string left_out = DescribeLeftOut(map, arguments.agent);
+  if (!left_out.empty()) comments.push_back(left_out);
+  for (const std::string& comment : comments) Say(comment + "\n");
   RETURN_IF_ERROR(WritePly(points, comments, arguments.file));
-  RETURN_IF_ERROR(WriteLines(
-      {absl::StrCat("Landmarks of mission ", arguments.mission,
-                    ", coloured by the robot that made them (the PLY's comments say which),"),
-       "in the mission's global frame, that of its first local map; metres."},
-      arguments.file + ".README.md"));
+  std::vector<std::string> readme = {
+      absl::StrCat("Landmarks of mission ", arguments.mission,
+                   ", coloured by the robot that made them (the PLY's comments say which),"),
+      "in the mission's global frame, that of its first local map; metres."};
+  if (!left_out.empty()) readme.push_back(left_out);
+  RETURN_IF_ERROR(WriteLines(readme, arguments.file + ".README.md"));
   PrintResult(absl::StrCat(arguments.file, ": ", points.size(), " points\n"),
-              {{"file", arguments.file}, {"points", points.size()}});
+              {{"file", arguments.file},
+               {"points", points.size()},
+               {"points_left_out", PointsElsewhere(map, arguments.agent)}});
   return absl::OkStatus();
 }
 
@@ -83,8 +112,20 @@ absl::StatusOr<map_store::MissionState> ReadState(const MissionArguments& argume
   return restorer.Finish();
 }
 
+// Counts the keyframes that are in no island with the global frame.
+size_t KeyframesElsewhere(const map_store::MissionState& state) {
+  size_t keyframes = 0;
+  for (const auto& [id, island] : state.global.islands) {
+    if (id == state.ReferenceIsland()) continue;
+    for (const LocalMapId local_map : island.local_maps) {
+      keyframes += state.local_maps.at(local_map).map.keyframes().size();
+    }
+  }
+  return keyframes;
+}
+
 absl::Status WriteColmapReadme(const std::string& mission, const ColmapSource& source,
-                               const std::string& folder) {
+                               size_t left_out, const std::string& folder) {
   return WriteLines(
       {absl::StrCat("Mission ", mission,
                     " as COLMAP's text model: ", PoseHeaderLine(source.poses_of), ","),
@@ -94,7 +135,9 @@ absl::Status WriteColmapReadme(const std::string& mission, const ColmapSource& s
            : "Pictures are the left ones undistorted and rectified, which nobody wrote: link each",
        "to images/ROBOT/NANOSECONDS.png, called after its time. ROBOT+2 holds pictures of times "
        "that",
-       "ROBOT has already: the robot was started again and saw the same recording."},
+       "ROBOT has already: the robot was started again and saw the same recording.",
+       absl::StrCat(left_out,
+                    " keyframes that nothing connects with the global frame are left out.")},
       folder + "/README.md");
 }
 
@@ -126,7 +169,12 @@ absl::Status ExportColmap(const MissionArguments& arguments,
   ASSIGN_OR_RETURN(const Map map, GlobalMapOf(state));
   const ColmapSource source = MakeColmapSource(state, poses_of);
   ASSIGN_OR_RETURN(const ColmapCounts counts, WriteColmapModel(map, source, arguments.file));
-  RETURN_IF_ERROR(WriteColmapReadme(arguments.mission, source, arguments.file));
+  const size_t left_out = KeyframesElsewhere(state);
+  RETURN_IF_ERROR(WriteColmapReadme(arguments.mission, source, left_out, arguments.file));
+  if (left_out > 0) {
+    Say(absl::StrCat("without ", left_out,
+                     " keyframes that nothing connects with the global frame\n"));
+  }
   PrintResult(
       absl::StrCat(arguments.file, ": ", counts.cameras, " cameras, ", counts.images, " images, ",
                    counts.points, " points, ", counts.observations, " observations\n"),
@@ -134,7 +182,8 @@ absl::Status ExportColmap(const MissionArguments& arguments,
        {"cameras", counts.cameras},
        {"images", counts.images},
        {"points", counts.points},
-       {"observations", counts.observations}});
+       {"observations", counts.observations},
+       {"keyframes_left_out", left_out}});
   return absl::OkStatus();
 }
 

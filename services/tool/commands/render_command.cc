@@ -3,6 +3,9 @@
 #include <set>
 #include <utility>
 
+#include "absl/algorithm/container.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
 #include "services/client/store/store_reader.h"
 #include "services/convert/resource_names.h"
 #include "services/security/flags.h"
@@ -13,6 +16,7 @@
 #include "services/tool/output/progress.h"
 #include "services/tool/output/result.h"
 #include "slam/util/status_macros.h"
+#include "slam/util/whole_file.h"
 
 namespace corbslam::services {
 
@@ -38,6 +42,22 @@ std::vector<std::string> ListAgents(const ServedMap& map) {
   return {agents.begin(), agents.end()};
 }
 
+// Returns INVALID_ARGUMENT if the truth has nothing to do with where the robots were: nothing would
+// be drawn, and nobody told.
+absl::Status CheckTruth(const std::string& truth, const std::vector<RobotPaths>& robots,
+                        const FusedAccuracy& fused) {
+  if (!fused.truth.has_value()) {
+    return absl::NotFoundError(absl::StrCat("--truth ", truth, ": there is no ground truth in it"));
+  }
+  if (fused.truth_from_global.has_value()) return absl::OkStatus();
+  size_t poses = 0;
+  for (const RobotPaths& robot : robots) poses += robot.global.size();
+  return absl::InvalidArgumentError(absl::StrCat(
+      "--truth ", truth, ": fewer than 3 of the ", poses,
+      " poses in the global frame have a true pose within ", kMaxAssociationGap_ns / 1'000'000,
+      " ms. Is it what these robots saw, and are its times of the same clock, in seconds?"));
+}
+
 // Aligns the truth of one sequence to the robots that lie in the global frame.
 absl::StatusOr<FusedAccuracy> AlignTruth(StoreReader& store, const std::vector<std::string>& agents,
                                          const std::string& truth) {
@@ -52,6 +72,7 @@ absl::StatusOr<FusedAccuracy> AlignTruth(StoreReader& store, const std::vector<s
     ASSIGN_OR_RETURN(paths.global, store.ReadTrajectory(agent, v1::TRAJECTORY_FRAME_GLOBAL));
   }
   ASSIGN_OR_RETURN(Accuracy accuracy, ComputeAccuracy(robots, 0, Alignment::kSe3));
+  RETURN_IF_ERROR(CheckTruth(truth, robots, accuracy.fused));
   return std::move(accuracy.fused);
 }
 
@@ -61,15 +82,40 @@ absl::Status DrawNow(const ServedMap& map, const std::string& own, const FusedAc
   if (IsSvg(arguments.out)) {
     ASSIGN_OR_RETURN(const std::string svg,
                      RenderMapSvg(picture, SvgLook::kAlone, arguments.picture));
-    return WriteBytes(svg, arguments.out);
+    return WriteWhole(arguments.out, svg);
   }
   ASSIGN_OR_RETURN(const cv::Mat image, RenderMap(picture, arguments.picture));
-  return WritePng(image, arguments.out);
+  return WriteImage(image, arguments.out);
+}
+
+// Says what a picture of the global map has not got.
+void SayElsewhere(const ServedMap& map, const RenderArguments& arguments) {
+  if (map.elsewhere.islands == 0 || !arguments.past.at.empty()) return;
+  Say(absl::StrCat(
+      arguments.out, " is without ", Describe(map.elsewhere),
+      ", which nothing connects with the global map; --at 100% draws them beside it\n"));
+}
+
+// A robot that lies elsewhere is none of the picture of now.
+absl::StatusOr<std::string> ChooseOwnOf(const ServedMap& map, const RenderArguments& arguments) {
+  std::vector<std::string> agents = ListAgents(map);
+  if (map.elsewhere.keyframes.contains(arguments.own) &&
+      !absl::c_linear_search(agents, arguments.own)) {
+    if (arguments.past.at.empty()) {
+      return absl::FailedPreconditionError(
+          absl::StrCat("--own ", arguments.own,
+                       ": nothing connects this robot with the global map yet, which is of ",
+                       absl::StrJoin(agents, ", "), "; --at 100% draws its map, too"));
+    }
+    return arguments.own;
+  }
+  return ChooseOwn(arguments.own, agents);
 }
 
 absl::Status Render(RenderArguments arguments) {
   RETURN_IF_ERROR(CheckNameSegment("--mission", arguments.mission));
   arguments.past.width_px = arguments.picture.width_px;
+  RETURN_IF_ERROR(CheckPictureOptions(arguments.out, arguments.picture.width_px));
   const bool looks_back = !arguments.past.at.empty() || !arguments.past.animate.empty();
   if (looks_back) RETURN_IF_ERROR(CheckPastOptions(arguments.past, arguments.out));
   ASSIGN_OR_RETURN(const std::shared_ptr<grpc::Channel> channel,
@@ -85,16 +131,23 @@ absl::Status Render(RenderArguments arguments) {
   if (map.keyframes.empty()) {
     return absl::NotFoundError("mission " + arguments.mission + " has no keyframes yet");
   }
-  const std::vector<std::string> agents = ListAgents(map);
-  ASSIGN_OR_RETURN(const std::string own, ChooseOwn(arguments.own, agents));
-  ASSIGN_OR_RETURN(const FusedAccuracy accuracy, AlignTruth(store, agents, arguments.truth));
+  ASSIGN_OR_RETURN(const std::string own, ChooseOwnOf(map, arguments));
+  ASSIGN_OR_RETURN(const FusedAccuracy accuracy,
+                   AlignTruth(store, ListAgents(map), arguments.truth));
   if (arguments.past.at.empty()) RETURN_IF_ERROR(DrawNow(map, own, accuracy, arguments));
   if (looks_back) {
     RETURN_IF_ERROR(RenderPast(store, own, accuracy, arguments.past, arguments.out));
   }
   nlohmann::ordered_json files = nlohmann::ordered_json::array({arguments.out});
   if (!arguments.past.animate.empty()) files.push_back(arguments.past.animate);
-  PrintResult("", {{"mission", arguments.mission}, {"own", own}, {"files", files}});
+  SayElsewhere(map, arguments);
+  PrintResult(absl::StrCat(absl::StrJoin(files.get<std::vector<std::string>>(), ", "), ": ",
+                           map.keyframes.size(), " keyframes in the global map\n"),
+              {{"mission", arguments.mission},
+               {"own", own},
+               {"files", files},
+               {"keyframes", map.keyframes.size()},
+               {"keyframes_elsewhere", map.elsewhere.keyframes}});
   return absl::OkStatus();
 }
 
@@ -122,7 +175,7 @@ void AddRenderCommand(CLI::App& app, Command& chosen) {
   render->add_option("--truth", arguments->truth,
                      "kitti:DIR, tum:DIR, euroc:DIR or sim:WORLD, drawn dashed");
   render->add_option("--width", arguments->picture.width_px, "Pixels")->capture_default_str();
-  render->add_option("--out", arguments->out, "The picture to write: FILE.svg, else a PNG")
+  render->add_option("--out", arguments->out, "The picture to write: FILE.svg or FILE.png")
       ->capture_default_str();
   AddPastOptions(*render, arguments->past);
   AddTlsFlags(*render, arguments->security);

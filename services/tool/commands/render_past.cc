@@ -1,7 +1,6 @@
 #include "services/tool/commands/render_past.h"
 
 #include <algorithm>
-#include <fstream>
 #include <map>
 #include <set>
 #include <utility>
@@ -15,6 +14,7 @@
 #include "slam/rendering/map_snapshots.h"
 #include "slam/rendering/webp_animation.h"
 #include "slam/util/status_macros.h"
+#include "slam/util/whole_file.h"
 
 namespace corbslam::services {
 namespace {
@@ -56,10 +56,10 @@ absl::Status DrawMoments(const Messages& past, const std::string& own,
   for (const size_t moment : moments) snapshots.push_back(drawn.at(moment));
   if (IsSvg(out)) {
     ASSIGN_OR_RETURN(const std::string svg, RenderSnapshotsSvg(snapshots, {options.width_px}));
-    return WriteBytes(svg, out);
+    return WriteWhole(out, svg);
   }
   ASSIGN_OR_RETURN(const cv::Mat image, RenderSnapshots(snapshots, {options.width_px}));
-  return WritePng(image, out);
+  return WriteImage(image, out);
 }
 
 // Goes through the past twice: what is largest decides the view of all frames.
@@ -77,29 +77,28 @@ absl::Status Animate(const Messages& past, const std::string& own, const FusedAc
     return animation.Add(frame);
   }));
   ASSIGN_OR_RETURN(const std::string bytes, animation.Finish());
-  return WriteBytes(bytes, options.animate);
+  return WriteWhole(options.animate, bytes);
 }
 
 }  // namespace
 
 bool IsSvg(const std::string& path) { return absl::EndsWithIgnoreCase(path, ".svg"); }
 
-absl::Status WriteBytes(const std::string& bytes, const std::string& path) {
-  std::ofstream file(path, std::ios::binary | std::ios::trunc);
-  file << bytes;
-  file.close();
-  if (!file) return absl::UnavailableError(absl::StrCat("cannot write ", path));
-  return absl::OkStatus();
+absl::Status CheckPictureOptions(const std::string& out, int width_px) {
+  if (width_px < 200 || width_px > 10'000) {
+    return absl::InvalidArgumentError(absl::StrCat("--width ", width_px, " must be 200 to 10000"));
+  }
+  for (const char* ending : {".svg", ".png", ".jpg", ".jpeg", ".webp"}) {
+    if (absl::EndsWithIgnoreCase(out, ending)) return absl::OkStatus();
+  }
+  return absl::InvalidArgumentError(absl::StrCat(
+      "--out ", out, ": the file must end with .svg or .png (.jpg and .webp work, too)"));
 }
 
 absl::Status CheckPastOptions(const PastOptions& options, const std::string& out) {
   if (options.moments == 1 || options.moments > WebpAnimation::kMostFrames) {
     return absl::InvalidArgumentError(
         absl::StrCat("--moments ", options.moments, " must be 2 to ", WebpAnimation::kMostFrames));
-  }
-  if (options.width_px < 200 || options.width_px > 10'000) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("--width ", options.width_px, " must be 200 to 10000"));
   }
   if (options.animate.empty()) return absl::OkStatus();
   if (options.animate == out) {

@@ -27,8 +27,9 @@ absl::Status CheckPastOptions(const PastOptions& options, const std::string& out
 absl::Status RenderPast(StoreReader& store, const std::string& own, const FusedAccuracy& accuracy,
                         const PastOptions& options, const std::string& out);
 
-// Writes bytes to a file. UNAVAILABLE names it.
-absl::Status WriteBytes(const std::string& bytes, const std::string& path);
+// Refuses a name that is no picture's, and a width that is none. INVALID_ARGUMENT names flag and
+// limits.
+absl::Status CheckPictureOptions(const std::string& out, int width_px);
 // Returns true for FILE.svg.
 bool IsSvg(const std::string& path);
 

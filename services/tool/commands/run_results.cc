@@ -30,7 +30,7 @@ absl::Status WritePicture(const MissionOutcome& outcome, const Accuracy& accurac
                           const std::string& own, const std::string& path) {
   ASSIGN_OR_RETURN(const cv::Mat image,
                    RenderMap(ComposePicture(outcome.map, own, accuracy.fused)));
-  return WritePng(image, path);
+  return WriteImage(image, path);
 }
 
 // Writes what each robot holds as NAME.map.png, and nearer as NAME.near.png. Pictures of an earlier
@@ -48,10 +48,10 @@ absl::Status WriteHeldPictures(const std::vector<RobotPaths>& robots,
   for (const ReportDetail::Held& robot : held) {
     const std::string stem = absl::StrCat(folder, "/", robot.robot);
     ASSIGN_OR_RETURN(const cv::Mat whole, RenderMap(robot.map));
-    RETURN_IF_ERROR(WritePng(whole, stem + ".map.png"));
+    RETURN_IF_ERROR(WriteImage(whole, stem + ".map.png"));
     if (!robot.nearer.has_value()) continue;
     ASSIGN_OR_RETURN(const cv::Mat nearer, RenderMap(*robot.nearer));
-    RETURN_IF_ERROR(WritePng(nearer, stem + ".near.png"));
+    RETURN_IF_ERROR(WriteImage(nearer, stem + ".near.png"));
   }
   return absl::OkStatus();
 }

@@ -65,8 +65,9 @@ absl::StatusOr<size_t> ParseMoment(absl::string_view text, const std::vector<uin
 MapSnapshot ComposeSnapshot(const ToldMap& past, const std::string& own,
                             const FusedAccuracy& accuracy) {
   MapSnapshot snapshot;
-  snapshot.title =
-      absl::StrCat("revision ", past.revision, ", ", past.CountKeyframes(), " keyframes");
+  const size_t keyframes = past.CountKeyframes();
+  snapshot.title = absl::StrCat("revision ", past.revision, ", ", keyframes,
+                                keyframes == 1 ? " keyframe" : " keyframes");
   for (const auto& [id, island] : past.islands) {
     if (island.keyframes.empty()) continue;
     // The truth is known in the global frame only.

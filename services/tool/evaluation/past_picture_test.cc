@@ -12,6 +12,7 @@
 #include "services/client/store/store_reader.h"
 #include "services/map_store_service/map_store_service.h"
 #include "services/server/server.h"
+#include "services/tool/evaluation/picture.h"
 #include "slam/rendering/map_snapshots.h"
 #include "slam/rendering/webp_animation.h"
 
@@ -35,9 +36,7 @@ class PastPictureTest : public ::testing::Test {
     fs::remove_all(folder_);
     auto journal = RocksJournal::Open({.directory = folder_.string()});
     ASSERT_TRUE(journal.ok()) << journal.status();
-    for (const auto& record : testing::MakeSmallMission()) {
-      ASSERT_TRUE((*journal)->Append("m", record).ok());
-    }
+    for (const auto& record : Records()) ASSERT_TRUE((*journal)->Append("m", record).ok());
     MapStoreOptions options;
     options.deterministic = true;
     store_ = std::make_unique<MapStore>(options, nullptr, *std::move(journal), nullptr);
@@ -53,6 +52,8 @@ class PastPictureTest : public ::testing::Test {
     store_.reset();
     fs::remove_all(folder_);
   }
+
+  virtual std::vector<map_store::JournalRecord> Records() { return testing::MakeSmallMission(); }
 
   const fs::path folder_ = fs::path(::testing::TempDir()) / "past_picture_test";
   std::unique_ptr<MapStore> store_;
@@ -117,6 +118,32 @@ TEST(ComposeSnapshotTest, DrawsIslandsApartUntilTheyAreFused) {
   const absl::StatusOr<std::string> svg = RenderSnapshotsSvg({snapshot});
   ASSERT_TRUE(svg.ok()) << svg.status();
   EXPECT_THAT(*svg, HasSubstr("b (not fused)"));
+}
+
+// Nothing was fused yet.
+class ApartPictureTest : public PastPictureTest {
+ protected:
+  std::vector<map_store::JournalRecord> Records() override {
+    std::vector<map_store::JournalRecord> records = testing::MakeSmallMission();
+    records.erase(records.begin() + 2, records.end());
+    return records;
+  }
+};
+
+TEST_F(ApartPictureTest, SaysWhatThePictureOfNowHasNotGot) {
+  const absl::StatusOr<ServedMap> now = reader_->ReadGlobalMap();
+  ASSERT_TRUE(now.ok()) << now.status();
+  const absl::StatusOr<ToldMap> all = reader_->ReadMap();
+  ASSERT_TRUE(all.ok()) << all.status();
+  EXPECT_EQ(now->elsewhere.islands, 1u);
+  ASSERT_TRUE(now->elsewhere.keyframes.contains("b"));
+  EXPECT_EQ(now->keyframes.size() + now->elsewhere.keyframes.at("b"), all->CountKeyframes());
+  EXPECT_GT(now->elsewhere.points.at("b"), 0u);
+  const MapPicture picture = ComposePicture(*now, "a", {});
+  EXPECT_THAT(picture.note, HasSubstr("b ("));
+  const absl::StatusOr<std::string> svg = RenderMapSvg(picture, SvgLook::kAlone);
+  ASSERT_TRUE(svg.ok()) << svg.status();
+  EXPECT_THAT(*svg, HasSubstr("nothing connects it"));
 }
 
 TEST_F(PastPictureTest, HandsOnWhatTheStoreSays) {

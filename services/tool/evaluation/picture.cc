@@ -57,6 +57,10 @@ MapPicture ComposePicture(const ServedMap& map, const std::string& own,
   if (accuracy.all.has_value()) {
     absl::StrAppend(&picture.title, absl::StrFormat(": fused ATE %.3f m", accuracy.all->rmse_m));
   }
+  if (map.elsewhere.islands > 0) {
+    picture.note = absl::StrCat("not drawn, since nothing connects it with this map: ",
+                                Describe(map.elsewhere));
+  }
   if (accuracy.truth.has_value() && accuracy.truth_from_global.has_value()) {
     std::vector<Eigen::Vector3d>& path = picture.truth.emplace_back();
     const Similarity3d global_from_truth = accuracy.truth_from_global->Inverse();

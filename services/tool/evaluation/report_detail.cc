@@ -44,6 +44,7 @@ void AddTimes(const ServedTrajectory& local, ReportDetail::Robot& detail) {
   const std::vector<TrajectoryPart> parts = PartsOf(local);
   if (parts.empty()) return;
   const int64_t begin_ns = parts.front().poses.front().timestamp_ns;
+  detail.begin_ns = begin_ns;
   const double gap_s = kLongIntervals * MedianInterval_s(parts);
   for (const TrajectoryPart& part : parts) {
     AddTracked(part, begin_ns, gap_s, detail);
@@ -77,6 +78,9 @@ ReportDetail ComposeDetail(const std::vector<RobotPaths>& robots, const ServedMa
     robot.path = PathOf(robots[i].global);
     if (i >= accuracy.robots.size()) continue;
     robot.errors = accuracy.robots[i].profile;
+    if (robot.tracked.empty() && !robot.errors.empty()) {
+      robot.begin_ns = robot.errors.front().timestamp_ns;
+    }
     robot.errors_are_global = accuracy.robots[i].is_profile_global;
     robot.by_length = accuracy.robots[i].by_length;
   }

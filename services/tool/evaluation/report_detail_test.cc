@@ -29,6 +29,7 @@ TEST(ComposeDetailTest, KnowsWhenARobotWasLost) {
   const ReportDetail detail = ComposeDetail({paths}, {}, "alpha", {});
   ASSERT_EQ(detail.robots.size(), 1u);
   const ReportDetail::Robot& robot = detail.robots[0];
+  EXPECT_EQ(robot.begin_ns, 1'000'000'000);
   ASSERT_EQ(robot.tracked.size(), 3u);
   EXPECT_NEAR(robot.tracked[0].end_s, 1, 1e-9);
   EXPECT_NEAR(robot.tracked[1].begin_s, 2, 1e-9);

@@ -2,9 +2,9 @@
 
 #include <array>
 #include <bit>
-#include <fstream>
 
 #include "absl/strings/str_cat.h"
+#include "slam/util/whole_file.h"
 
 namespace corbslam::services {
 namespace {
@@ -26,17 +26,14 @@ std::string MakeHeader(size_t points, const std::vector<std::string>& comments) 
 
 absl::Status WritePly(const std::vector<ColouredPoint>& points,
                       const std::vector<std::string>& comments, const std::string& path) {
-  std::ofstream file(path, std::ios::binary | std::ios::trunc);
-  file << MakeHeader(points.size(), comments);
+  std::string text = MakeHeader(points.size(), comments);
   for (const ColouredPoint& point : points) {
     const Eigen::Vector3f position = point.position.cast<float>();
     const std::array<uint8_t, 3> colour = {point.colour.red, point.colour.green, point.colour.blue};
-    file.write(reinterpret_cast<const char*>(position.data()), 3 * sizeof(float));
-    file.write(reinterpret_cast<const char*>(colour.data()), colour.size());
+    text.append(reinterpret_cast<const char*>(position.data()), 3 * sizeof(float));
+    text.append(reinterpret_cast<const char*>(colour.data()), colour.size());
   }
-  file.close();
-  if (!file) return absl::UnavailableError(absl::StrCat("can't write ", path));
-  return absl::OkStatus();
+  return WriteWhole(path, text);
 }
 
 }  // namespace corbslam::services

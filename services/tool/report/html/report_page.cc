@@ -98,6 +98,12 @@ std::string Company(const RunReport& report) {
       Lines(CompanyLines(report)), CompanyPlots(report), "</section>\n");
 }
 
+// Returns what the map hasn't got; an empty text if that is nothing.
+std::string MapNote(const MapPicture& map) {
+  if (map.note.empty()) return "";
+  return absl::StrCat("<p class=\"warnings\">", EscapeMarkup(map.note), "</p>");
+}
+
 // The numbers that are looked for first.
 std::string Figures(const RunReport& report) {
   const FusedReport& fused = report.fused;
@@ -151,6 +157,7 @@ std::string ToHtml(const RunReport& report, const ReportDetail& detail) {
        {"{{about}}", About(report)},
        {"{{figures}}", Figures(report)},
        {"{{warnings}}", Warnings(report)},
+       {"{{map_note}}", MapNote(detail.map)},
        {"{{map}}", FlatMap(detail.map)},
        {"{{company}}", Company(report)},
        {"{{held}}", HeldMaps(detail)},

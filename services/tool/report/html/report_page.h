@@ -15,12 +15,13 @@ namespace corbslam::services {
 
 // What the report's numbers do not hold, and pictures need.
 struct ReportDetail {
-  struct Tracked {  // A stretch without a lost frame, seconds since the robot's first frame.
+  struct Tracked {  // A stretch without a lost frame, seconds since begin_ns.
     double begin_s = 0;
     double end_s = 0;
   };
   struct Robot {
     std::string name;
+    int64_t begin_ns = 0;  // Time of its first tracked frame.
     std::vector<PoseError> errors;
     bool errors_are_global = false;  // Under the one alignment of all robots, not its own.
     std::vector<LengthError> by_length;

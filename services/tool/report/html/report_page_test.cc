@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -181,6 +182,57 @@ TEST(ToHtmlTest, BoundsWhatRobotsHold) {
   EXPECT_THAT(html, HasSubstr("The map that robot7 holds"));
   EXPECT_THAT(html, Not(HasSubstr("The map that robot8 holds")));
   EXPECT_LT(html.size(), without + 4'000'000);
+  // What is left out for that is said.
+  EXPECT_THAT(html, HasSubstr(" of 104000)"));
+}
+
+// Returns the data of the first robot's curve of errors over time.
+std::string ErrorCurveOf(const std::string& html) {
+  const size_t look = html.find("stroke=\"var(--series-1)\" stroke-width=\"1.8\"");
+  if (look == std::string::npos) return "";
+  const size_t begin = html.rfind("<path d=\"", look) + 9;
+  return html.substr(begin, html.find('"', begin) - begin);
+}
+
+TEST(ToHtmlTest, ASlowCamerasErrorsAreOneCurve) {
+  ReportDetail detail = MakeDetail({"alpha"});
+  for (PoseError& error : detail.robots[0].errors) error.timestamp_ns *= 20;  // Two seconds apart.
+  const std::string curve = ErrorCurveOf(ToHtml(MakeReport({"alpha"}), detail));
+  EXPECT_EQ(std::count(curve.begin(), curve.end(), 'M'), 1) << curve;
+  // Ten frames that were lost are a gap.
+  auto& errors = detail.robots[0].errors;
+  errors.erase(errors.begin() + 10, errors.begin() + 20);
+  const std::string broken = ErrorCurveOf(ToHtml(MakeReport({"alpha"}), detail));
+  EXPECT_EQ(std::count(broken.begin(), broken.end(), 'M'), 2) << broken;
+}
+
+// The truth begins twenty seconds behind the robot.
+TEST(ToHtmlTest, ErrorsStandWhereTheyWere) {
+  ReportDetail detail = MakeDetail({"alpha"});
+  detail.robots[0].begin_ns = -20'000'000'000;
+  const std::string html = ToHtml(MakeReport({"alpha"}), detail);
+  EXPECT_THAT(html, HasSubstr(">23</text>"));
+  EXPECT_THAT(html, HasSubstr("since the robot&#39;s first tracked frame (s)"));
+}
+
+// Two worlds, say: where one would lie in the other means nothing.
+TEST(ToHtmlTest, ARobotOutsideTheGlobalFrameHasAPictureOfItsOwn) {
+  const std::vector<std::string> names = {"alpha", "bravo", kHostile};
+  ReportDetail detail = MakeDetail(names);
+  detail.robots[0].errors_are_global = detail.robots[1].errors_are_global = true;
+  detail.map.note = absl::StrCat("not drawn: ", kHostile);
+  const std::string html = ToHtml(MakeReport(names), detail);
+  EXPECT_EQ(FindFault(html), "");
+  EXPECT_THAT(html, HasSubstr("<figcaption>Trajectories from above, by error</figcaption>"));
+  EXPECT_THAT(html, HasSubstr("by error: &lt;/script&gt;"));
+  EXPECT_THAT(html, Not(HasSubstr("by error: bravo")));
+  EXPECT_THAT(html, HasSubstr("<p class=\"warnings\">not drawn: &lt;/script&gt;"));
+}
+
+TEST(ToHtmlTest, NoNameOfABarIsCutOff) {
+  const std::string html = ToHtml(MakeReport({"alpha"}), MakeDetail({"alpha"}));
+  EXPECT_THAT(html, HasSubstr(">adjustment 1</text>"));
+  EXPECT_THAT(html, HasSubstr(">800, 64 keyframes</text>"));
 }
 
 TEST(WriteMapDataTest, KeepsPointsWithinMillimetres) {

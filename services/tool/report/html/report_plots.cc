@@ -8,12 +8,12 @@
 #include "services/tool/report/html/map_data.h"
 #include "slam/rendering/map_cell.h"
 #include "slam/rendering/svg_plots.h"
+#include "slam/rendering/svg_text.h"
 
 namespace corbslam::services {
 namespace {
 
 constexpr SvgLook kLook = SvgLook::kInAPage;
-constexpr double kLongGap_s = 1;
 
 std::string Plots(const std::string& figures) {
   return absl::StrCat("<div class=\"plots\">\n", figures, "</div>\n");
@@ -34,14 +34,37 @@ double SecondsSince(int64_t begin_ns, int64_t time_ns) {
   return 1e-9 * static_cast<double>(time_ns - begin_ns);
 }
 
+// Returns whether the robot was lost between two poses that have errors, or the truth was.
+class GapFinder {
+ public:
+  explicit GapFinder(const std::vector<PoseError>& errors) {
+    std::vector<double> intervals_s;
+    for (size_t i = 1; i < errors.size(); ++i) {
+      intervals_s.push_back(SecondsSince(errors[i - 1].timestamp_ns, errors[i].timestamp_ns));
+    }
+    if (intervals_s.empty()) return;
+    const auto middle = intervals_s.begin() + static_cast<ptrdiff_t>(intervals_s.size() / 2);
+    std::nth_element(intervals_s.begin(), middle, intervals_s.end());
+    longest_s_ = std::max(longest_s_, kLongIntervals * *middle);
+  }
+  bool IsBetween(const PoseError& before, const PoseError& after) const {
+    return SecondsSince(before.timestamp_ns, after.timestamp_ns) > longest_s_;
+  }
+
+ private:
+  static constexpr double kLongIntervals = 3;
+  double longest_s_ = 1;  // Shorter gaps are not worth one in the picture.
+};
+
 // Lines have a gap where frames were lost.
-std::vector<Eigen::Vector2d> ErrorCurve(const std::vector<PoseError>& errors) {
+std::vector<Eigen::Vector2d> ErrorCurve(const ReportDetail::Robot& robot) {
   constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+  const GapFinder gaps(robot.errors);
   std::vector<Eigen::Vector2d> curve;
-  for (const PoseError& error : errors) {
-    const double at_s = SecondsSince(errors.front().timestamp_ns, error.timestamp_ns);
-    if (!curve.empty() && at_s > curve.back().x() + kLongGap_s) curve.push_back({kNaN, kNaN});
-    curve.push_back({at_s, error.error_m});
+  for (size_t i = 0; i < robot.errors.size(); ++i) {
+    const PoseError& error = robot.errors[i];
+    if (i > 0 && gaps.IsBetween(robot.errors[i - 1], error)) curve.push_back({kNaN, kNaN});
+    curve.push_back({SecondsSince(robot.begin_ns, error.timestamp_ns), error.error_m});
   }
   return curve;
 }
@@ -49,12 +72,11 @@ std::vector<Eigen::Vector2d> ErrorCurve(const std::vector<PoseError>& errors) {
 std::string ErrorOverTime(const ReportDetail& detail, const std::vector<Paint>& paints) {
   LinePlot plot;
   plot.title = "Absolute error over time, by robot";
-  plot.x_label = "since the robot's first frame (s)";
+  plot.x_label = "since the robot's first tracked frame (s)";
   plot.y_label = "absolute error (m)";
   for (size_t i = 0; i < detail.robots.size(); ++i) {
     if (detail.robots[i].errors.empty()) continue;
-    plot.series.push_back(
-        {detail.robots[i].name, paints[i], ErrorCurve(detail.robots[i].errors), false});
+    plot.series.push_back({detail.robots[i].name, paints[i], ErrorCurve(detail.robots[i]), false});
   }
   return Figure("Absolute error over time",
                 AreGlobal(detail)
@@ -63,25 +85,57 @@ std::string ErrorOverTime(const ReportDetail& detail, const std::vector<Paint>& 
                 DrawLinePlot(plot, kLook));
 }
 
-std::string ErrorOnPaths(const ReportDetail& detail) {
-  std::vector<Rigid3d> truth;
-  for (const ReportDetail::Robot& robot : detail.robots) {
-    for (const PoseError& error : robot.errors) truth.push_back(error.truth);
+// Adds a robot's path and the true one, both with gaps where it was lost.
+void AddPath(const ReportDetail::Robot& robot, const PlaneFromWorld& plane, PathPlot& plot) {
+  const Eigen::Vector2d gap = Eigen::Vector2d::Constant(std::numeric_limits<double>::quiet_NaN());
+  const GapFinder gaps(robot.errors);
+  PathPlot::Path& path = plot.paths.emplace_back();
+  std::vector<Eigen::Vector2d>& true_path = plot.truth.emplace_back();
+  for (size_t i = 0; i < robot.errors.size(); ++i) {
+    const PoseError& error = robot.errors[i];
+    if (i > 0 && gaps.IsBetween(robot.errors[i - 1], error)) {
+      path.points.push_back(gap);
+      path.values.push_back(gap.x());
+      true_path.push_back(gap);
+    }
+    path.points.push_back(plane * error.aligned);
+    path.values.push_back(error.error_m);
+    true_path.push_back(plane * error.truth.translation);
   }
+}
+
+// `robots` have their truths in one frame.
+std::string ErrorOnPaths(const std::vector<const ReportDetail::Robot*>& robots,
+                         const std::string& caption, const std::string& note) {
+  std::vector<Rigid3d> truth;
+  for (const ReportDetail::Robot* robot : robots) {
+    for (const PoseError& error : robot->errors) truth.push_back(error.truth);
+  }
+  if (truth.empty()) return "";
   const PlaneFromWorld plane = LookFromAbove(truth);
   PathPlot plot;
-  plot.title = "Trajectories from above, coloured by their absolute error";
+  plot.title = caption;
   plot.value_label = "absolute error (m)";
+  for (const ReportDetail::Robot* robot : robots) AddPath(*robot, plane, plot);
+  return Figure(EscapeMarkup(caption), note, DrawPathPlot(plot, kLook));
+}
+
+// A robot that nothing connects with the others, or that was in another world, gets a picture of
+// its own: where it would lie in theirs means nothing.
+std::string ErrorOnPaths(const ReportDetail& detail) {
+  constexpr size_t kMostApart = 8;
+  std::vector<const ReportDetail::Robot*> together;
+  std::vector<const ReportDetail::Robot*> apart;
   for (const ReportDetail::Robot& robot : detail.robots) {
-    PathPlot::Path& path = plot.paths.emplace_back();
-    std::vector<Eigen::Vector2d>& true_path = plot.truth.emplace_back();
-    for (const PoseError& error : robot.errors) {
-      path.points.push_back(plane * error.aligned);
-      path.values.push_back(error.error_m);
-      true_path.push_back(plane * error.truth.translation);
-    }
+    if (!robot.errors.empty()) (robot.errors_are_global ? together : apart).push_back(&robot);
   }
-  return Figure("Trajectories from above, by error", "", DrawPathPlot(plot, kLook));
+  const std::string caption = "Trajectories from above, by error";
+  std::string figures = ErrorOnPaths(together, caption, "");
+  for (size_t i = 0; i < std::min(apart.size(), kMostApart); ++i) {
+    absl::StrAppend(&figures, ErrorOnPaths({apart[i]}, absl::StrCat(caption, ": ", apart[i]->name),
+                                           "Outside the global frame, under its own alignment."));
+  }
+  return figures;
 }
 
 std::string ErrorByLength(const ReportDetail& detail, const std::vector<Paint>& paints) {
@@ -122,7 +176,7 @@ std::string RobotBars(const ReportDetail& detail, const std::vector<Paint>& pain
 std::string TrackingTimeline(const ReportDetail& detail, const std::vector<Paint>& paints) {
   Timeline timeline;
   timeline.title = "When each robot tracked its frames";
-  timeline.x_label = "since the robot's first frame (s)";
+  timeline.x_label = "since the robot's first tracked frame (s)";
   for (size_t i = 0; i < detail.robots.size(); ++i) {
     Timeline::Lane& lane = timeline.lanes.emplace_back();
     lane.name = detail.robots[i].name;
@@ -185,8 +239,8 @@ std::string FusionPlots(const RunReport& report) {
   for (size_t i = 0; i < report.global_ba_ms.size(); ++i) {
     const AdjustmentReport& adjustment = report.global_ba_ms[i];
     plot.bars.push_back(
-        {absl::StrFormat("adjustment %d (%d keyframes)", i + 1, adjustment.keyframes),
-         kSeriesPaints[1], adjustment.ms, absl::StrFormat("%.0f", adjustment.ms)});
+        {absl::StrCat("adjustment ", i + 1), kSeriesPaints[1], adjustment.ms,
+         absl::StrFormat("%.0f, %d keyframes", adjustment.ms, adjustment.keyframes)});
   }
   if (plot.bars.empty()) return "<p class=\"note\">Nothing was merged or adjusted.</p>\n";
   return Plots(
@@ -197,6 +251,7 @@ std::string FlatMap(const MapPicture& map, size_t most_points, int width_px) {
   MapPicture thinned = map;
   const size_t step = std::max<size_t>(1, (map.points.size() + most_points - 1) / most_points);
   thinned.points.clear();
+  thinned.all_points = map.points.size();
   for (size_t i = 0; i < map.points.size(); i += step) thinned.points.push_back(map.points[i]);
   MapPictureOptions options;
   options.width_px = width_px;
