@@ -39,7 +39,10 @@ absl::StatusOr<KeyframeInfo> MapStore::GetKeyframe(absl::string_view mission_nam
     if (state.FindKeyframe(id) == nullptr) {
       return absl::NotFoundError(absl::StrCat("there is no keyframe ", ToString(id)));
     }
-    return map_store::DescribeKeyframes(state, {id}).front();
+    KeyframeInfo info = map_store::DescribeKeyframes(state, {id}).front();
+    info.sights =
+        map_store::SightsOf(state, *state.FindLocalMap(id.local_map), *state.FindKeyframe(id));
+    return info;
   });
 }
 

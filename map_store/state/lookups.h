@@ -11,6 +11,7 @@
 
 #include "absl/time/time.h"
 #include "map_store/state/mission_profile.h"
+#include "map_store/state/sights_table.h"
 #include "slam/exchange/overlap.h"
 #include "slam/geometry/rigid3.h"
 #include "slam/map/keyframe.h"
@@ -132,6 +133,8 @@ struct KeyframeInfo {
   KeyframeId parent;
   size_t keypoints = 0;
   size_t observed_points = 0;
+  // What its keypoints see; only of a keyframe that was asked for by itself.
+  Sights sights;
   std::shared_ptr<const KeyframePayload> payload;
 };
 
@@ -259,8 +262,9 @@ struct MapChanges {
     bool anew = false;
     std::vector<IslandView::KeyframePlace> keyframes;  // Keyframes that came, or stand elsewhere.
     std::vector<KeyframeId> removed_keyframes;
-    // Points that came, or lie elsewhere in the island.
-    std::vector<std::pair<MapPointId, Eigen::Vector3d>> points;
+    // Points that came, or lie elsewhere in the island. Their observations are those by keyframes of
+    // the local maps in which they were made.
+    std::vector<IslandView::Point> points;
     // Points that went, or became part of another landmark.
     std::vector<MapPointId> removed_points;
   };

@@ -83,7 +83,10 @@ class MapMirror {
       island.keyframes.insert_or_assign(keyframe.id, keyframe);
     }
     for (const KeyframeId id : changes.removed_keyframes) island.keyframes.erase(id);
-    for (const auto& [id, position] : changes.points) island.points[id] = position;
+    for (const auto& point : changes.points) {
+      EXPECT_GT(point.observations, 0u) << ToString(point.id);
+      island.points[point.id] = point.position_in_island;
+    }
     for (const MapPointId id : changes.removed_points) island.points.erase(id);
     return changes.keyframes.size() + changes.points.size();
   }

@@ -32,6 +32,18 @@ bool IsShown(const MissionState& state, MapPointId id) {
   return state.FindPoint(id) != nullptr && state.global.landmarks.Survivor(id) == id;
 }
 
+// Returns how many keyframes see the landmark, of the local maps in which its points were made.
+uint32_t CountSights(const MissionState& state, MapPointId survivor, const MapPoint& point) {
+  size_t sights = point.observations.size();
+  const auto members = state.global.landmarks.sets().find(survivor);
+  if (members == state.global.landmarks.sets().end()) return static_cast<uint32_t>(sights);
+  for (const MapPointId& member : members->second) {
+    const MapPoint* other = state.FindPoint(member);
+    if (other != nullptr) sights += other->observations.size();
+  }
+  return static_cast<uint32_t>(sights);
+}
+
 // Returns all names that an island can ever have had, those of local maps included that are parts
 // of others or were deleted since.
 std::vector<IslandId> EverNamed(const MissionState& state) {
@@ -161,8 +173,9 @@ bool MapWatcher::TakePoints(const MissionState& state, Part& part, size_t& room,
   const auto take = [&](MapPointId id) {
     --room;
     const MapPoint& point = *local_map.map.FindPoint(id);
-    changes.points.emplace_back(
-        id, map_store::ComputePosition(point, local_map, state.global, table->poses));
+    changes.points.push_back(
+        {id, map_store::ComputePosition(point, local_map, state.global, table->poses),
+         CountSights(state, id, point)});
   };
   while (!part.points.empty()) {
     if (room == 0) return false;

@@ -23,6 +23,12 @@ grpc::ServerUnaryReactor* MapStoreService::GetKeyframe(grpc::CallbackServerConte
     ToProto(path.mission, info, response);
     if (request->view() == v1::KEYFRAME_VIEW_FULL) {
       ToProto(*info.payload, response->mutable_payload());
+      for (const auto& [keypoint, point] : info.sights) {
+        v1::Sight* const sight = response->add_sights();
+        sight->set_keypoint(keypoint);
+        sight->set_local_map(point.local_map.value);
+        sight->set_point(point.index);
+      }
     }
     return absl::OkStatus();
   });

@@ -75,15 +75,16 @@ void WriteKeyframes(const MapChanges::Island& view, IslandWriter& islands, Write
 }
 
 void WritePoints(const MapChanges::Island& view, IslandWriter& islands, Writer& writer) {
-  using Point = std::pair<MapPointId, Eigen::Vector3d>;
-  writer.Spread(view.points, kPointBytes, [&](std::span<const Point> points) {
-    v1::LightMapPoints* proto = islands.InThisPart()->mutable_points();
+  writer.Spread(view.points, kPointBytes, [&](std::span<const IslandView::Point> points) {
+    Island& island = *islands.InThisPart();
+    v1::LightMapPoints* proto = island.mutable_points();
     IdColumnWriter ids(writer.slots(), proto->mutable_ids());
-    for (const auto& [id, position_in_island] : points) {
-      ids.Add(id);
-      for (const double value : position_in_island) {
+    for (const IslandView::Point& point : points) {
+      ids.Add(point.id);
+      for (const double value : point.position_in_island) {
         proto->add_positions(static_cast<float>(value));
       }
+      island.add_point_observations(point.observations);
     }
   });
   writer.Spread(view.removed_points, kRefBytes, [&](std::span<const MapPointId> removed) {

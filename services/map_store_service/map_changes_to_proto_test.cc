@@ -22,11 +22,12 @@ TEST(MapChangesToProtoTest, ItemsOfPartsHaveTheirAgent) {
   island.local_maps = {LocalMapId{1}};
   island.agents = {"alpha"};
   island.parts = {{LocalMapId{2}, "alpha"}};
-  island.points.emplace_back(MapPointId{{2}, 5}, Eigen::Vector3d::Zero());
+  island.points.push_back({MapPointId{{2}, 5}, Eigen::Vector3d::Zero(), 7});
   const auto messages = ToProto(changes);
   ASSERT_EQ(messages.size(), 1u);
   EXPECT_THAT(messages[0].local_maps(), ElementsAre(1u, 2u));
   EXPECT_THAT(messages[0].local_map_agents(), ElementsAre("alpha", "alpha"));
+  EXPECT_THAT(messages[0].islands(0).point_observations(), ElementsAre(7u));
 }
 
 TEST(MapChangesToProtoTest, NoMessageNamesMoreThanItsReadersTake) {
