@@ -89,6 +89,11 @@ absl::StatusOr<Keyframe> FrameFromProto(const v1::Camera& camera, const v1::Feat
   RETURN_IF_ERROR(Locate(read.status(), "camera"));
   absl::StatusOr<Features> found = FromProto(features, *read);
   RETURN_IF_ERROR(Locate(found.status(), "features"));
+  if (!read->IsMetric() && std::ranges::any_of(found->keypoints, &Keypoint::HasDepth)) {
+    return absl::InvalidArgumentError(
+        "camera.baseline_m is 0, and features.disparity_px128 has disparities: these need the "
+        "baseline of the pair; leave them out for a single camera");
+  }
   Keyframe frame;
   frame.payload =
       MakeKeyframePayload({}, 0, 0, std::make_shared<const Camera>(*read), *std::move(found));
