@@ -208,7 +208,9 @@ TEST(LocalizeWhileFusingTest, SaysInWhoseFrameItFound) {
   picture.points.resize(picture.keypoints().size());
   int asked = 0;
   const auto answer = store.Localize(kMission, query, [&] {
-    if (++asked == 2) EXPECT_TRUE(store.RunFusionUntilIdle(kMission).ok());
+    if (++asked == 2) {
+      EXPECT_TRUE(store.RunFusionUntilIdle(kMission).ok());
+    }
     return true;
   });
   ASSERT_TRUE(answer.ok()) << answer.status();

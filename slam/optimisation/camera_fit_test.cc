@@ -96,7 +96,9 @@ TEST(CameraFitTest, SaysNothingOfWhatThePointsDoNotTell) {
   told.fx_px *= 1.2;
   told.fy_px *= 1.2;
   const auto fit = FitCamera(told, OptimisePose(told, kTruePose, seen).camera_from_map, seen);
-  if (fit.has_value()) EXPECT_FALSE(IsAnotherCamera(*fit)) << fit->focal.sigma;
+  if (fit.has_value()) {
+    EXPECT_FALSE(IsAnotherCamera(*fit)) << fit->focal.sigma;
+  }
 }
 
 }  // namespace
