@@ -13,7 +13,7 @@ namespace corbslam {
 namespace {
 
 // Pose, logarithm of both focal lengths, of fy alone, principal point, radial distortion.
-constexpr int kFocal = 6;
+constexpr int kBothFocals = 6;
 constexpr int kAspect = 7;
 constexpr int kCentreX = 8;
 constexpr int kCentreY = 9;
@@ -55,7 +55,7 @@ void Linearise(const State& state, const PoseObservation& o, const Eigen::Vector
   r = from_centre + Eigen::Vector2d(camera.cx_px, camera.cy_px) - o.pixel;
   // The lens is weak: its part in how a pixel moves with the point is left out.
   J.leftCols<6>() = PoseJacobian(ReprojectionJacobian(camera, x, false), x).topRows<2>();
-  J.col(kFocal) = from_centre;
+  J.col(kBothFocals) = from_centre;
   J.col(kAspect) << 0, from_centre.y();
   J.col(kCentreX) << 1, 0;
   J.col(kCentreY) << 0, 1;
@@ -84,8 +84,8 @@ Sums Gather(const State& state, absl::Span<const PoseObservation> observations) 
 State Moved(const State& state, const Vector& step) {
   State moved = state;
   moved.camera_from_map = ExpSE3(step.head<6>()) * state.camera_from_map;
-  moved.camera.fx_px *= std::exp(step[kFocal]);
-  moved.camera.fy_px *= std::exp(step[kFocal] + step[kAspect]);
+  moved.camera.fx_px *= std::exp(step[kBothFocals]);
+  moved.camera.fy_px *= std::exp(step[kBothFocals] + step[kAspect]);
   moved.camera.cx_px += step[kCentreX];
   moved.camera.cy_px += step[kCentreY];
   moved.radial += step[kRadial];
@@ -113,7 +113,7 @@ void Minimise(absl::Span<const PoseObservation> observations, State& state, Sums
     Matrix H = sums.H;
     H.diagonal() *= 1 + damping;
     const Vector step = H.ldlt().solve(-sums.g);
-    if (!step.allFinite() || std::abs(step[kFocal]) > kMaxLogFocal) {
+    if (!step.allFinite() || std::abs(step[kBothFocals]) > kMaxLogFocal) {
       damping *= 100;
       continue;
     }
@@ -156,7 +156,7 @@ FittedNumber FitDisparity(const State& state, double baseline_m,
 }
 
 bool Differs(const FittedNumber& number, double allowed) {
-  constexpr double kSigmas = 5;
+  constexpr double kSigmas = 3.5;
   return std::abs(number.value) > allowed && std::abs(number.value) > kSigmas * number.sigma;
 }
 
@@ -175,7 +175,7 @@ std::optional<CameraFit> FitCamera(const Camera& camera, const Rigid3d& camera_f
   const auto sigma = [&](int i) { return noise * std::sqrt((*inverse)(i, i)); };
   const double half = camera.width_px / (2 * state.camera.fx_px);
   CameraFit fit;
-  fit.focal = {std::log(state.camera.fx_px / camera.fx_px), sigma(kFocal)};
+  fit.focal = {std::log(state.camera.fx_px / camera.fx_px), sigma(kBothFocals)};
   fit.aspect = {std::log(state.camera.fy_px / camera.fy_px) - fit.focal.value, sigma(kAspect)};
   fit.centre_x = {(state.camera.cx_px - camera.cx_px) / camera.width_px,
                   sigma(kCentreX) / camera.width_px};
@@ -190,10 +190,13 @@ std::optional<CameraFit> FitCamera(const Camera& camera, const Rigid3d& camera_f
 }
 
 bool IsAnotherCamera(const CameraFit& fit) {
-  constexpr double kShare = 0.03;
-  return Differs(fit.focal, kShare) || Differs(fit.aspect, kShare) ||
-         Differs(fit.centre_x, kShare) || Differs(fit.centre_y, kShare) ||
-         Differs(fit.radial, kShare) || Differs(fit.disparity, 2 * kShare);
+  constexpr double kFocal = 0.015;
+  constexpr double kShape = 0.025;
+  constexpr double kLens = 0.01;
+  constexpr double kDisparity = 0.06;
+  return Differs(fit.focal, kFocal) || Differs(fit.aspect, kShape) ||
+         Differs(fit.centre_x, kShape) || Differs(fit.centre_y, kShape) ||
+         Differs(fit.radial, kLens) || Differs(fit.disparity, kDisparity);
 }
 
 }  // namespace corbslam

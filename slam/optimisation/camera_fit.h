@@ -42,7 +42,8 @@ std::optional<CameraFit> FitCamera(const Camera& camera, const Rigid3d& camera_f
                                    absl::Span<const PoseObservation> observations);
 
 // Whether the fitted camera is another one beyond doubt, and beyond what a fair calibration may be
-// off: 3 % of the focal length, of the sides, and of the lens's reach, 6 % of disparities.
+// off: 1.5 % of the focal length, 2.5 % between fx and fy and of the sides, 1 % of half
+// the width at its edge for the lens, 6 % of disparities.
 bool IsAnotherCamera(const CameraFit& fit);
 
 }  // namespace corbslam
