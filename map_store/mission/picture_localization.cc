@@ -73,7 +73,9 @@ class Search {
         const auto begin = places.candidates.begin() + static_cast<ptrdiff_t>(i);
         const size_t count = std::min(kCandidatesOfRequest, places.candidates.size() - i);
         RETURN_IF_ERROR(Try({begin, begin + static_cast<ptrdiff_t>(count)}));
-        if (answer_.stage == LocateStage::kLocated) return answer_;
+        if (answer_.stage == LocateStage::kLocated || answer_.fitting_camera.has_value()) {
+          return answer_;
+        }
       }
     }
     return answer_;
@@ -114,7 +116,9 @@ class Search {
     if (result.stage == LocateStage::kLocated && IsOutsidePrior(result.camera_from_map)) {
       result.stage = LocateStage::kOutsidePrior;
     }
-    if (GotFarther(result, answer_)) Take(island, in_reference, std::move(result));
+    if (result.fitting_camera.has_value() || GotFarther(result, answer_)) {
+      Take(island, in_reference, std::move(result));
+    }
     return absl::OkStatus();
   }
 

@@ -177,8 +177,10 @@ LocateFrameResult LocateFrame(const LocateFrameRequest& request,
       if (goes_on != nullptr && !goes_on(done)) break;
       LocateFrameResult tried =
           TryCandidate(request.frame, request.view, request.candidates[i].id, options);
-      if (GotFarther(tried, best)) best = std::move(tried);
-      if (best.stage == LocateStage::kLocated) break;
+      // Another candidate, of fewer points, might not show that the camera is another one.
+      const bool is_anothers = tried.fitting_camera.has_value();
+      if (is_anothers || GotFarther(tried, best)) best = std::move(tried);
+      if (is_anothers || best.stage == LocateStage::kLocated) break;
     }
   }
   // A pose that was not believed says nothing of where the picture was taken.
