@@ -51,7 +51,8 @@ cv::Mat EightBits(const cv::Mat& grey) {
   if (grey.type() != CV_16UC1) return grey;
   double brightest = 0;
   cv::minMaxLoc(grey, nullptr, &brightest);
-  const int shift = std::max(std::bit_width(static_cast<uint32_t>(brightest)) - 8, 0);
+  const int shift =
+      std::max(static_cast<int>(std::bit_width(static_cast<uint32_t>(brightest))) - 8, 0);
   cv::Mat eight(grey.size(), CV_8UC1);
   for (int y = 0; y < grey.rows; ++y) {
     for (int x = 0; x < grey.cols; ++x) {
