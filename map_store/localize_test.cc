@@ -9,6 +9,7 @@
 #include "map_store/testing/recover_whole.h"
 #include "map_store/testing/shared_world.h"
 #include "map_store/testing/test_agent.h"
+#include "map_store/testing/truthful_worker.h"
 #include "slam/verification/frame_location.h"
 
 namespace corbslam::map_store {
@@ -176,6 +177,51 @@ TEST_F(LocalizeTest, NamesWhatIsMissing) {
   EXPECT_TRUE(absl::IsNotFound(without.Localize(kMission, query, nullptr).status()));
   const auto cancelled = store_.Localize(kMission, query, [] { return false; });
   EXPECT_TRUE(absl::IsCancelled(cancelled.status())) << cancelled.status();
+}
+
+class LocatingTruthfulWorker : public testing::TruthfulWorker {
+ public:
+  using TruthfulWorker::TruthfulWorker;
+  absl::StatusOr<LocateFrameResult> LocateFrame(const LocateFrameRequest& request,
+                                                const ProgressCallback& progress) override {
+    return corbslam::LocateFrame(request, {}, progress);
+  }
+};
+
+// Two islands become one while a picture is looked up: its candidates were found in the one, and
+// stand in the other's frame by the time they are compared.
+TEST(LocalizeWhileFusingTest, SaysInWhoseFrameItFound) {
+  const SyntheticMap map_a = MakeRingMap(0xa, 0, 14, 0);
+  const SyntheticMap map_b = MakeRingMap(0xb, 30, 14, 0);
+  LocatingTruthfulWorker worker{{&map_a, &map_b}};
+  MapStore store(testing::DeterministicOptions(), testing::TheWorld().vocabulary,
+                 std::make_unique<InMemoryJournal>(), &worker);
+  TestAgent a(store, kMission, "a", map_a);
+  TestAgent b(store, kMission, "b", map_b);
+  ASSERT_TRUE(a.Stream().ok());
+  ASSERT_TRUE(b.Stream().ok());
+  // Only B was there.
+  const auto taken = std::next(map_b.map.keyframes().begin(), 12);
+  LocalizeQuery query{.picture = Keyframe(), .prior = {}, .all_islands = true};
+  Keyframe& picture = std::get<Keyframe>(query.picture);
+  picture.payload = taken->second.payload;
+  picture.points.resize(picture.keypoints().size());
+  int asked = 0;
+  const auto answer = store.Localize(kMission, query, [&] {
+    if (++asked == 2) {
+      EXPECT_TRUE(store.RunFusionUntilIdle(kMission).ok());
+    }
+    return true;
+  });
+  ASSERT_TRUE(answer.ok()) << answer.status();
+  ASSERT_GE(asked, 2);
+  ASSERT_EQ(store.GetMission(kMission)->islands, 1u);
+  ASSERT_EQ(ToString(answer->stage), "LOCATED");
+  EXPECT_TRUE(answer->in_reference_island);
+  EXPECT_EQ(answer->island, (IslandId{0xa}));
+  const Rigid3d truth = std::next(map_b.true_camera_from_world.begin(), 12)->second *
+                        map_a.true_camera_from_world.begin()->second.Inverse();
+  EXPECT_LT((answer->camera_from_island * truth.Inverse()).translation.norm(), 0.1);
 }
 
 // Three of a robot's sessions became one local map; a worker that looks pictures up has what that

@@ -8,6 +8,7 @@
 #include "map_store/mission/mission.h"
 #include "map_store/mission/mission_directory.h"
 #include "map_store/view/answers.h"
+#include "map_store/view/sights.h"
 #include "map_store/view/trajectory.h"
 #include "slam/util/status_macros.h"
 

@@ -257,6 +257,9 @@ bool Tracker::TrackLocalMap(Solution& solution) const {
     if (options_.localise_only) ReferToOthers(map, seen, view);
     return view;
   });
+  // What is true is what others mapped: temporary points, at the previous pose's errors, would hold
+  // the next one to these.
+  if (options_.localise_only) DropTemporaryPoints(frame);
   const bool is_lost = state_ != TrackingState::kTracking;
   const bool is_fresh = is_lost || frames_since_relocalisation_ < 2;
   const bool on_probation = is_lost || frames_since_relocalisation_ < kProbation;

@@ -29,6 +29,8 @@ struct LocalizeQuery {
   // With a prior only the reference island is looked at.
   std::optional<PosePrior> prior;
   bool all_islands = false;  // Otherwise only the reference island.
+
+  bool LooksEverywhere() const { return all_islands && !prior.has_value(); }
 };
 
 struct LocalizeAnswer {
@@ -38,6 +40,7 @@ struct LocalizeAnswer {
   int word_matches = 0;
   int pose_inliers = 0;
   int inliers = 0;
+  std::optional<Camera> fitting_camera;
   // These are set with kLocated.
   IslandId island;
   bool in_reference_island = false;

@@ -40,6 +40,20 @@ absl::StatusOr<Keyframe> MakeFrame(FusionWorker& worker, const Vocabulary& vocab
   return frame;
 }
 
+// Returns those that lie in the first one's island; local maps may have been deleted.
+Candidates InOneIsland(const MissionState& state, const Candidates& candidates) {
+  Candidates together;
+  for (const LocateFrameRequest::Candidate& candidate : candidates) {
+    if (state.FindLocalMap(candidate.id.local_map) == nullptr) continue;
+    if (!together.empty() && state.FindIslandOf(candidate.id.local_map) !=
+                                 state.FindIslandOf(together.front().id.local_map)) {
+      continue;
+    }
+    together.push_back(candidate);
+  }
+  return together;
+}
+
 class Search {
  public:
   Search(const MissionStrand& strand, FusionWorker& worker, const LocalizeQuery& query,
@@ -58,8 +72,10 @@ class Search {
       for (size_t i = 0; i < places.candidates.size(); i += kCandidatesOfRequest) {
         const auto begin = places.candidates.begin() + static_cast<ptrdiff_t>(i);
         const size_t count = std::min(kCandidatesOfRequest, places.candidates.size() - i);
-        RETURN_IF_ERROR(Try(places.island, {begin, begin + static_cast<ptrdiff_t>(count)}));
-        if (answer_.stage == LocateStage::kLocated) return answer_;
+        RETURN_IF_ERROR(Try({begin, begin + static_cast<ptrdiff_t>(count)}));
+        if (answer_.stage == LocateStage::kLocated || answer_.fitting_camera.has_value()) {
+          return answer_;
+        }
       }
     }
     return answer_;
@@ -77,20 +93,32 @@ class Search {
         });
   }
 
-  absl::Status Try(IslandId island, const Candidates& candidates) {
-    ASSIGN_OR_RETURN(
-        LocateFrameRequest request,
-        ReadCalmly<LocateFrameRequest>([&candidates](const MissionState& state, LongRead& read) {
-          return BuildLocateRequest(state, candidates, read);
-        }));
-    if (request.candidates.empty()) return absl::OkStatus();
+  // Islands may have merged or split since the candidates were found: whose frame it is, is asked
+  // of the state that the poses are of.
+  absl::Status Try(const Candidates& candidates) {
+    IslandId island;
+    bool in_reference = false;
+    ASSIGN_OR_RETURN(LocateFrameRequest request,
+                     ReadCalmly<LocateFrameRequest>([&](const MissionState& state, LongRead& read) {
+                       const Candidates together = InOneIsland(state, candidates);
+                       if (!together.empty()) {
+                         island = state.FindIslandOf(together.front().id.local_map)->id;
+                         in_reference = state.ReferenceIsland() == island;
+                       }
+                       return BuildLocateRequest(state, together, read);
+                     }));
+    if (request.candidates.empty() || !(in_reference || query_.LooksEverywhere())) {
+      return absl::OkStatus();
+    }
     request.frame = frame_;
     ASSIGN_OR_RETURN(LocateFrameResult result,
                      worker_.LocateFrame(request, [this](double) { return GoesOn(); }));
     if (result.stage == LocateStage::kLocated && IsOutsidePrior(result.camera_from_map)) {
       result.stage = LocateStage::kOutsidePrior;
     }
-    if (GotFarther(result, answer_)) Take(island, std::move(result));
+    if (result.fitting_camera.has_value() || GotFarther(result, answer_)) {
+      Take(island, in_reference, std::move(result));
+    }
     return absl::OkStatus();
   }
 
@@ -126,16 +154,16 @@ class Search {
     return (camera_from_island.Inverse().translation - expected).norm() > query_.prior->radius_m;
   }
 
-  void Take(IslandId island, LocateFrameResult result) {
+  void Take(IslandId island, bool in_reference, LocateFrameResult result) {
     answer_.stage = result.stage;
     answer_.revision = result.base_revision;
     answer_.word_matches = result.word_matches;
     answer_.pose_inliers = result.pose_inliers;
     answer_.inliers = result.inliers;
+    answer_.fitting_camera = result.fitting_camera;
     if (result.stage != LocateStage::kLocated) return;
     answer_.island = island;
-    answer_.in_reference_island = strand_.WithState(
-        [island](const MissionState& state) { return state.ReferenceIsland() == island; });
+    answer_.in_reference_island = in_reference;
     answer_.camera_from_island = result.camera_from_map;
     answer_.covariance = std::move(result.covariance);
     answer_.keyframes = std::move(result.keyframes);

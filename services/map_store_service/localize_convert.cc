@@ -60,6 +60,9 @@ void ToProto(const std::string& mission, const map_store::LocalizeAnswer& answer
   response->set_word_matches(Count(answer.word_matches));
   response->set_pose_inliers(Count(answer.pose_inliers));
   response->set_inliers(Count(answer.inliers));
+  if (answer.fitting_camera.has_value()) {
+    ToProto(*answer.fitting_camera, response->mutable_fitting_camera());
+  }
   if (answer.stage != LocateStage::kLocated) return;
   response->set_island(LocalMapName(mission, answer.island));
   response->set_in_global_frame(answer.in_reference_island);

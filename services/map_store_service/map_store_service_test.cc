@@ -352,10 +352,14 @@ TEST_F(MapStoreServiceTest, AKeyframeComesWithWhatTheCameraSawIfWanted) {
   EXPECT_FALSE(keyframe.has_payload());
   EXPECT_EQ(keyframe.agent(), "missions/m/agents/alpha");
   EXPECT_EQ(keyframe.keypoints(), 30u);
+  EXPECT_EQ(keyframe.sights_size(), 0);
   request.set_view(v1::KEYFRAME_VIEW_FULL);
   grpc::ClientContext full;
   ASSERT_TRUE(stub_->GetKeyframe(&full, request, &keyframe).ok());
   EXPECT_EQ(keyframe.payload().features().x_px64_size(), 30);
+  EXPECT_GT(keyframe.observed_points(), 0u);
+  EXPECT_EQ(static_cast<uint32_t>(keyframe.sights_size()), keyframe.observed_points());
+  EXPECT_EQ(keyframe.sights(0).local_map(), kMap.value);
 }
 
 TEST_F(MapStoreServiceTest, WatchersSeeWhatThereIsAndWhatComes) {
@@ -370,6 +374,8 @@ TEST_F(MapStoreServiceTest, WatchersSeeWhatThereIsAndWhatComes) {
   ASSERT_EQ(change.islands_size(), 1);
   EXPECT_EQ(change.islands(0).keyframes_size(), 2);
   EXPECT_GT(change.islands(0).points().ids().index_deltas_size(), 0);
+  EXPECT_EQ(change.islands(0).point_observations_size(),
+            change.islands(0).points().ids().index_deltas_size());
   EXPECT_THAT(change.local_map_agents(), Contains("alpha"));
   const uint64_t version = change.version();
   Upload("beta", kOtherMap, 1);

@@ -8,6 +8,9 @@
 namespace corbslam::services {
 namespace {
 
+// More has no computer: a negative number without a unit is read as one of 2^64 less it.
+constexpr uint64_t kMost_bytes = uint64_t{1} << 50;
+
 std::string MiB(uint64_t bytes) { return absl::StrCat(bytes >> 20, " MiB"); }
 
 }  // namespace
@@ -37,6 +40,11 @@ absl::Status CheckMemoryFlags(const MemoryFlags& flags, const ShareFlags& share,
                      "), must be at least ", MiB(least), ": ", MiB(kRobotItself_bytes),
                      " for the robot without a map, ", MiB(outbox_bytes), " for --outbox-mb, ",
                      MiB(kLeastForMap_bytes), " for a map. Give it with a unit, as 500MB"));
+  }
+  if (flags.budget_bytes > kMost_bytes) {
+    return absl::InvalidArgumentError(absl::StrCat("--memory-budget is ", MiB(flags.budget_bytes),
+                                                   ", must be at most ", MiB(kMost_bytes),
+                                                   ": was it negative?"));
   }
   if (share.mode == ShareMode::kEverything) {
     return absl::InvalidArgumentError(

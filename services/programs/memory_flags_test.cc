@@ -78,6 +78,10 @@ TEST(MemoryFlagsTest, TooLittleIsRefusedWithValueAndLimit) {
   EXPECT_FALSE(parsed.Check().ok());
 }
 
+TEST(MemoryFlagsTest, ANegativeOneIsNotBoundless) {
+  EXPECT_THAT(Parse({"--memory-budget=-1"}).Check().message(), HasSubstr("was it negative?"));
+}
+
 TEST(MemoryFlagsTest, NeedsAStore) {
   EXPECT_THAT(Parse({"--memory-budget", "500MB"}).Check(/*has_server=*/false).message(),
               HasSubstr("--memory-budget needs --server"));

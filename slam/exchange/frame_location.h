@@ -58,6 +58,9 @@ struct LocateFrameResult {
   // axes).
   Rigid3d camera_from_map;
   std::optional<Matrix6d> covariance;
+  // With kFewInliers: the points agree, with a camera like this one and not with the picture's own:
+  // its focal length, centre, lens or baseline is another's.
+  std::optional<Camera> fitting_camera;
   // Keyframes that see the inliers, the one that sees most first; at most 10.
   std::vector<KeyframeId> keyframes;
 };

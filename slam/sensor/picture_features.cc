@@ -1,5 +1,9 @@
 #include "slam/sensor/picture_features.h"
 
+#include <algorithm>
+#include <bit>
+#include <cstdint>
+#include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <optional>
 #include <string>
@@ -41,6 +45,23 @@ void MoveToPinhole(const LensModel& lens, const Camera& camera, Features& featur
   features.descriptors.resize(kept);
 }
 
+// Cameras of 10 or 12 bits write 16, of which the upper 8 show next to nothing: those of the
+// brightest pixel count.
+cv::Mat EightBits(const cv::Mat& grey) {
+  if (grey.type() != CV_16UC1) return grey;
+  double brightest = 0;
+  cv::minMaxLoc(grey, nullptr, &brightest);
+  const int shift =
+      std::max(static_cast<int>(std::bit_width(static_cast<uint32_t>(brightest))) - 8, 0);
+  cv::Mat eight(grey.size(), CV_8UC1);
+  for (int y = 0; y < grey.rows; ++y) {
+    for (int x = 0; x < grey.cols; ++x) {
+      eight.at<uint8_t>(y, x) = static_cast<uint8_t>(grey.at<uint16_t>(y, x) >> shift);
+    }
+  }
+  return eight;
+}
+
 bool IsPinhole(const LensModel& lens) {
   const auto* distortion = std::get_if<RadialTangential>(&lens);
   return distortion != nullptr && distortion->IsZero();
@@ -62,7 +83,8 @@ absl::StatusOr<cv::Mat> DecodePicture(absl::string_view encoded) {
   const cv::Mat data(1, static_cast<int>(encoded.size()), CV_8UC1,
                      const_cast<char*>(encoded.data()));  // The bytes are only read.
   try {
-    cv::Mat grey = cv::imdecode(data, cv::IMREAD_GRAYSCALE | cv::IMREAD_IGNORE_ORIENTATION);
+    cv::Mat grey = EightBits(cv::imdecode(
+        data, cv::IMREAD_GRAYSCALE | cv::IMREAD_ANYDEPTH | cv::IMREAD_IGNORE_ORIENTATION));
     if (grey.type() == CV_8UC1 && grey.size() == size) return grey;
   } catch (const cv::Exception& exception) {
     return absl::InvalidArgumentError(

@@ -55,6 +55,18 @@ TEST(PictureFeaturesTest, ReadsGreyAndColour) {
   }
 }
 
+// 16 bits, of which a camera uses 8, 10, 12 or all.
+TEST(PictureFeaturesTest, TakesTheBitsThatAreUsed) {
+  const cv::Mat grey = Checks(320, 240);
+  for (const int factor : {1, 4, 16, 256}) {
+    cv::Mat sixteen;
+    grey.convertTo(sixteen, CV_16UC1, factor);
+    const auto decoded = DecodePicture(Encode(sixteen, ".png"));
+    ASSERT_TRUE(decoded.ok()) << decoded.status();
+    EXPECT_LE(cv::norm(*decoded, grey, cv::NORM_INF), 1) << factor;
+  }
+}
+
 TEST(PictureFeaturesTest, RefusesWhatIsNoPicture) {
   EXPECT_THAT(ErrorOf(""), HasSubstr("0 bytes"));
   EXPECT_THAT(ErrorOf("GIF89a and so on"), HasSubstr("neither a PNG nor a JPEG"));

@@ -7,6 +7,7 @@
 #include "absl/container/btree_map.h"
 #include "absl/container/flat_hash_set.h"
 #include "slam/matching/word_matching.h"
+#include "slam/optimisation/camera_fit.h"
 #include "slam/optimisation/pose_covariance.h"
 #include "slam/solvers/pnp_ransac.h"
 #include "slam/verification/neighbourhood.h"
@@ -147,9 +148,16 @@ LocateFrameResult TryCandidate(const Keyframe& frame, const Map& view, KeyframeI
       result.inliers < options.min_inliers_to_chance * static_cast<double>(by_chance)) {
     return result;
   }
+  const std::vector<PoseObservation> agreeing = Observe(frame, inliers);
+  if (options.check_camera) {
+    const auto fit = FitCamera(frame.camera(), result.camera_from_map, agreeing);
+    if (fit.has_value() && IsAnotherCamera(*fit)) {
+      result.fitting_camera = fit->camera;
+      return result;
+    }
+  }
   result.stage = LocateStage::kLocated;
-  const auto covariance =
-      PoseCovariance(frame.camera(), result.camera_from_map, Observe(frame, inliers));
+  const auto covariance = PoseCovariance(frame.camera(), result.camera_from_map, agreeing);
   if (covariance.has_value()) result.covariance = InMapAxes(result.camera_from_map, *covariance);
   result.keyframes = KeyframesThatSee(inliers);
   return result;
@@ -169,8 +177,10 @@ LocateFrameResult LocateFrame(const LocateFrameRequest& request,
       if (goes_on != nullptr && !goes_on(done)) break;
       LocateFrameResult tried =
           TryCandidate(request.frame, request.view, request.candidates[i].id, options);
-      if (GotFarther(tried, best)) best = std::move(tried);
-      if (best.stage == LocateStage::kLocated) break;
+      // Another candidate, of fewer points, might not show that the camera is another one.
+      const bool is_anothers = tried.fitting_camera.has_value();
+      if (is_anothers || GotFarther(tried, best)) best = std::move(tried);
+      if (is_anothers || best.stage == LocateStage::kLocated) break;
     }
   }
   // A pose that was not believed says nothing of where the picture was taken.

@@ -29,6 +29,9 @@ struct FrameLocationOptions {
   // Points found must be this many times what is found right beside where they should be: where
   // many keypoints are, some match by chance.
   double min_inliers_to_chance = 4;
+  // A pose is not believed where the points agree with another camera beyond doubt
+  // (slam/optimisation/camera_fit.h): it may be metres off, by a covariance of centimetres.
+  bool check_camera = true;
 };
 
 // Tries the candidates in turn: features that look like points of the candidate and its neighbours,

@@ -104,6 +104,23 @@ TEST_F(FrameLocationTest, TellsTheStageItReached) {
   EXPECT_EQ(LocateFrame(request).stage, LocateStage::kNoCandidates);
 }
 
+// A picture of another size, a calibration of another camera: pixels are where that has them.
+TEST_F(FrameLocationTest, DoesNotBelieveAPoseOfAnotherCamera) {
+  LocateFrameRequest request = RequestOf(pictures_, 2);
+  Camera told = request.frame.camera();
+  const double fx_px = told.fx_px;
+  told.fx_px *= 1.05;
+  told.fy_px *= 1.05;
+  request.frame.payload = MakeKeyframePayload({}, 0, 0, std::make_shared<const Camera>(told),
+                                              Features(request.frame.payload->features));
+  ASSERT_EQ(ToString(LocateFrame(request, {.check_camera = false}).stage), "LOCATED");
+  const LocateFrameResult result = LocateFrame(request);
+  EXPECT_EQ(ToString(result.stage), "FEW_INLIERS");
+  ASSERT_TRUE(result.fitting_camera.has_value());
+  EXPECT_NEAR(result.fitting_camera->fx_px, fx_px, 0.02 * fx_px);
+  EXPECT_FALSE(LocateFrame(RequestOf(pictures_, 2)).fitting_camera.has_value());
+}
+
 TEST_F(FrameLocationTest, EndsWhenNobodyWaits) {
   LocateFrameRequest request = RequestOf(pictures_, 2);
   int asked = 0;

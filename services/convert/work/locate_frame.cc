@@ -89,6 +89,11 @@ absl::StatusOr<Keyframe> FrameFromProto(const v1::Camera& camera, const v1::Feat
   RETURN_IF_ERROR(Locate(read.status(), "camera"));
   absl::StatusOr<Features> found = FromProto(features, *read);
   RETURN_IF_ERROR(Locate(found.status(), "features"));
+  if (!read->IsMetric() && std::ranges::any_of(found->keypoints, &Keypoint::HasDepth)) {
+    return absl::InvalidArgumentError(
+        "camera.baseline_m is 0, and features.disparity_px128 has disparities: these need the "
+        "baseline of the pair; leave them out for a single camera");
+  }
   Keyframe frame;
   frame.payload =
       MakeKeyframePayload({}, 0, 0, std::make_shared<const Camera>(*read), *std::move(found));
@@ -156,6 +161,9 @@ v1::LocateFrameResponse::Header HeaderOf(const LocateFrameResult& result) {
   header.set_word_matches(Count(result.word_matches));
   header.set_pose_inliers(Count(result.pose_inliers));
   header.set_inliers(Count(result.inliers));
+  if (result.fitting_camera.has_value()) {
+    ToProto(*result.fitting_camera, header.mutable_fitting_camera());
+  }
   if (result.stage != LocateStage::kLocated) return header;
   ToProto(result.camera_from_map, header.mutable_camera_from_map());
   ToProto(result.covariance, header.mutable_covariance());
@@ -175,6 +183,9 @@ absl::StatusOr<LocateFrameResult> MakeResult(const v1::LocateFrameResponse::Head
   ASSIGN_OR_RETURN(result.word_matches, CountFromProto("word_matches", header.word_matches()));
   ASSIGN_OR_RETURN(result.pose_inliers, CountFromProto("pose_inliers", header.pose_inliers()));
   ASSIGN_OR_RETURN(result.inliers, CountFromProto("inliers", header.inliers()));
+  if (header.has_fitting_camera()) {
+    ASSIGN_OR_RETURN(result.fitting_camera, FromProto(header.fitting_camera()));
+  }
   if (result.stage != LocateStage::kLocated) return result;
   ASSIGN_OR_RETURN(result.camera_from_map, FromProto(header.camera_from_map()));
   ASSIGN_OR_RETURN(result.covariance, PoseCovarianceFromProto(header.covariance()));

@@ -77,6 +77,26 @@ TEST(LocateFrameTest, AResultTravels) {
   EXPECT_EQ(read->keyframes, result.keyframes);
 }
 
+TEST(LocateFrameTest, ACameraThatFitsBetterTravels) {
+  LocateFrameResult result;
+  result.stage = LocateStage::kFewInliers;
+  result.fitting_camera = Camera{
+      .fx_px = 301, .fy_px = 302, .cx_px = 160, .cy_px = 120, .width_px = 320, .height_px = 240};
+  const auto read = MakeResult(HeaderOf(result), ResultItems());
+  ASSERT_TRUE(read.ok()) << read.status();
+  EXPECT_EQ(read->fitting_camera, result.fitting_camera);
+}
+
+TEST(LocateFrameTest, DisparitiesNeedABaseline) {
+  v1::Features features = SomeFeatures(3);
+  for (int i = 0; i < 3; ++i) features.add_disparity_px128(128);
+  v1::Camera camera = SomeCamera();
+  EXPECT_THAT(std::string(FrameFromProto(camera, features).status().message()),
+              HasSubstr("camera.baseline_m is 0"));
+  camera.set_baseline_m(0.1);
+  EXPECT_TRUE(FrameFromProto(camera, features).ok());
+}
+
 TEST(LocateFrameTest, EachStageTravels) {
   for (const LocateStage stage :
        {LocateStage::kFewFeatures, LocateStage::kNoCandidates, LocateStage::kFewMatches,

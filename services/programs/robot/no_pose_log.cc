@@ -103,9 +103,13 @@ std::optional<std::string> NoPoseLog::Add(const TrackingResult& result,
 std::optional<std::string> NoPoseLog::AddTracked(const TrackingResult& result) {
   std::optional<std::string> line;
   if (told_s_ > 0) {
-    const bool is_same = last_map_ == result.local_map;
-    line = absl::StrFormat("%s after %.1f s", is_same ? "found again in its map" : "a map is begun",
-                           Since_s(result.timestamp_ns));
+    // A map that is begun has points of its own alone.
+    const bool is_others =
+        result.foreign_points_matched > 0 && result.foreign_points_matched == result.points_matched;
+    const char* const how = last_map_ == result.local_map ? "found again in its map"
+                            : is_others                   ? "found in what others mapped"
+                                                          : "a map is begun";
+    line = absl::StrFormat("%s after %.1f s", how, Since_s(result.timestamp_ns));
   }
   missing_since_ns_ = std::nullopt;
   told_s_ = 0;

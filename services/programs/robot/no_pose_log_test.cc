@@ -31,6 +31,8 @@ class NoPoseLogTest : public ::testing::Test {
       result.state = state;
       result.why_no_pose = why;
       result.local_map = map_;
+      result.points_matched = 90;
+      result.foreign_points_matched = foreign_;
       if (const auto line = log_.Add(result, {now_ns_, grey, grey})) lines_.push_back(*line);
     }
   }
@@ -46,6 +48,7 @@ class NoPoseLogTest : public ::testing::Test {
 
   NoPoseLog log_;
   LocalMapId map_{1};
+  int foreign_ = 0;
   int64_t now_ns_ = 5'000'000'000;
   std::vector<std::string> lines_;
 };
@@ -101,6 +104,14 @@ TEST_F(NoPoseLogTest, BeingLostIsToldEveryTenSecondsAndHowItEnded) {
   map_ = LocalMapId{2};
   Track(1);
   EXPECT_THAT(lines_.back(), HasSubstr("a map is begun after 1.5 s"));
+}
+
+// A robot that only localises begins no map.
+TEST_F(NoPoseLogTest, WhereItIsInOthersMapsIsToldAsThat) {
+  Add(TrackingState::kLost, WhyNoPose::kNotRecognised, 15);
+  foreign_ = 90;
+  Track(1);
+  EXPECT_THAT(lines_.back(), HasSubstr("found in what others mapped after 1.5 s"));
 }
 
 }  // namespace

@@ -71,6 +71,16 @@ absl::StatusOr<Rigid3d> IslandFromCamera(const v1::LocalizeResponse& answer) {
   return camera_from_island.Inverse();
 }
 
+std::string DescribeOtherCamera(const v1::LocalizeResponse& answer) {
+  const v1::Camera& fitting = answer.fitting_camera();
+  return absl::StrFormat(
+      "%d points of the map agree on a place, but not with this camera: with about fx %.1f fy %.1f "
+      "cx %.1f cy %.1f px, or another lens. Is the calibration that of this camera, at this size "
+      "of "
+      "picture, uncropped?",
+      answer.inliers(), fitting.fx_px(), fitting.fy_px(), fitting.cx_px(), fitting.cy_px());
+}
+
 std::string DescribeFailure(const v1::LocalizeResponse& answer) {
   const auto stage = FromProto(answer.stage());
   if (!stage.ok()) return "the store's answer has no stage that is known here";
@@ -85,6 +95,7 @@ std::string DescribeFailure(const v1::LocalizeResponse& answer) {
       return absl::StrCat("of ", answer.word_matches(), " features that look like the map's ",
                           answer.pose_inliers(), " agree on a place");
     case LocateStage::kFewInliers:
+      if (answer.has_fitting_camera()) return DescribeOtherCamera(answer);
       return absl::StrCat("only ", answer.inliers(), " points of the map are where they should be");
     case LocateStage::kOutsidePrior:
       return "it was taken outside of the radius";
@@ -157,6 +168,13 @@ nlohmann::json ToJson(const FoundPicture& found) {
                          {"pose_inliers", answer.pose_inliers()},
                          {"inliers", answer.inliers()},
                          {"seconds", found.seconds}};
+  if (answer.has_fitting_camera()) {
+    const v1::Camera& fitting = answer.fitting_camera();
+    json["fitting_camera"] = {{"fx_px", fitting.fx_px()},
+                              {"fy_px", fitting.fy_px()},
+                              {"cx_px", fitting.cx_px()},
+                              {"cy_px", fitting.cy_px()}};
+  }
   const auto pose = IslandFromCamera(answer);
   if (answer.stage() != v1::LOCATE_STAGE_LOCATED || !pose.ok()) return json;
   const Eigen::Vector3d ahead = pose->rotation * Eigen::Vector3d::UnitZ();
