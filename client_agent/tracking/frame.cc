@@ -86,6 +86,10 @@ std::optional<Matrix6d> FramePoseCovariance(const Frame& frame) {
   return InMapAxes(frame.camera_from_map, *covariance);
 }
 
+std::optional<CameraFit> FitFrameCamera(const Frame& frame) {
+  return FitCamera(frame.camera(), frame.camera_from_map, ObservationsOf(frame).observations);
+}
+
 void AddTemporaryPoints(Frame& frame) {
   constexpr size_t kAtLeast = 100;
   const Rigid3d map_from_camera = frame.camera_from_map.Inverse();

@@ -12,6 +12,7 @@
 #include "slam/geometry/rigid3.h"
 #include "slam/map/keyframe.h"
 #include "slam/map/map.h"
+#include "slam/optimisation/camera_fit.h"
 #include "slam/util/ids.h"
 #include "slam/vocabulary/words.h"
 
@@ -73,6 +74,9 @@ InlierCount OptimiseFramePose(const Rigid3d& initial_camera_from_map, LocalMapId
 // Returns the covariance of the pose that OptimiseFramePose found, in the map's axes (InMapAxes);
 // nullopt where the associations don't determine it.
 std::optional<Matrix6d> FramePoseCovariance(const Frame& frame);
+
+// Fits a camera to the frame's associations, as FitCamera does.
+std::optional<CameraFit> FitFrameCamera(const Frame& frame);
 
 // Adds temporary associations for keypoints with depth that see no map point: all close ones, and
 // the nearest hundred (ORB-SLAM2, Mur-Artal and Tardos, T-RO 2017).

@@ -127,6 +127,7 @@ void Tracker::Accept(Solution solution, Frame& frame) {
   points_in_view_ = static_cast<int>(solution.visible.size());
   corrections_ = solution.corrections;
   parts_.statistics->Count(solution.visible, SeenPoints(frame));
+  if (options_.localise_only) camera_doubt_.Look(frame);
 }
 
 bool Tracker::ResumeAt(std::shared_ptr<const KeyframePayload> payload,

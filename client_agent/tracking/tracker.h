@@ -12,6 +12,7 @@
 #include "client_agent/mapping/look_book.h"
 #include "client_agent/mapping/mapping_queue.h"
 #include "client_agent/mapping/point_statistics.h"
+#include "client_agent/tracking/camera_doubt.h"
 #include "client_agent/tracking/frame.h"
 #include "client_agent/tracking/keyframe_policy.h"
 #include "client_agent/tracking/local_map_view.h"
@@ -159,6 +160,7 @@ class Tracker {
   // Of the map that the last pose was found in.
   uint64_t corrections_ = 0;
   bool mapping_paused_ = false;
+  CameraDoubt camera_doubt_;
   KeyframeId last_keyframe_;
   int64_t last_keyframe_ns_ = 0;
   WhyNoPose why_lost_ = WhyNoPose::kHasOne;
