@@ -10,13 +10,14 @@ import { handleKey } from './keyboard';
 import { KeepInSight } from './keep_in_sight';
 import { Live } from './live';
 import { type KeyframeId, lastSegment } from './model/ids';
+import type { Landmark } from './model/sights';
 import { mapWords } from './model/words';
 import { MapNames } from './model/map_names';
 import type { IslandChange, MapModel } from './model/map_model';
 import { DetailsPanel } from './panels/details';
 import { EventsPanel } from './panels/events';
 import { helpDialog } from './panels/help';
-import { Legend } from './panels/legend';
+import { Legend, isUntold } from './panels/legend';
 import { NumbersPanel } from './panels/numbers';
 import { OverlapsPanel, overlapsNote } from './panels/overlaps';
 import { RobotsPanel } from './panels/robots';
@@ -145,8 +146,14 @@ export class MissionPage {
   overlapChosen(overlap: Overlap | undefined, keyframe: KeyframeId | undefined): void {
     this.stage.chosenOverlap = overlap;
     this.stage.chosenKeyframe = keyframe;
-    this.stage.invalidate();
+    this.sightsChosen([]);
     this.panelsMs = 0;
+  }
+
+  /** Highlights landmarks that the chosen keyframe sees. */
+  sightsChosen(landmarks: readonly Landmark[]): void {
+    this.stage.chosenLandmarks = landmarks;
+    this.stage.invalidate();
   }
 
   close(): void {
@@ -243,7 +250,9 @@ export class MissionPage {
     const now = { isLive: this.connection.isLive, isPast: this.past.model !== undefined };
     this.robots.update(this.painter.robots, model, live.pulse, state, now);
     this.events.rename();
-    this.legend.update(state, this.painter.theme, state.robot || (this.painter.robots[0] ?? ''));
+    this.legend.update(state, this.painter.theme, state.robot || (this.painter.robots[0] ?? ''), model);
+    this.toolbar.noteObservations(!isUntold(model));
+    this.selection.refresh();
     const receivedBytes = live.stream.receivedBytes + this.rest.receivedBytes;
     this.numbers.update(model, live.pulse, {
       ...now, receivedBytes, drawnPoints: this.stage.figures.drawnPoints, truth: this.truth.words(),
