@@ -7,8 +7,9 @@ import { MissionPulseSchema, type MissionPulse } from '@gen/corbslam/v1/viewer_p
 import { TrackingState } from '@gen/corbslam/v1/agent_service_pb';
 import { hexId } from '../src/model/ids';
 import { Random } from '../src/model/random';
-import { toOwnFrame, turnToOwnFrame } from './street';
-import { type SimulatedMission, now } from './simulated_mission';
+import type { Quat, Vec3 } from '../src/model/vector';
+import { cameraFromFrame, toOwnFrame, turnToOwnFrame } from './street';
+import { type SimulatedMission, type SimulatedRobot, now } from './simulated_mission';
 
 export type Answer = { type: string; body: Uint8Array | string } | undefined;
 
@@ -83,12 +84,16 @@ function keyframe(mission: SimulatedMission, id: string, index: number): Answer 
   const told = one?.keyframes[index];
   if (!one || !told) return undefined;
   const random = new Random(index + 11);
+  const pose = mission.pose(one, told);
   const column = (value: () => number) => Array.from({ length: 900 }, value);
   return json(KeyframeSchema, {
     name: mission.keyframeName(one, index), agent: `missions/${mission.name}/agents/${one.robot.name}`,
     timestampNs: told.timeNs, island: `localMaps/${hexId(mission.robots[one.island].robot.id)}`, placed: one.island === 0,
     settled: index < one.keyframes.length - 4, revision: mission.revision, keypoints: 900, observedPoints: 412,
     parent: index > 0 ? mission.keyframeName(one, index - 1) : '',
+    sights: mission.isOld ? [] : sights(one, mission.pointsPerKeyframe, index),
+    cameraFromLocal: cameraFromFrame(...local(one, index)),
+    cameraFromIsland: { ...cameraFromFrame(pose.centre, pose.rotation), scale: 1 },
     payload: {
       timestampNs: told.timeNs,
       features: {
@@ -98,6 +103,22 @@ function keyframe(mission: SimulatedMission, id: string, index: number): Answer 
       },
     },
   });
+}
+
+/** It sees what came with it and the keyframes before; three points are of a local map that nobody has. */
+function sights({ robot, points }: SimulatedRobot, each: number, index: number) {
+  const from = Math.max(0, (index - 6) * each);
+  const count = Math.min(412, points.length - from);
+  return Array.from({ length: count }, (_, i) => ({
+    keypoint: 2 * i, localMap: i < 3 ? 5n : robot.id, point: from + i,
+  }));
+}
+
+/** Where the robot itself thinks that it was: 1 per cent too far. */
+function local({ robot, keyframes }: SimulatedRobot, index: number): [Vec3, Quat] {
+  const { centre, rotation } = keyframes[index].world;
+  const [x, y, z] = toOwnFrame(robot, centre);
+  return [[1.01 * x, 1.01 * y, 1.01 * z], turnToOwnFrame(robot, rotation)];
 }
 
 export function pulse(mission: SimulatedMission, storeAnswers: boolean): MissionPulse {

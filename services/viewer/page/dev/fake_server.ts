@@ -2,6 +2,7 @@
 //   --port=8090 --robots=3 --token=SECRET
 //   --big: at once 10,000 keyframes and 1,000,000 points, or as many as --points of each; --still: nobody drives; --steps=N: so many keyframes a robot at once
 //   /dev/changes?rate=10&points=1000: so many points move so often a second; /dev/merge: two islands merge now
+//   --old: a store that does not tell which keyframes see a point
 //   --merge=S,S: islands merge after so many seconds (default 12,20); --away=S: the store is away from then on for 5 s
 import { createServer, type IncomingMessage, type ServerResponse } from 'node:http';
 import { existsSync, readFileSync } from 'node:fs';
@@ -21,6 +22,7 @@ const number = (name: string, otherwise: number) => Number(flags.get(name) ?? ot
 const dist = resolve(process.env.OUT_DIR ?? 'dist');
 const isBig = flags.has('big');
 const mission = new SimulatedMission('lab', number('robots', 3), number('points', isBig ? 100 : 60));
+mission.isOld = flags.has('old');
 if (isBig) mission.begin(3334);
 else mission.drive(number('steps', 60));
 const TYPES: Record<string, string> = { '.html': 'text/html; charset=utf-8', '.js': 'text/javascript', '.css': 'text/css', '.svg': 'image/svg+xml' };

@@ -32,6 +32,8 @@ export class SimulatedMission {
   revision = 0n;
   version = 0n;
   private readonly random = new Random(7);
+  /** As a store of an older version tells it. */
+  isOld = false;
 
   constructor(readonly name: string, count: number, readonly pointsPerKeyframe: number) {
     this.robots = makeRobots(count, this.random).map((robot, island) => ({ robot, keyframes: [], points: [], island, distance: 0, startNs: BigInt(island) * 10n ** 13n }));
@@ -133,6 +135,7 @@ export class SimulatedMission {
         ids: { slots: points.map(() => slot), indexDeltas: points.map((_, i) => BigInt(i === 0 ? fromPoint : 1)) },
         positions: points.flatMap((point) => toOwnFrame(frame, point)),
       },
+      pointObservations: this.isOld ? [] : points.map((_, i) => observationsOf(fromPoint + i)),
     };
   }
 
@@ -180,6 +183,12 @@ export class SimulatedMission {
       },
     }));
   }
+}
+
+/** How many keyframes see a point: mostly few, sometimes many. */
+function observationsOf(point: number): number {
+  const part = ((point * 2_654_435_761) % 1000) / 1000;
+  return 2 + Math.floor(-7 * Math.log(1 - part));
 }
 
 /** Two keyframes of two robots that stand near each other, away from the nearest by some steps. */

@@ -13,7 +13,7 @@ export interface KeyActions {
   help(): void;
 }
 
-const COLOURS: ColourMode[] = ['robot', 'island', 'paper', 'height', 'age'];
+const COLOURS: ColourMode[] = ['robot', 'island', 'paper', 'height', 'age', 'observations'];
 const LAYERS: Layer[] = ['global', 'local', 'both'];
 const TOGGLES = {
   p: 'points', k: 'keyframes', j: 'paths', e: 'frames', o: 'overlaps', r: 'refused', t: 'top', g: 'follow',

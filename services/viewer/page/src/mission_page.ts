@@ -1,6 +1,7 @@
 import type { MissionEvent } from '@gen/corbslam/v1/events_pb';
 import type { Overlap } from '@gen/corbslam/v1/overlap_pb';
 import { Connection } from './connection';
+import { Drifts } from './drifts';
 import type { Rest } from './feed/rest';
 import { Fetched } from './fetched';
 import { TrueTrajectory } from './true_trajectory';
@@ -10,13 +11,15 @@ import { handleKey } from './keyboard';
 import { KeepInSight } from './keep_in_sight';
 import { Live } from './live';
 import { type KeyframeId, lastSegment } from './model/ids';
+import { driftWords } from './model/drift';
+import type { Landmark } from './model/sights';
 import { mapWords } from './model/words';
 import { MapNames } from './model/map_names';
 import type { IslandChange, MapModel } from './model/map_model';
 import { DetailsPanel } from './panels/details';
 import { EventsPanel } from './panels/events';
 import { helpDialog } from './panels/help';
-import { Legend } from './panels/legend';
+import { Legend, isUntold } from './panels/legend';
 import { NumbersPanel } from './panels/numbers';
 import { OverlapsPanel, overlapsNote } from './panels/overlaps';
 import { RobotsPanel } from './panels/robots';
@@ -49,6 +52,7 @@ export class MissionPage {
   private readonly toolbar: Toolbar;
   private readonly connection: Connection;
   private readonly robots: RobotsPanel;
+  private readonly drifts: Drifts;
   private readonly numbers = new NumbersPanel();
   readonly names = new MapNames();
   private readonly events = new EventsPanel(this.names);
@@ -88,9 +92,11 @@ export class MissionPage {
     this.selection = new Selection(this, details, () => this.layout.showTab('details'));
     this.past = new Past(rest, this.mission, (changes) => this.onMap(changes), () => this.live.model.pointCount,
       (isPast) => this.connection.onPast(isPast));
+    this.drifts = new Drifts(rest, this.mission, () => this.live.model, (error) => this.onRequests(error));
     this.robots = new RobotsPanel({
       toggle: (robot) => this.toggleRobot(robot), select: (robot) => change({ robot }),
       colour: (robot) => this.painter.legendColour(robot, this.state, this.model.islandsOf(robot)),
+      drift: (robot) => driftWords(this.drifts.of(robot)),
     });
     this.overlapsPanel = new OverlapsPanel((overlap) => this.selection.overlap(overlap));
     this.layout.left.append(this.robots.root, this.numbers.root);
@@ -145,8 +151,14 @@ export class MissionPage {
   overlapChosen(overlap: Overlap | undefined, keyframe: KeyframeId | undefined): void {
     this.stage.chosenOverlap = overlap;
     this.stage.chosenKeyframe = keyframe;
-    this.stage.invalidate();
+    this.sightsChosen([]);
     this.panelsMs = 0;
+  }
+
+  /** Highlights landmarks that the chosen keyframe sees. */
+  sightsChosen(landmarks: readonly Landmark[]): void {
+    this.stage.chosenLandmarks = landmarks;
+    this.stage.invalidate();
   }
 
   close(): void {
@@ -155,6 +167,7 @@ export class MissionPage {
     this.past.close();
     this.fetched.stop();
     this.truth.stop();
+    this.drifts.stop();
     this.abort.abort();
     this.stage.dispose();
   }
@@ -241,9 +254,12 @@ export class MissionPage {
     const known = (live.pulse?.agents ?? []).map(({ name }) => lastSegment(name));
     this.painter.addRobots(known);
     const now = { isLive: this.connection.isLive, isPast: this.past.model !== undefined };
+    if (this.robots.isShown) this.drifts.want();
     this.robots.update(this.painter.robots, model, live.pulse, state, now);
     this.events.rename();
-    this.legend.update(state, this.painter.theme, state.robot || (this.painter.robots[0] ?? ''));
+    this.legend.update(state, this.painter.theme, state.robot || (this.painter.robots[0] ?? ''), model);
+    this.toolbar.noteObservations(!isUntold(model));
+    this.selection.refresh();
     const receivedBytes = live.stream.receivedBytes + this.rest.receivedBytes;
     this.numbers.update(model, live.pulse, {
       ...now, receivedBytes, drawnPoints: this.stage.figures.drawnPoints, truth: this.truth.words(),

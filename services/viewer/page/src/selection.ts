@@ -1,14 +1,18 @@
 import type { Overlap } from '@gen/corbslam/v1/overlap_pb';
+import type { Keyframe } from '@gen/corbslam/v1/resources_pb';
 import type { MissionPage } from './mission_page';
 import { type KeyframeId, keyframeName } from './model/ids';
+import { type Sights, highlightWords, sightsOf, splitLandmarks } from './model/sights';
 import { type DetailsPanel, keyframeDetails } from './panels/details';
-import { h } from './panels/dom';
+import { h, setText } from './panels/dom';
 import { overlapDetails } from './panels/overlaps';
 import { pickKeyframe, pickOverlap } from './scene/picking';
 
 /** What the user chose: a keyframe, an overlap, or nothing. */
 export class Selection {
   private chosen = '';
+  private sights: Sights | undefined;
+  private readonly highlight = h('p', { class: 'note' });
 
   constructor(private readonly page: MissionPage, private readonly details: DetailsPanel, private readonly onShow: () => void) {}
 
@@ -32,18 +36,35 @@ export class Selection {
   async keyframe(id: KeyframeId): Promise<void> {
     const name = keyframeName(id);
     this.chosen = name;
+    this.sights = undefined;
     this.page.overlapChosen(undefined, id);
     this.details.show([h('p', { class: 'quiet' }, 'Asking the map store …')]);
     this.onShow();
     try {
       const keyframe = await this.page.rest.keyframe(this.page.mission, id);
-      if (this.chosen === name) this.details.show(keyframeDetails(keyframe, this.page.names));
+      if (this.chosen === name) this.show(keyframe);
     } catch (error) {
       if (this.chosen === name) this.details.show([h('p', { role: 'alert' }, error instanceof Error ? error.message : String(error))]);
     }
   }
 
+  /** Says how many of the landmarks are in the map, which may have changed. */
+  refresh(): void {
+    if (!this.sights) return;
+    const { missing } = splitLandmarks(this.sights.landmarks, (id) => this.page.model.localMap(id)?.points);
+    setText(this.highlight, highlightWords(this.sights, missing, this.page.past.model !== undefined));
+  }
+
+  private show(keyframe: Keyframe): void {
+    this.sights = sightsOf(keyframe);
+    this.page.sightsChosen(this.sights?.landmarks ?? []);
+    setText(this.highlight, 'Which landmarks it sees the store does not tell.');
+    this.refresh();
+    this.details.show(keyframeDetails(keyframe, this.page.names, this.sights, this.highlight));
+  }
+
   overlap(overlap: Overlap): void {
+    this.sights = undefined;
     this.chosen = `overlap ${overlap.number}`;
     this.page.overlapChosen(overlap, undefined);
     this.details.show(overlapDetails(overlap, (id) => this.page.agentOf(id)));
@@ -52,6 +73,7 @@ export class Selection {
 
   clear(): void {
     this.chosen = '';
+    this.sights = undefined;
     this.page.overlapChosen(undefined, undefined);
     this.details.hide();
   }

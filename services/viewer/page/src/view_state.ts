@@ -22,7 +22,7 @@ export interface ViewState {
 }
 
 const SHOW = { p: 'points', k: 'keyframes', t: 'paths', f: 'frames', o: 'overlaps', r: 'refused' } as const;
-const COLOURS: ColourMode[] = ['robot', 'island', 'paper', 'height', 'age'];
+const COLOURS: ColourMode[] = ['robot', 'island', 'paper', 'height', 'age', 'observations'];
 const LAYERS: Layer[] = ['global', 'local', 'both'];
 
 /** Reads the address's fragment; what is unknown there is passed over. */

@@ -6,7 +6,7 @@ import type { MapChange, PointColumns } from '../model/map_change';
 import { WireReader, forEachField, joinBytes, lengthDelimited } from './wire';
 
 const RESPONSE_ISLANDS = WatchMapResponseSchema.field.islands.number;
-const ISLAND_POINTS = WatchMapResponseSchema.field.islands.message!.field.points.number;
+const ISLAND = WatchMapResponseSchema.field.islands.message!.field;
 const [POINTS_IDS, POINTS_POSITIONS] = [1, 2];
 const [IDS_SLOTS, IDS_DELTAS] = [1, 2];
 
@@ -31,14 +31,25 @@ export function decodeMapChange(bytes: Uint8Array): MapChange {
 function splitIsland(reader: WireReader): { rest: Uint8Array; points: PointColumns | undefined } {
   const rest: Uint8Array[] = [];
   let points: PointColumns | undefined;
+  const observations: number[] = [];
   forEachField(reader, (field, wireType, begin) => {
-    if (field === ISLAND_POINTS && wireType === 2) points = readPoints(reader.part());
+    if (field === ISLAND.points.number && wireType === 2) points = readPoints(reader.part());
+    else if (field === ISLAND.pointObservations.number && wireType === 2) readCounts(reader.part(), observations);
     else {
       reader.skip(wireType);
       rest.push(reader.bytes.subarray(begin, reader.at));
     }
   });
+  // One for each point; anything else could be of other points.
+  if (points && observations.length > 0 && observations.length === points.indices.length) {
+    points.observations = Uint8Array.from(observations);
+  }
   return { rest: joinBytes(rest), points };
+}
+
+/** Counts of 255 and more are one. */
+function readCounts(reader: WireReader, counts: number[]): void {
+  while (!reader.isDone) counts.push(Math.min(255, reader.varint()));
 }
 
 function readPoints(reader: WireReader): PointColumns {

@@ -51,6 +51,11 @@ export class Rest {
     return this.json(`${root(mission)}/${keyframeName(id)}?view=full`, KeyframeSchema);
   }
 
+  /** Its poses alone. */
+  keyframePose(mission: string, id: KeyframeId): Promise<Keyframe> {
+    return this.json(`${root(mission)}/${keyframeName(id)}`, KeyframeSchema);
+  }
+
   async trajectory(mission: string, frame: 'global' | 'local'): Promise<TrajectoryPose[]> {
     const poses: TrajectoryPose[] = [];
     await this.messages(`${root(mission)}/trajectory?frame=${frame}`, (bytes) => {

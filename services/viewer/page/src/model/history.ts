@@ -1,5 +1,6 @@
 import type { MapChange } from './map_change';
 import { type IslandChange, MapModel } from './map_model';
+import { FirstTimes, momentTime, momentWords } from './moment';
 
 const STEPS_BETWEEN_COPIES = 10;
 
@@ -9,6 +10,8 @@ export interface HistoryStep {
   changes: MapChange[];
   /** What is there after it, once it was shown. */
   summary?: { islands: number; keyframes: number };
+  /** When its newest keyframe was taken, in words, once it was shown. */
+  time?: string;
 }
 
 /** A mission's past: going forward applies changes, going back begins at the nearest kept copy. */
@@ -17,11 +20,13 @@ export class History {
   model = new MapModel();
   position = -1;
   private open: MapChange[] = [];
+  private readonly first = new FirstTimes();
   private readonly copies = new Map<number, MapModel>();
 
   /** The next message of ReplayMap. */
   add(change: MapChange): void {
     this.open.push(change);
+    this.first.add(change);
     if (change.message.continues) return;
     this.steps.push({ revision: change.message.revision, changes: this.open });
     this.open = [];
@@ -34,7 +39,13 @@ export class History {
     if (wanted < this.position) this.restore(wanted);
     let changes: IslandChange[] = [];
     while (this.position < wanted) changes = this.advance();
+    this.steps[wanted].time ??= this.time();
     return changes;
+  }
+
+  private time(): string {
+    const time = momentTime(this.model, this.first);
+    return time ? momentWords(time, this.model.agents().length) : '';
   }
 
   private advance(): IslandChange[] {

@@ -7,6 +7,8 @@ export interface PointColumns {
   indices: Float64Array;
   /** x, y, z of each. */
   positions: Float32Array;
+  /** How many keyframes see each, at most 255; undefined: the store does not tell. */
+  observations?: Uint8Array;
 }
 
 /** A message of the map's stream, with the points of each of its islands apart. */

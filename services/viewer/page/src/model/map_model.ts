@@ -69,6 +69,11 @@ export class MapModel {
     return [...this.localMaps.values()].filter((one) => one.agent === agent).map(({ island }) => island);
   }
 
+  /** Of so many points it was told how many keyframes see them. */
+  get observedPoints(): number {
+    return [...this.localMaps.values()].reduce((sum, { points }) => sum + points.observed, 0);
+  }
+
   /** The agents' names in the order of their arrival. */
   agents(): string[] {
     return [...new Set([...this.localMaps.values()].map((localMap) => localMap.agent))].filter(Boolean).sort(byName);
@@ -129,7 +134,7 @@ export class MapModel {
     }
   }
 
-  private setPoints({ slots, indices, positions }: PointColumns, table: string[], name: string): void {
+  private setPoints({ slots, indices, positions, observations }: PointColumns, table: string[], name: string): void {
     const count = Math.min(indices.length, Math.floor(positions.length / 3));
     const members: (LocalMapModel | undefined)[] = [];
     for (let i = 0; i < count; i++) {
@@ -138,7 +143,9 @@ export class MapModel {
       if (!localMap || !isIndex(indices[i])) continue;
       const at = 3 * i;
       const isNew = localMap.points.set(
-        indices[i], positions[at], positions[at + 1], positions[at + 2], this.pointArrivals, this.generation);
+        indices[i], positions[at], positions[at + 1], positions[at + 2], this.pointArrivals, this.generation,
+        // What no keyframe sees is told, too.
+        observations ? Math.max(1, observations[i]) : 0);
       if (isNew) this.pointArrivals++, this.pointCount++;
     }
   }

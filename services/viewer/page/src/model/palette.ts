@@ -1,6 +1,10 @@
 // Colours that colour-blind people can tell apart (after Okabe and Ito), one set for each theme.
 export type Theme = 'light' | 'dark';
-export type ColourMode = 'robot' | 'island' | 'paper' | 'height' | 'age';
+export type ColourMode = 'robot' | 'island' | 'paper' | 'height' | 'age' | 'observations';
+
+/** The ends of the ramp of how many keyframes see a point; it is logarithmic. */
+export const FEW_OBSERVATIONS = 2;
+export const MANY_OBSERVATIONS = 20;
 
 const LIGHT = ['#0072b2', '#c94f00', '#00805c', '#a8347d', '#7a6500', '#2f8fb8', '#5b4bb0', '#5a5a5a'];
 const DARK = ['#5cb8f0', '#ff9a4d', '#2fd6a0', '#f08bc8', '#f0e060', '#9ad7f5', '#b5a6ff', '#c8c8c8'];

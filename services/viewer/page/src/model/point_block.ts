@@ -18,6 +18,8 @@ export class PointBlock {
   columns = new Float32Array(FIRST_CAPACITY * POINT_FLOATS);
   indices = new Uint32Array(FIRST_CAPACITY);
   generations = new Uint32Array(FIRST_CAPACITY);
+  /** How many keyframes see each, up to 255; 0: that was not told. */
+  observations = new Uint8Array(FIRST_CAPACITY);
   count = 0;
   readonly dirty = new DirtyPages();
   /** Grows with each change of a position, so that bounds can be kept. */
@@ -56,6 +58,7 @@ export class PointBlock {
     for (let k = 0; k < POINT_FLOATS; k++) this.columns[to * POINT_FLOATS + k] = this.columns[from * POINT_FLOATS + k];
     this.indices[to] = this.indices[from];
     this.generations[to] = this.generations[from];
+    this.observations[to] = this.observations[from];
     this.touch(to);
     moved(this.indices[to], to);
   }
@@ -69,6 +72,7 @@ export class PointBlock {
     this.columns = grown(this.columns, new Float32Array(this.columns.length * 2));
     this.indices = grown(this.indices, new Uint32Array(this.indices.length * 2));
     this.generations = grown(this.generations, new Uint32Array(this.generations.length * 2));
+    this.observations = grown(this.observations, new Uint8Array(this.observations.length * 2));
   }
 
   copy(): PointBlock {
@@ -76,12 +80,13 @@ export class PointBlock {
     other.columns = this.columns.slice();
     other.indices = this.indices.slice();
     other.generations = this.generations.slice();
+    other.observations = this.observations.slice();
     other.count = this.count;
     return other;
   }
 }
 
-function grown<T extends Float32Array | Uint32Array>(from: T, to: T): T {
+function grown<T extends Float32Array | Uint32Array | Uint8Array>(from: T, to: T): T {
   to.set(from);
   return to;
 }

@@ -5,6 +5,8 @@ import { Random } from './random';
 /** The map points of one local map, in blocks. */
 export class PointStore {
   readonly blocks: PointBlock[] = [];
+  /** Of so many it was told how many keyframes see them. */
+  observed = 0;
   private places = new PagedIndex();
   private lastMover: { number: number; moved: (index: number, slot: number) => void } | undefined;
   private readonly random = new Random();
@@ -17,8 +19,11 @@ export class PointStore {
     return this.places.get(index) !== undefined;
   }
 
-  /** Adds a point, or moves it; `age` is used where it is new. Returns whether it was new. */
-  set(index: number, x: number, y: number, z: number, age: number, generation: number): boolean {
+  /**
+   * Adds a point, or moves it; `age` is used where it is new. `observations`: how many keyframes see
+   * it, 0: not told. Returns whether it was new.
+   */
+  set(index: number, x: number, y: number, z: number, age: number, generation: number, observations = 0): boolean {
     const place = this.places.get(index);
     const isNew = place === undefined;
     const at = isNew ? this.insert(index) : place;
@@ -26,6 +31,8 @@ export class PointStore {
     const slot = at % BLOCK_POINTS;
     block.write(slot, x, y, z, isNew ? age : block.columns[slot * POINT_FLOATS + 3]);
     block.generations[slot] = generation;
+    this.observed += Number(observations > 0) - Number(!isNew && block.observations[slot] > 0);
+    block.observations[slot] = observations;
     return isNew;
   }
 
@@ -34,6 +41,7 @@ export class PointStore {
     if (place === undefined) return false;
     this.places.delete(index);
     const number = Math.floor(place / BLOCK_POINTS);
+    if (this.blocks[number].observations[place % BLOCK_POINTS] > 0) this.observed--;
     this.blocks[number].remove(place % BLOCK_POINTS, this.mover(number));
     return true;
   }
@@ -58,6 +66,7 @@ export class PointStore {
   copy(): PointStore {
     const other = new PointStore();
     other.places = this.places.copy();
+    other.observed = this.observed;
     for (const block of this.blocks) other.blocks.push(block.copy());
     return other;
   }

@@ -1,6 +1,7 @@
 import type { Keyframe } from '@gen/corbslam/v1/resources_pb';
 import { lastSegment, parseKeyframeName } from '../model/ids';
 import type { MapNames } from '../model/map_names';
+import type { Sights } from '../model/sights';
 import { count } from '../model/words';
 import { h, panel, table } from './dom';
 import { keypointsFigure } from './keypoints';
@@ -28,7 +29,8 @@ export class DetailsPanel {
   }
 }
 
-export function keyframeDetails(keyframe: Keyframe, names: MapNames): Node[] {
+/** `highlight`: says how many of its landmarks the map shows. */
+export function keyframeDetails(keyframe: Keyframe, names: MapNames, sights: Sights | undefined, highlight: HTMLElement): Node[] {
   const id = parseKeyframeName(keyframe.name);
   const parent = parseKeyframeName(keyframe.parent);
   const features = keyframe.payload?.features;
@@ -42,8 +44,8 @@ export function keyframeDetails(keyframe: Keyframe, names: MapNames): Node[] {
     ['Revision', keyframe.revision > 0n ? count(keyframe.revision) : 'none yet'],
     ['Parent', parent ? `#${parent.index}${parent.localMap === id?.localMap ? '' : ` of ${names.of(parent.localMap)}`}` : 'none'],
     ['Keypoints', count(keyframe.keypoints)],
-    ['… that see a map point', count(keyframe.observedPoints)],
+    ['… that see a landmark', count(keyframe.observedPoints)],
   ];
-  const figure = features ? [keypointsFigure(features)] : [];
-  return [h('h3', {}, `Keyframe #${id?.index ?? '?'}`), ...figure, table(rows)];
+  const figure = features ? [keypointsFigure(features, sights)] : [];
+  return [h('h3', {}, `Keyframe #${id?.index ?? '?'}`), ...figure, highlight, table(rows)];
 }

@@ -1,21 +1,30 @@
 import type { Features } from '@gen/corbslam/v1/items_pb';
+import { type Sights, sightsWords } from '../model/sights';
+import { count } from '../model/words';
 import { h } from './dom';
 
 const PX = 1 / 64;
 
-/** What the camera saw: keypoints by size (octave), and by whether their depth is known. */
-export function keypointsFigure(features: Features): HTMLElement {
-  const canvas = h('canvas', { class: 'keypoints', role: 'img', 'aria-label': `${features.xPx64.length} keypoints of the picture` });
+/**
+ * What the camera saw: keypoints by size (octave), by whether their depth is known (colour) and by
+ * whether they see a landmark (filled); where that was not told, those with depth are filled.
+ */
+export function keypointsFigure(features: Features, sights: Sights | undefined): HTMLElement {
+  const all = features.xPx64.length;
+  const label = sights ? sightsWords(sights) : `${count(all)} keypoints of the picture`;
+  const canvas = h('canvas', { class: 'keypoints', role: 'img', 'aria-label': label });
   const known = features.disparityPx128.filter((disparity) => disparity > 0).length;
-  requestAnimationFrame(() => draw(canvas, features));
+  requestAnimationFrame(() => draw(canvas, features, sights?.seeing));
+  const [filled, hollow] = sights ? ['', ''] : ['● ', '○ '];
   const caption = h('figcaption', {},
-    h('span', { class: 'depth-known' }, `● ${known} with depth`), ' ',
-    h('span', { class: 'depth-unknown' }, `○ ${features.xPx64.length - known} without`),
+    sights && h('div', {}, `● ${sightsWords(sights)}, ○ ${count(all - sights.seeing.size)} see none`),
+    h('span', { class: 'depth-known' }, `${filled}${count(known)} with depth`), ' ',
+    h('span', { class: 'depth-unknown' }, `${hollow}${count(all - known)} without`),
     '; larger: seen at a coarser scale');
   return h('figure', {}, canvas, caption);
 }
 
-function draw(canvas: HTMLCanvasElement, features: Features): void {
+function draw(canvas: HTMLCanvasElement, features: Features, seeing: ReadonlySet<number> | undefined): void {
   const ratio = Math.min(devicePixelRatio, 2);
   const box = boundsOf(features);
   const width = canvas.clientWidth || 260;
@@ -31,9 +40,9 @@ function draw(canvas: HTMLCanvasElement, features: Features): void {
     const y = (features.yPx64[i] * PX - box.y) * scale;
     const hasDepth = (features.disparityPx128[i] ?? 0) > 0;
     context.beginPath();
-    context.arc(x, y, 0.8 * 1.2 ** (features.octaves[i] ?? 0), 0, 2 * Math.PI);
+    context.arc(x, y, (seeing ? 1.1 : 0.8) * 1.2 ** (features.octaves[i] ?? 0), 0, 2 * Math.PI);
     context.strokeStyle = context.fillStyle = hasDepth ? known : unknown;
-    if (hasDepth) context.fill();
+    if (seeing ? seeing.has(i) : hasDepth) context.fill();
     else context.stroke();
   }
 }

@@ -14,6 +14,8 @@ export interface RobotActions {
   toggle(robot: string): void;
   select(robot: string): void;
   colour(robot: string): string;
+  /** What fusion has moved it by, in words. */
+  drift(robot: string): string;
 }
 
 /** The legend of the robots, and how each is doing. */
@@ -37,6 +39,11 @@ export class RobotsPanel {
       if (robots.length === 0) return [h('p', { class: 'quiet' }, 'No robot has sent anything yet.')];
       return robots.map((robot, i) => this.row(robot, i, rows[i], state));
     });
+  }
+
+  /** Somebody may read it. */
+  get isShown(): boolean {
+    return this.root.offsetParent !== null && !document.hidden;
   }
 
   /** When an agent left, as an event says. */
@@ -81,6 +88,7 @@ export class RobotsPanel {
     if (agent?.localiseOnly) rows.push(['Role', 'only localises, maps nothing']);
     rows.push([`Local maps${then}`, String(isPast ? own.length : Math.max(own.length, agent?.localMaps.length ?? 0))]);
     rows.push([`Keyframes${then}`, count(keyframes)]);
+    rows.push([isPast ? 'Drift now' : 'Drift', this.actions.drift(robot)]);
     if (lost > 0) rows.push(['Lost frames', count(lost)]);
     if (agent?.connected) rows.push(['Shared map', agent.upToDate ? 'up to date' : 'waits for updates']);
     const told = pulse?.robots.find((one) => lastSegment(one.agent) === robot);

@@ -87,13 +87,14 @@ export class Timeline {
   }
 }
 
-function stepWords({ revision, summary }: HistoryStep, before: HistoryStep | undefined, position: number, all: number): string {
+function stepWords({ revision, summary, time }: HistoryStep, before: HistoryStep | undefined, position: number, all: number): string {
   const parts = [`Revision ${count(revision)}`, `step ${position + 1} of ${all}`];
   if (position === 0) parts.push('the oldest that the journal has');
   if (summary) {
     parts.push(`${many(summary.islands, 'island')}${change(summary.islands, before?.summary?.islands)}`);
     parts.push(`${many(summary.keyframes, 'keyframe')}${change(summary.keyframes, before?.summary?.keyframes)}`);
   }
+  if (time) parts.push(time);
   return parts.join(' · ');
 }
 

@@ -1,6 +1,6 @@
 import type { ColourMode } from '../model/palette';
 import type { Layer, ViewState } from '../view_state';
-import { h } from './dom';
+import { h, setText } from './dom';
 
 type Toggle = 'points' | 'keyframes' | 'paths' | 'frames' | 'overlaps' | 'refused';
 
@@ -18,6 +18,7 @@ const TOGGLES: [Toggle, string, string][] = [
 ];
 const COLOURS: [ColourMode, string][] = [
   ['robot', 'Robot'], ['island', 'Island'], ['paper', 'Own / others'], ['height', 'Height'], ['age', 'Age'],
+  ['observations', 'Observations'],
 ];
 const LAYERS: [Layer, string][] = [['global', 'Global'], ['local', 'Local'], ['both', 'Side by side']];
 
@@ -42,6 +43,12 @@ export class Toolbar {
   update(state: ViewState): void {
     for (const [name, element] of this.toggles) element.setAttribute('aria-pressed', String(state[name]));
     for (const [name, element] of this.selects) element.value = String(state[name]);
+  }
+
+  /** Says in the choice whether the store tells how many keyframes see a point. */
+  noteObservations(isTold: boolean): void {
+    const option = this.selects.get('colour')!.querySelector<HTMLElement>('[value="observations"]')!;
+    setText(option, isTold ? 'Observations' : 'Observations (not told)');
   }
 
   private toggle(name: Toggle | 'top' | 'follow', words: string, key: string): HTMLElement {

@@ -1,4 +1,6 @@
 // Shaders, all GLSL ES 3.00. `place` is x, y, z and the order of arrival.
+import { FEW_OBSERVATIONS, MANY_OBSERVATIONS } from '../model/palette';
+
 const HEAD = `precision highp float;
 uniform mat4 modelMatrix, modelViewMatrix, projectionMatrix;
 uniform vec3 colour, rampLow, rampMiddle, rampHigh;
@@ -18,13 +20,16 @@ vec3 shadeOf(vec3 place, float age) {
 `;
 
 export const POINTS_VERTEX = `${HEAD}
-in vec4 position;
+layout(location = 0) in vec4 position;
+layout(location = 1) in float observations;
 uniform float sizePx, nearPx;
+const float few = ${FEW_OBSERVATIONS.toFixed(1)}, many = ${MANY_OBSERVATIONS.toFixed(1)};
 void main() {
   vec4 seen = modelViewMatrix * vec4(position.xyz, 1.0);
   gl_Position = projectionMatrix * seen;
   gl_PointSize = clamp(nearPx / max(-seen.z, 0.001), sizePx, 3.0 * sizePx);
-  shade = shadeOf(position.xyz, position.w);
+  bool isCounted = ramp == 3 && observations > 0.5;
+  shade = isCounted ? onRamp(log(observations / few) / log(many / few)) : shadeOf(position.xyz, position.w);
 }`;
 
 /** Five vertices of a frustum: the camera's centre and the picture's corners. */
@@ -86,4 +91,23 @@ out vec4 outColour;
 void main() {
   if (dashPx > 0.0 && mod(along.x / along.y, 2.0 * dashPx) > dashPx) discard;
   outColour = vec4(colour, opacity);
+}`;
+
+export const SIGHTS_VERTEX = `precision highp float;
+uniform mat4 modelViewMatrix, projectionMatrix;
+uniform float markPx;
+in vec3 position;
+void main() {
+  gl_Position = projectionMatrix * (modelViewMatrix * vec4(position, 1.0));
+  gl_PointSize = markPx;
+}`;
+
+/** A disc with a rim, so that it stands out from points of any colour. */
+export const SIGHTS_FRAGMENT = `precision highp float;
+uniform vec3 colour, rim;
+out vec4 outColour;
+void main() {
+  float away = 2.0 * length(gl_PointCoord - 0.5);
+  if (away > 1.0) discard;
+  outColour = vec4(away > 0.7 ? rim : colour, 1.0);
 }`;

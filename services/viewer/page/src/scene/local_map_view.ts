@@ -1,5 +1,6 @@
 import { Group, Vector3, type Object3D, type RawShaderMaterial } from 'three';
 import type { LocalMapModel } from '../model/local_map';
+import type { ColourMode } from '../model/palette';
 import { KeyframesView } from './keyframes_view';
 import { Lines } from './lines';
 import { type SharedUniforms, setColour } from './materials';
@@ -12,6 +13,7 @@ export interface Shown {
   keyframes: boolean;
   paths: boolean;
   frames: boolean;
+  colour: ColourMode;
 }
 
 /** One local map in the picture: its blocks of points, its keyframes and its paths. */
@@ -51,7 +53,10 @@ export class LocalMapView {
     setColour(this.keyframes.material, lines);
     setColour(this.keyframes.path.lines.material, lines);
     setColour(this.frames.material, lines);
-    for (const { object } of this.blocks) object.visible = shown.points;
+    for (const block of this.blocks) {
+      block.object.visible = shown.points;
+      if (shown.colour === 'observations') block.carryObservations();
+    }
     this.keyframes.frusta.visible = shown.keyframes;
     this.keyframes.path.lines.mesh.visible = shown.paths;
     this.frames.mesh.visible = shown.frames && this.frames.segments > 0;

@@ -1,5 +1,5 @@
 import { Color, GLSL3, RawShaderMaterial, Vector2 } from 'three';
-import { KEYFRAMES_VERTEX, LINE_FRAGMENT, LINE_VERTEX, POINTS_VERTEX, SHADE_FRAGMENT } from './glsl';
+import { KEYFRAMES_VERTEX, LINE_FRAGMENT, LINE_VERTEX, POINTS_VERTEX, SHADE_FRAGMENT, SIGHTS_FRAGMENT, SIGHTS_VERTEX } from './glsl';
 
 /** Values that all materials of a scene share by reference. */
 export class SharedUniforms {
@@ -12,6 +12,8 @@ export class SharedUniforms {
   readonly ramp = { value: 0 };
   readonly sizePx = { value: 1.5 };
   readonly nearPx = { value: 20 };
+  /** Of a point that stands out. */
+  readonly markPx = { value: 8 };
   /** Frusta do not look smaller than this, in units at distance 1, up to three times their size. */
   readonly smallest = { value: 0.01 };
   readonly screen = { value: new Vector2(1, 1) };
@@ -25,6 +27,16 @@ export class SharedUniforms {
     return shader(POINTS_VERTEX, SHADE_FRAGMENT, {
       ...this.common(this.pointAges), sizePx: this.sizePx, nearPx: this.nearPx,
     });
+  }
+
+  /** Points that stand out, over everything. */
+  sights(): RawShaderMaterial {
+    const { markPx } = this;
+    const material = shader(SIGHTS_VERTEX, SIGHTS_FRAGMENT, { colour: { value: new Color() }, rim: { value: new Color() }, markPx });
+    material.depthTest = false;
+    material.depthWrite = false;
+    material.transparent = true;
+    return material;
   }
 
   keyframes(): RawShaderMaterial {

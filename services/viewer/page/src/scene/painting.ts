@@ -59,7 +59,7 @@ export class Painter {
   }
 }
 
-const RAMPS: Record<ColourMode, number> = { robot: 0, island: 0, paper: 0, height: 1, age: 2 };
+const RAMPS: Record<ColourMode, number> = { robot: 0, island: 0, paper: 0, height: 1, age: 2, observations: 3 };
 
 export function paintMap(
   map: MapView, uniforms: SharedUniforms, state: ViewState, painter: Painter, colours: SceneColours,

@@ -13,6 +13,8 @@ const MOST_SPANS = 64;
 export class PointBlockView {
   readonly object: Points;
   private attribute: BufferAttribute;
+  /** Made once somebody wants to see it. */
+  private observations: BufferAttribute | undefined;
   private readonly box = new Box3();
   private readonly sphere = new Sphere();
 
@@ -30,8 +32,9 @@ export class PointBlockView {
     if (this.attribute.array !== block.columns) {
       this.object.geometry.dispose();
       this.attribute = this.attach(this.object.geometry);
+      if (this.observations) this.carryObservations(true);
       block.dirty.clear();
-      return block.count * BYTES;
+      return block.count * this.pointBytes;
     }
     const spans = block.dirty.take(block.count);
     // What is not drawn is not uploaded either, and its spans gather.
@@ -41,10 +44,19 @@ export class PointBlockView {
       if (end - start === block.count) this.attribute.clearUpdateRanges();
       this.attribute.addUpdateRange(start * POINT_FLOATS, (end - start) * POINT_FLOATS);
       this.attribute.needsUpdate = true;
+      this.updateObservations(start, end);
       this.widen(start, end);
-      bytes += (end - start) * BYTES;
+      bytes += (end - start) * this.pointBytes;
     }
     return bytes;
+  }
+
+  /** From now on the GPU has how many keyframes see each point. */
+  carryObservations(isAnew = false): void {
+    if (this.observations && !isAnew) return;
+    this.observations = new BufferAttribute(this.block.observations, 1);
+    this.observations.setUsage(DynamicDrawUsage);
+    this.object.geometry.setAttribute('observations', this.observations);
   }
 
   /** Chooses how many points are drawn: fewer from afar, and fewer in a hurry. */
@@ -57,6 +69,17 @@ export class PointBlockView {
 
   dispose(): void {
     this.object.geometry.dispose();
+  }
+
+  private get pointBytes(): number {
+    return this.observations ? BYTES + 1 : BYTES;
+  }
+
+  private updateObservations(start: number, end: number): void {
+    if (!this.observations) return;
+    if (end - start === this.block.count) this.observations.clearUpdateRanges();
+    this.observations.addUpdateRange(start, end - start);
+    this.observations.needsUpdate = true;
   }
 
   private attach(geometry: BufferGeometry): BufferAttribute {

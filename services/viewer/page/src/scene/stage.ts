@@ -3,6 +3,7 @@ import type { Overlap } from '@gen/corbslam/v1/overlap_pb';
 import type { KeyframeId } from '../model/ids';
 import type { IslandChange, MapModel } from '../model/map_model';
 import { type SceneColours, sceneColours } from '../model/palette';
+import type { Landmark } from '../model/sights';
 import { isAccepted } from '../model/words';
 import type { ViewState } from '../view_state';
 import { contextOf } from './context';
@@ -14,6 +15,7 @@ import { Marker } from './marker';
 import { SharedUniforms } from './materials';
 import { OverlapsView } from './overlaps_view';
 import { type Painter, paintMap } from './painting';
+import { SightsView } from './sights_view';
 import { TruthView } from './truth_view';
 import { Viewport } from './viewport';
 
@@ -41,6 +43,7 @@ export class Stage {
   readonly local = new LocalLayer(this.uniforms);
   readonly truth = new TruthView(this.map.root, this.uniforms);
   readonly overlapsView: OverlapsView;
+  readonly sights: SightsView;
   readonly globalPort: Viewport;
   readonly localPort: Viewport;
   readonly figures: FrameFigures = { drawCalls: 0, drawnPoints: 0, drawnKeyframes: 0, uploadBytes: 0, fps: 0, scriptMs: 0 };
@@ -51,6 +54,8 @@ export class Stage {
   pastRevision: bigint | undefined;
   chosenOverlap: Overlap | undefined;
   chosenKeyframe: KeyframeId | undefined;
+  /** What the chosen keyframe sees. */
+  chosenLandmarks: readonly Landmark[] = [];
   private readonly renderer: WebGLRenderer;
   private readonly globalScene = new Scene();
   private readonly localScene = new Scene();
@@ -79,6 +84,7 @@ export class Stage {
     this.globalPort = new Viewport(globalElement, moved);
     this.localPort = new Viewport(localElement, moved);
     this.overlapsView = new OverlapsView(this.globalScene, this.uniforms);
+    this.sights = new SightsView(this.globalScene, this.uniforms);
     this.globalScene.add(this.map.root, this.grid.object, this.marker.object);
     this.localScene.add(this.local.root, this.localGrid.object);
     new ResizeObserver(() => this.invalidate()).observe(canvas);
@@ -114,6 +120,7 @@ export class Stage {
     this.localGrid.paint(colours.grid);
     this.overlapsView.paint(colours);
     this.marker.paint(colours.selected);
+    this.sights.paint(colours);
     this.truth.paint(colours.truth, state.paths);
     paintMap(this.map, this.uniforms, state, painter, colours);
     this.local.paint((agent) => painter.robotColour(agent), (agent) => !state.hidden.has(agent));
@@ -157,6 +164,7 @@ export class Stage {
   private updateOverlaps({ overlaps, refused }: ViewState): void {
     const size = Math.max(12 / this.globalPort.pixelsPerUnit(this.globalPort.distance()), 1e-3);
     this.marker.update(this.map, this.chosenKeyframe, size);
+    this.sights.update(this.map, this.chosenKeyframe, this.chosenLandmarks);
     const past = this.pastRevision;
     const inputs = [this.overlaps, this.map.version, past, overlaps, refused, this.chosenOverlap];
     if (inputs.every((input, i) => input === this.shownOverlaps[i])) return;
@@ -203,6 +211,7 @@ export class Stage {
     const port = this.globalPort;
     const ratio = this.renderer.getPixelRatio();
     this.uniforms.sizePx.value = 1.5 * ratio;
+    this.uniforms.markPx.value = 8 * ratio;
     this.uniforms.nearPx.value = port.pixelsPerUnit(1) * 0.04 * ratio;
     this.uniforms.smallest.value = SMALLEST_FRUSTUM_PX / port.pixelsPerUnit(1);
     this.map.root.updateMatrixWorld();
