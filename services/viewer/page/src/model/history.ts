@@ -45,7 +45,8 @@ export class History {
 
   private time(): string {
     const time = momentTime(this.model, this.first);
-    return time ? momentWords(time, this.model.agents().length) : '';
+    const seen = [...this.model.localMaps.values()].filter(({ keyframes }) => keyframes.count > 0);
+    return time ? momentWords(time, new Set(seen.map(({ agent }) => agent)).size) : '';
   }
 
   private advance(): IslandChange[] {

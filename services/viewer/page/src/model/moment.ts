@@ -58,7 +58,7 @@ export function momentTime(model: MapModel, first: FirstTimes): MomentTime | und
   return { agent, timeNs, firstNs: first.of(agent) ?? timeNs };
 }
 
-/** `robots`: how many the mission has. */
+/** `robots`: how many have keyframes then. */
 export function momentWords({ agent, timeNs, firstNs }: MomentTime, robots: number, nowMs = Date.now()): string {
   if (hasDate(timeNs)) return `newest keyframe ${timeOfDay(timeNs, nowMs)} by the robots’ clocks`;
   const seconds = (Number(timeNs - firstNs) / 1e9).toFixed(1);
