@@ -98,9 +98,17 @@ absl::Status MapMirror::ApplyPoints(const ProtoIsland& changes, const SlotReader
     return absl::InvalidArgumentError(absl::StrCat("points.positions has ", positions.size(),
                                                    " numbers for ", came.size(), " points"));
   }
+  const auto& observations = changes.point_observations();
+  if (!observations.empty() && static_cast<size_t>(observations.size()) != came.size()) {
+    return absl::InvalidArgumentError(absl::StrCat("point_observations has ", observations.size(),
+                                                   " numbers for ", came.size(), " points"));
+  }
+  tells_observations_ |= !observations.empty();
   for (size_t i = 0; i < came.size(); ++i) {
     const int at = static_cast<int>(3 * i);
-    island.points[came[i]] = {positions.Get(at), positions.Get(at + 1), positions.Get(at + 2)};
+    Point& point = island.points[came[i]];
+    point.position = {positions.Get(at), positions.Get(at + 1), positions.Get(at + 2)};
+    point.observations = observations.empty() ? 0 : observations.Get(static_cast<int>(i));
   }
   ASSIGN_OR_RETURN(const std::vector<MapPointId> went,
                    slots.Points(changes.removed_points(), "removed_points"));
@@ -133,7 +141,9 @@ bool MapMirror::TellPoints(Islands::const_reference entry, PictureCursor& cursor
       cursor.point.IsValid() ? island.points.upper_bound(cursor.point) : island.points.begin();
   for (; next != island.points.end() && room > 0; ++next, --room) {
     ids.Add(next->first);
-    for (const float value : next->second) proto->mutable_points()->add_positions(value);
+    const Point& point = next->second;
+    for (const float value : point.position) proto->mutable_points()->add_positions(value);
+    if (tells_observations_) proto->add_point_observations(point.observations);
     cursor.point = next->first;
   }
   return next == island.points.end();

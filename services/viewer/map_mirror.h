@@ -43,7 +43,10 @@ class MapMirror {
 
  private:
   using Keyframe = v1::WatchMapResponse::IslandKeyframe;
-  using Position = std::array<float, 3>;
+  struct Point {
+    std::array<float, 3> position = {};
+    uint32_t observations = 0;
+  };
   struct PlacedKeyframe {
     Keyframe place;  // Its references are to no slots: ids are here.
     KeyframeId parent;
@@ -52,7 +55,7 @@ class MapMirror {
     bool in_global_frame = false;
     std::vector<LocalMapId> local_maps;
     absl::btree_map<KeyframeId, PlacedKeyframe> keyframes;
-    absl::btree_map<MapPointId, Position> points;
+    absl::btree_map<MapPointId, Point> points;
   };
   using Islands = absl::btree_map<LocalMapId, Island>;
 
@@ -68,6 +71,8 @@ class MapMirror {
   bool TellPoints(Islands::const_reference island, PictureCursor& cursor, size_t& room,
                   SlotWriter& slots, v1::WatchMapResponse& piece) const;
 
+  // The store tells how many keyframes see a point, as older ones do not.
+  bool tells_observations_ = false;
   uint64_t version_ = 0;
   uint64_t revision_ = 0;
   absl::btree_map<LocalMapId, std::string> agents_;

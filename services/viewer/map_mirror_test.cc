@@ -18,6 +18,7 @@ using testing::ChangesWriter;
 using ::testing::HasSubstr;
 using testing::kFirst;
 using testing::kSecond;
+using ::testing::Not;
 
 // Returns all there is of the mirror, as one message.
 std::string Everything(const MapMirror& mirror) {
@@ -52,6 +53,20 @@ TEST(MapMirrorTest, KeepsWhatCameAndForgetsWhatWent) {
   EXPECT_EQ(mirror.points(), 0U);
   EXPECT_EQ(mirror.version(), 2U);
   EXPECT_THAT(Everything(mirror), HasSubstr("translation: 5"));
+}
+
+TEST(MapMirrorTest, PassesOnHowManyKeyframesSeeAPoint) {
+  MapMirror mirror;
+  v1::WatchMapResponse told =
+      ChangesWriter(1).Island(kFirst, {kFirst}, /*anew=*/true).Point({kFirst, 7}, 3.0F).Take();
+  ASSERT_TRUE(mirror.Apply(told).ok());
+  EXPECT_THAT(Everything(mirror), Not(HasSubstr("point_observations"))) << "an older store";
+  told.mutable_islands(0)->add_point_observations(4);
+  ASSERT_TRUE(mirror.Apply(told).ok());
+  EXPECT_THAT(Everything(mirror), HasSubstr("point_observations: 4"));
+  told.mutable_islands(0)->add_point_observations(5);
+  EXPECT_THAT(std::string(mirror.Apply(told).message()),
+              HasSubstr("point_observations has 2 numbers for 1 points"));
 }
 
 TEST(MapMirrorTest, IslandsMergeAndBeginAnew) {
