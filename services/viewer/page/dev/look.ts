@@ -95,6 +95,11 @@ async function lookInTheDark(page: Page): Promise<void> {
   await page.selectOption('.toolbar select', 'height');
   await page.keyboard.press('f');
   await shot(page, '08_height_dark');
+  await page.selectOption('.toolbar select', 'observations');
+  await shot(page, '08_observations_dark');
+  await page.keyboard.press('l');
+  await shot(page, '08_observations_light');
+  await page.keyboard.press('l');
   await page.selectOption('.toolbar select', 'robot');
   await page.keyboard.press('v');
   await page.keyboard.press('v');
@@ -108,6 +113,8 @@ async function lookInTheDark(page: Page): Promise<void> {
 async function walkOnPhone(): Promise<void> {
   const phone = await open(390, 844, 'dark', '#mission=lab');
   await shot(phone, '11_phone_dark');
+  await phone.selectOption('.toolbar select', 'observations');
+  await shot(phone, '11_phone_observations_dark');
   await phone.getByRole('button', { name: 'Events' }).click();
   await shot(phone, '12_phone_events_dark');
   await shot(await open(390, 844, 'light', ''), '13_start_phone_light');
