@@ -19,7 +19,7 @@ struct HandOverLimits {
   int min_points_matched = 60;
   double min_share_matched = 0.3;
   // With so many times the bytes, any tracked frame will do, and mapping is waited for.
-  double overdue = 1.2;
+  double overdue = 1.1;
 };
 
 // The evidence that the decision rests on.

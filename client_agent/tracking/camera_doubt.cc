@@ -2,6 +2,7 @@
 
 #include <glog/logging.h>
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 #include <string>
@@ -23,8 +24,9 @@ void CameraDoubt::Look(const Frame& frame) {
   if (has_warned_ || ++frames_ % kEachFrames != 0) return;
   const std::optional<CameraFit> fit = FitFrameCamera(frame);
   if (!fit.has_value()) return;
-  in_a_row_ = IsAnotherCamera(*fit) ? in_a_row_ + 1 : 0;
-  if (in_a_row_ < kInARow) return;
+  looks_.push_back(IsAnotherCamera(*fit));
+  if (looks_.size() > kLooks) looks_.pop_front();
+  if (std::ranges::count(looks_, true) < kEnough) return;
   has_warned_ = true;
   LOG(WARNING) << "the pictures fit what others mapped with another camera than the rig's: the rig "
                   "says "
