@@ -48,7 +48,8 @@ def find_dead_links(root, pages):
 def pages_of(root):
     folders = [path for path in root.iterdir() if path.is_dir()
                and path.name not in ("build", "out", "third_party") and path.name[0] != "."]
-    return sorted([*root.glob("*.md"), *(p for f in folders for p in f.rglob("*.md"))])
+    found = [p for f in folders for p in f.rglob("*.md") if "node_modules" not in p.parts]
+    return sorted([*root.glob("*.md"), *found])
 
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
