@@ -82,7 +82,8 @@ struct SharedUpdate {
   // Where the receiver's local map lies as a whole in the mission's global frame; nullopt: as said
   // last. `own_keyframes` that come later say it better.
   std::optional<Similarity3d> global_from_local;
-  // The receiver's local map that `own_keyframes` and `global_from_local` are of; invalid: not said.
+  // The receiver's local map that `own_keyframes` and `global_from_local` are of; invalid: not
+  // said.
   LocalMapId local_map;
   // True: the island is not connected to the mission's global frame; what is called global here is
   // the island's own frame.
