@@ -262,8 +262,8 @@ struct MapChanges {
     bool anew = false;
     std::vector<IslandView::KeyframePlace> keyframes;  // Keyframes that came, or stand elsewhere.
     std::vector<KeyframeId> removed_keyframes;
-    // Points that came, or lie elsewhere in the island. Their observations are those by keyframes of
-    // the local maps in which they were made.
+    // Points that came, or lie elsewhere in the island. Their observations are those by keyframes
+    // of the local maps in which they were made.
     std::vector<IslandView::Point> points;
     // Points that went, or became part of another landmark.
     std::vector<MapPointId> removed_points;

@@ -59,7 +59,7 @@ class PushDriver {
   PushLayout layout_;
   std::optional<SharedRing> ring_;  // From the hello on.
   GreyScaler grey_scaler_;
-  uint64_t free_slots_ = 0;         // Of which the driver does not know yet.
+  uint64_t free_slots_ = 0;  // Of which the driver does not know yet.
   std::deque<std::string> poses_;
 };
 

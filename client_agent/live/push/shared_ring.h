@@ -21,7 +21,8 @@ class SharedRing {
   SharedRing& operator=(SharedRing&& other) noexcept;
   ~SharedRing();
 
-  // Returns a copy: CV_8UC1, or CV_16UC1 of depth and of grey of 16 bits. `slot` is below the layout's.
+  // Returns a copy: CV_8UC1, or CV_16UC1 of depth and of grey of 16 bits. `slot` is below the
+  // layout's.
   cv::Mat CopyFirst(uint32_t slot) const { return Copy(slot, layout_.first); }
   cv::Mat CopySecond(uint32_t slot) const { return Copy(slot, layout_.second); }
 

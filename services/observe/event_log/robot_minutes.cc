@@ -34,12 +34,11 @@ std::string DescribeState(TrackingState state) {
 }
 
 std::string DescribeOutbox(const UploadStatus& upload) {
-  return absl::StrCat(upload.batches, " batches wait (", MiB(upload.memory_bytes), " in memory, ",
-                      MiB(upload.spool_bytes), " on disk)",
-                      upload.frames == 0
-                          ? ""
-                          : absl::StrCat(", ", upload.frames, " frames of the trajectory wait"),
-                      upload.room.ok() ? "" : absl::StrCat(", ", upload.room.message()));
+  return absl::StrCat(
+      upload.batches, " batches wait (", MiB(upload.memory_bytes), " in memory, ",
+      MiB(upload.spool_bytes), " on disk)",
+      upload.frames == 0 ? "" : absl::StrCat(", ", upload.frames, " frames of the trajectory wait"),
+      upload.room.ok() ? "" : absl::StrCat(", ", upload.room.message()));
 }
 
 // Returns what is wrong with the link, to be said before all else; empty if nothing is.

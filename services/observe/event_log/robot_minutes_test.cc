@@ -67,7 +67,8 @@ TEST(RobotMinutesTest, TheLineSaysHowTheRobotFares) {
   minute.link = absl::OkStatus();
   EXPECT_THAT(FormatMinute(minute), AllOf(HasSubstr("; connected, 4"), Not(HasSubstr("not con"))));
   minute.status.upload.frames = 60;
-  EXPECT_THAT(FormatMinute(minute), HasSubstr("on disk), 60 frames of the trajectory wait; memory"));
+  EXPECT_THAT(FormatMinute(minute),
+              HasSubstr("on disk), 60 frames of the trajectory wait; memory"));
   minute.status.upload.frames = 0;
   minute.link = std::nullopt;
   EXPECT_THAT(FormatMinute(minute), AllOf(HasSubstr("; no map store;"), Not(HasSubstr("batches"))));
