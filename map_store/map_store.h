@@ -255,7 +255,8 @@ class MapStore {
   // Returns the keyframes of one local map, or of all (invalid id).
   absl::StatusOr<Page<KeyframeInfo>> ListKeyframes(absl::string_view mission, LocalMapId local_map,
                                                    const PageRequest& page) const;
-  absl::StatusOr<KeyframeInfo> GetKeyframe(absl::string_view mission, KeyframeId id) const;
+  absl::StatusOr<KeyframeInfo> GetKeyframe(absl::string_view mission, KeyframeId id,
+                                           bool with_sights = false) const;
   absl::StatusOr<MissionStatistics> GetStatistics(absl::string_view mission) const;
   // Returns the load of each mission (mission_load.h). This costs less than the look-ups above:
   // only local maps and what waits for fusion are walked through.

@@ -33,16 +33,18 @@ absl::StatusOr<LocalMapInfo> MapStore::GetLocalMap(absl::string_view mission_nam
   });
 }
 
-absl::StatusOr<KeyframeInfo> MapStore::GetKeyframe(absl::string_view mission_name,
-                                                   KeyframeId id) const {
+absl::StatusOr<KeyframeInfo> MapStore::GetKeyframe(absl::string_view mission_name, KeyframeId id,
+                                                   bool with_sights) const {
   ASSIGN_OR_RETURN(const std::shared_ptr<Mission> mission, FindMission(mission_name));
-  return mission->WithState([id](const MissionState& state) -> absl::StatusOr<KeyframeInfo> {
-    if (state.FindKeyframe(id) == nullptr) {
+  return mission->WithState([&](const MissionState& state) -> absl::StatusOr<KeyframeInfo> {
+    const Keyframe* const keyframe = state.FindKeyframe(id);
+    if (keyframe == nullptr) {
       return absl::NotFoundError(absl::StrCat("there is no keyframe ", ToString(id)));
     }
     KeyframeInfo info = map_store::DescribeKeyframes(state, {id}).front();
-    info.sights =
-        map_store::SightsOf(state, *state.FindLocalMap(id.local_map), *state.FindKeyframe(id));
+    if (with_sights) {
+      info.sights = map_store::SightsOf(state, *state.FindLocalMap(id.local_map), *keyframe);
+    }
     return info;
   });
 }

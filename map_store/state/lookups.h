@@ -133,7 +133,7 @@ struct KeyframeInfo {
   KeyframeId parent;
   size_t keypoints = 0;
   size_t observed_points = 0;
-  // What its keypoints see; only of a keyframe that was asked for by itself.
+  // What its keypoints see; only where that was asked for.
   Sights sights;
   std::shared_ptr<const KeyframePayload> payload;
 };

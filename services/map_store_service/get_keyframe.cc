@@ -19,9 +19,11 @@ grpc::ServerUnaryReactor* MapStoreService::GetKeyframe(grpc::CallbackServerConte
           absl::StrCat("view is ", static_cast<int>(request->view()), ", must be 0 to 2"));
     }
     ASSIGN_OR_RETURN(const KeyframePath path, ParseKeyframeName(request->name()));
-    ASSIGN_OR_RETURN(const KeyframeInfo info, store_.GetKeyframe(path.mission, path.keyframe));
+    const bool is_full = request->view() == v1::KEYFRAME_VIEW_FULL;
+    ASSIGN_OR_RETURN(const KeyframeInfo info,
+                     store_.GetKeyframe(path.mission, path.keyframe, /*with_sights=*/is_full));
     ToProto(path.mission, info, response);
-    if (request->view() == v1::KEYFRAME_VIEW_FULL) {
+    if (is_full) {
       ToProto(*info.payload, response->mutable_payload());
       for (const auto& [keypoint, point] : info.sights) {
         v1::Sight* const sight = response->add_sights();

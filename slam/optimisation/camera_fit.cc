@@ -1,13 +1,13 @@
 #include "slam/optimisation/camera_fit.h"
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "slam/geometry/lie.h"
 #include "slam/optimisation/reprojection.h"
+#include "slam/optimisation/scaled_inverse.h"
 
 namespace corbslam {
 namespace {
@@ -92,20 +92,6 @@ State Moved(const State& state, const Vector& step) {
   return moved;
 }
 
-// Returns the inverse of H; nullopt where a direction is not determined.
-std::optional<Matrix> Invert(const Matrix& H) {
-  const Vector diagonal = H.diagonal();
-  if (!(diagonal.minCoeff() > 0) || !diagonal.allFinite()) return std::nullopt;
-  const Vector unit = diagonal.cwiseSqrt().cwiseInverse();
-  const Matrix scaled = unit.asDiagonal() * H * unit.asDiagonal();
-  const Eigen::SelfAdjointEigenSolver<Matrix> solver(scaled);
-  const Vector& values = solver.eigenvalues();
-  if (!(values.minCoeff() > kMinRelativeInformation * values.maxCoeff())) return std::nullopt;
-  const Matrix inverse = solver.eigenvectors() * values.cwiseInverse().asDiagonal() *
-                         solver.eigenvectors().transpose();
-  return Matrix(unit.asDiagonal() * inverse * unit.asDiagonal());
-}
-
 // Levenberg and Marquardt's steps, each taken only where it helps.
 void Minimise(absl::Span<const PoseObservation> observations, State& state, Sums& sums) {
   double damping = 1e-4;
@@ -169,7 +155,7 @@ std::optional<CameraFit> FitCamera(const Camera& camera, const Rigid3d& camera_f
   Sums sums = Gather(state, observations);
   if (sums.rows < 2 * kMinObservations) return std::nullopt;
   Minimise(observations, state, sums);
-  const std::optional<Matrix> inverse = Invert(sums.H);
+  const std::optional<Matrix> inverse = InvertScaled(sums.H, kMinRelativeInformation);
   if (!inverse.has_value()) return std::nullopt;
   const double noise = kSharedSigmas * std::sqrt(sums.chi2 / (sums.rows - kNumbers));
   const auto sigma = [&](int i) { return noise * std::sqrt((*inverse)(i, i)); };

@@ -1,11 +1,11 @@
 #include "slam/optimisation/pose_covariance.h"
 
-#include <Eigen/Eigenvalues>
 #include <cmath>
 #include <map>
 #include <utility>
 
 #include "slam/optimisation/reprojection.h"
+#include "slam/optimisation/scaled_inverse.h"
 
 namespace corbslam {
 namespace {
@@ -70,28 +70,13 @@ Matrix6d Spread(const Information& sum) {
   return cells / (cells - kParameters) * spread;
 }
 
-// Returns the inverse of a symmetric matrix whose rows have different units; nullopt where it is
-// singular.
-std::optional<Matrix6d> Invert(const Matrix6d& H) {
-  const Vector6d diagonal = H.diagonal();
-  if (!(diagonal.minCoeff() > 0) || !diagonal.allFinite()) return std::nullopt;
-  const Vector6d unit = diagonal.cwiseSqrt().cwiseInverse();
-  const Matrix6d scaled = unit.asDiagonal() * H * unit.asDiagonal();
-  const Eigen::SelfAdjointEigenSolver<Matrix6d> solver(scaled);
-  const Vector6d& values = solver.eigenvalues();
-  if (!(values.minCoeff() > kMinRelativeInformation * values.maxCoeff())) return std::nullopt;
-  const Matrix6d inverse = solver.eigenvectors() * values.cwiseInverse().asDiagonal() *
-                           solver.eigenvectors().transpose();
-  return Matrix6d(unit.asDiagonal() * inverse * unit.asDiagonal());
-}
-
 }  // namespace
 
 std::optional<Matrix6d> PoseCovariance(const Camera& camera, const Rigid3d& camera_from_map,
                                        absl::Span<const PoseObservation> inliers) {
   const Information sum = Gather(camera, camera_from_map, inliers);
   if (sum.rows < kMinRows) return std::nullopt;
-  const std::optional<Matrix6d> inverse = Invert(sum.H);
+  const std::optional<Matrix6d> inverse = InvertScaled(sum.H, kMinRelativeInformation);
   if (!inverse.has_value()) return std::nullopt;
   return Matrix6d(*inverse * Spread(sum) * *inverse);
 }

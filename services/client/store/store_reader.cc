@@ -27,9 +27,17 @@ void WaitForAnswer(grpc::ClientContext& context) {
   context.set_wait_for_ready(true);
 }
 
+using Agents = std::map<LocalMapId, std::string>;
+
+// Returns "" where the local map's agent is not known.
+std::string AgentOf(LocalMapId local_map, const Agents& agents) {
+  const auto agent = agents.find(local_map);
+  return agent == agents.end() ? "" : agent->second;
+}
+
 // Adds the keyframes and points of an island in the global frame.
 absl::Status AddIsland(const v1::WatchMapResponse::Island& island, const SlotReader& slots,
-                       const std::map<LocalMapId, std::string>& agents, ServedMap& map) {
+                       const Agents& agents, ServedMap& map) {
   for (const v1::WatchMapResponse::IslandKeyframe& proto : island.keyframes()) {
     ServedMap::Keyframe& keyframe = map.keyframes.emplace_back();
     ASSIGN_OR_RETURN(keyframe.id, slots.Keyframe(proto.id()));
@@ -38,41 +46,34 @@ absl::Status AddIsland(const v1::WatchMapResponse::Island& island, const SlotRea
     }
     ASSIGN_OR_RETURN(const Rigid3d camera_from_island, FromProto(proto.camera_from_island()));
     keyframe.global_from_camera = camera_from_island.Inverse();
-    const auto agent = agents.find(keyframe.id.local_map);
-    if (agent != agents.end()) keyframe.agent = agent->second;
+    keyframe.agent = AgentOf(keyframe.id.local_map, agents);
   }
   ASSIGN_OR_RETURN(const std::vector<LightMapPoint> points,
                    ReadLightPoints(island.points(), slots));
   for (const LightMapPoint& point : points) {
     map.points.push_back(point.position_in_local);
-    const auto agent = agents.find(point.id.local_map);
-    map.point_agents.push_back(agent == agents.end() ? "" : agent->second);
+    map.point_agents.push_back(AgentOf(point.id.local_map, agents));
   }
   return absl::OkStatus();
 }
 
 // Counts the keyframes and points of an island of its own. Its first message tells that it is one.
 absl::Status CountElsewhere(const v1::WatchMapResponse::Island& island, const SlotReader& slots,
-                            const std::map<LocalMapId, std::string>& agents,
-                            ServedMap::Elsewhere& elsewhere) {
-  const auto agent_of = [&](LocalMapId local_map) {
-    const auto agent = agents.find(local_map);
-    return agent == agents.end() ? std::string() : agent->second;
-  };
+                            const Agents& agents, ServedMap::Elsewhere& elsewhere) {
   if (island.anew()) ++elsewhere.islands;
   for (const v1::WatchMapResponse::IslandKeyframe& proto : island.keyframes()) {
     ASSIGN_OR_RETURN(const KeyframeId id, slots.Keyframe(proto.id()));
-    ++elsewhere.keyframes[agent_of(id.local_map)];
+    ++elsewhere.keyframes[AgentOf(id.local_map, agents)];
   }
   ASSIGN_OR_RETURN(const std::vector<LightMapPoint> points,
                    ReadLightPoints(island.points(), slots));
-  for (const LightMapPoint& point : points) ++elsewhere.points[agent_of(point.id.local_map)];
+  for (const LightMapPoint& point : points) ++elsewhere.points[AgentOf(point.id.local_map, agents)];
   return absl::OkStatus();
 }
 
 absl::Status AddResponse(const v1::WatchMapResponse& response, ServedMap& map) {
   ASSIGN_OR_RETURN(const SlotReader slots, SlotReader::Create(response.local_maps()));
-  std::map<LocalMapId, std::string> agents;
+  Agents agents;
   for (int i = 0; i < std::min(response.local_maps_size(), response.local_map_agents_size()); ++i) {
     agents[LocalMapId{response.local_maps(i)}] = LastSegment(response.local_map_agents(i));
   }

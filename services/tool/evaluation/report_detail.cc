@@ -2,18 +2,18 @@
 
 #include <algorithm>
 #include <limits>
+#include <utility>
 
 #include "services/tool/evaluation/held_picture.h"
 #include "services/tool/evaluation/picture.h"
 #include "services/tool/evaluation/trajectory_files.h"
+#include "services/tool/report/html/long_interval.h"
 
 namespace corbslam::services {
 namespace {
 
-// Frames further apart than this many of the robot's usual intervals had lost ones between them.
-constexpr double kLongIntervals = 3;
-
-double MedianInterval_s(const std::vector<TrajectoryPart>& parts) {
+// Frames further apart than this had lost ones between them.
+double LongestGap_s(const std::vector<TrajectoryPart>& parts) {
   std::vector<double> intervals_s;
   for (const TrajectoryPart& part : parts) {
     for (size_t i = 1; i < part.poses.size(); ++i) {
@@ -21,10 +21,7 @@ double MedianInterval_s(const std::vector<TrajectoryPart>& parts) {
           1e-9 * static_cast<double>(part.poses[i].timestamp_ns - part.poses[i - 1].timestamp_ns));
     }
   }
-  if (intervals_s.empty()) return 0;
-  const auto middle = intervals_s.begin() + static_cast<ptrdiff_t>(intervals_s.size() / 2);
-  std::nth_element(intervals_s.begin(), middle, intervals_s.end());
-  return *middle;
+  return LongInterval_s(std::move(intervals_s));
 }
 
 // Adds the stretches of one local map, and when it began unless it is the first.
@@ -45,7 +42,7 @@ void AddTimes(const ServedTrajectory& local, ReportDetail::Robot& detail) {
   if (parts.empty()) return;
   const int64_t begin_ns = parts.front().poses.front().timestamp_ns;
   detail.begin_ns = begin_ns;
-  const double gap_s = kLongIntervals * MedianInterval_s(parts);
+  const double gap_s = LongestGap_s(parts);
   for (const TrajectoryPart& part : parts) {
     AddTracked(part, begin_ns, gap_s, detail);
     if (&part == &parts.front()) continue;

@@ -75,9 +75,8 @@ std::string DescribeOtherCamera(const v1::LocalizeResponse& answer) {
   const v1::Camera& fitting = answer.fitting_camera();
   return absl::StrFormat(
       "%d points of the map agree on a place, but not with this camera: with about fx %.1f fy %.1f "
-      "cx %.1f cy %.1f px, or another lens. Is the calibration that of this camera, at this size "
-      "of "
-      "picture, uncropped?",
+      "cx %.1f cy %.1f px, or another lens. Is the calibration of this camera, at "
+      "this size of picture, uncropped?",
       answer.inliers(), fitting.fx_px(), fitting.fy_px(), fitting.cx_px(), fitting.cy_px());
 }
 

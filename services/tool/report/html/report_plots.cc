@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <limits>
+#include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "services/tool/report/html/long_interval.h"
 #include "services/tool/report/html/map_data.h"
 #include "slam/rendering/map_cell.h"
 #include "slam/rendering/svg_plots.h"
@@ -42,17 +44,13 @@ class GapFinder {
     for (size_t i = 1; i < errors.size(); ++i) {
       intervals_s.push_back(SecondsSince(errors[i - 1].timestamp_ns, errors[i].timestamp_ns));
     }
-    if (intervals_s.empty()) return;
-    const auto middle = intervals_s.begin() + static_cast<ptrdiff_t>(intervals_s.size() / 2);
-    std::nth_element(intervals_s.begin(), middle, intervals_s.end());
-    longest_s_ = std::max(longest_s_, kLongIntervals * *middle);
+    longest_s_ = std::max(longest_s_, LongInterval_s(std::move(intervals_s)));
   }
   bool IsBetween(const PoseError& before, const PoseError& after) const {
     return SecondsSince(before.timestamp_ns, after.timestamp_ns) > longest_s_;
   }
 
  private:
-  static constexpr double kLongIntervals = 3;
   double longest_s_ = 1;  // Shorter gaps are not worth one in the picture.
 };
 
