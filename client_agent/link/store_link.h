@@ -61,6 +61,10 @@ struct StoreLinkOptions {
   absl::Duration backlog_flush_interval = absl::Seconds(5);
   absl::Duration min_backoff = absl::Milliseconds(200);
   absl::Duration max_backoff = absl::Seconds(10);
+  // The same for a store that refuses this agent: whoever set its keys or lists wrong sets them
+  // right again.
+  absl::Duration min_refused_backoff = absl::Seconds(10);
+  absl::Duration max_refused_backoff = absl::Minutes(2);
   // Bounds of the link to the store; 0: no bound. Upwards, what the budget does not have waits in
   // the map and coalesces there; downwards, the store is asked to keep to it.
   uint64_t uplink_bytes_per_second = 0;
@@ -95,11 +99,17 @@ class StoreLink : private UplinkListener {
   StoreLink(const StoreLink&) = delete;
   StoreLink& operator=(const StoreLink&) = delete;
 
-  // Begins a local map, whose changes are recorded from now on. The one before is told to its end
-  // and closed, and its thread writes it no more. `map` is read while Reads says so, `jobs` are
+  // Whether the threads of the local maps before still write them.
+  enum class Earlier { kHaveEnded, kMayStillBeWritten };
+
+  // Begins a local map, whose changes are recorded from now on. Those before are told to their end
+  // and closed: at once, or each after EndLocalMap. `map` is read while Reads says so, `jobs` are
   // used until the next local map begins; neither is owned. `kept` is what `map` was made of where
   // it is the one that goes on, else null.
-  void BeginLocalMap(GuardedMap& map, MapJobs& jobs, const KeptMap* kept = nullptr);
+  void BeginLocalMap(GuardedMap& map, MapJobs& jobs, const KeptMap* kept = nullptr,
+                     Earlier earlier = Earlier::kHaveEnded);
+  // Says that the local map is written no more.
+  void EndLocalMap(LocalMapId local_map);
   // Returns false once all that there is to tell of the local map lies in batches, or it is given
   // up.
   bool Reads(LocalMapId local_map) const;
@@ -132,9 +142,9 @@ class StoreLink : private UplinkListener {
   void Step();
   // Closes the local map, and returns when everything is acknowledged, however long a budget makes
   // that. Else returns DEADLINE_EXCEEDED, which says what is left, or the reason for which the
-  // store refuses this agent for good, or for which the local map in use could not go on
-  // (DATA_LOSS, ALREADY_EXISTS). Without an uplink, returns when the spool has everything, or why
-  // it has not.
+  // store refuses this agent (which is not waited for), or for which the local map in use could not
+  // go on (DATA_LOSS, ALREADY_EXISTS). Without an uplink, returns when the spool has everything, or
+  // why it has not.
   absl::Status Finish(absl::Duration timeout);
 
   // Returns where the robot's frame is in the global one; none before fusion.
@@ -168,6 +178,7 @@ class StoreLink : private UplinkListener {
   void OnSessionClosed(const absl::Status& reason) override;
 
   void NoteClosed(const absl::Status& reason) ABSL_LOCKS_EXCLUDED(mutex_);
+  void NoteRefusal(const absl::Status& reason) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   ArrivedUpdate Prepare(SharedUpdate update) const;
   void Tell(LinkEvent event, LocalMapId local_map) const ABSL_LOCKS_EXCLUDED(mutex_);
   void Run();
@@ -232,14 +243,19 @@ class StoreLink : private UplinkListener {
   ShareAnew anew_ ABSL_GUARDED_BY(mutex_);
   ShareScope share_ ABSL_GUARDED_BY(mutex_);        // What is asked for now.
   ShareWatch share_watch_ ABSL_GUARDED_BY(mutex_);  // Of the local map in use.
-  enum class Session { kNone, kOpening, kOpen, kRefused };
+  // With kOver the mission is there no more, and none is opened again.
+  enum class Session { kNone, kOpening, kOpen, kOver };
   Session session_ ABSL_GUARDED_BY(mutex_) = Session::kNone;
+  // Why the store refused the last session, or ended it so; OK: it did not.
   absl::Status refusal_ ABSL_GUARDED_BY(mutex_);
   absl::Status closed_ ABSL_GUARDED_BY(mutex_);  // Why the last session or attempt ended.
   absl::Time next_attempt_ ABSL_GUARDED_BY(mutex_) = absl::InfinitePast();
   absl::Time last_flush_ ABSL_GUARDED_BY(mutex_) = absl::InfinitePast();
   // Of the attempts since something was acknowledged, or since a session lasted.
   Backoff backoff_ ABSL_GUARDED_BY(mutex_);
+  Backoff refused_backoff_ ABSL_GUARDED_BY(mutex_);
+  // SessionGrant::mission_uid of the first session that had one.
+  std::string mission_uid_ ABSL_GUARDED_BY(mutex_);
   absl::Time opened_ ABSL_GUARDED_BY(mutex_) = absl::InfiniteFuture();
   bool needs_new_local_map_ ABSL_GUARDED_BY(mutex_) = false;
   // Refused items of local maps that are not read any more.

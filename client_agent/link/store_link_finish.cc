@@ -24,7 +24,7 @@ absl::Status StoreLink::Finish(absl::Duration timeout) {
   if (!thread_.joinable()) Step();
   absl::MutexLock lock(&mutex_);
   const auto finished = [this]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
-    return IsDone() || session_ == Session::kRefused || IsToldWithoutLink();
+    return IsDone() || !refusal_.ok() || IsToldWithoutLink();
   };
   if (!mutex_.AwaitWithTimeout(absl::Condition(&finished), timeout)) {
     return absl::DeadlineExceededError(
@@ -33,7 +33,7 @@ absl::Status StoreLink::Finish(absl::Duration timeout) {
                          ? ""
                          : absl::StrCat(", and no session stands: ", closed_.ToString())));
   }
-  if (session_ == Session::kRefused) return refusal_;
+  if (!refusal_.ok()) return refusal_;
   if (!has_link_) return queue_.status().room;
   return needs_new_local_map_ ? queue_.status().loss : absl::OkStatus();
 }
@@ -75,7 +75,7 @@ bool StoreLink::IsFinishing() const {
 UplinkHold StoreLink::FindHold() const {
   if (!has_link_ || session_ == Session::kOpen) return UplinkHold::kNone;
   // What is tried again is held for the reason of the last time, until that is over.
-  const absl::Status& why = session_ == Session::kRefused ? refusal_ : closed_;
+  const absl::Status& why = refusal_.ok() ? closed_ : refusal_;
   if (absl::IsResourceExhausted(why)) return UplinkHold::kNoRoom;
   if (absl::IsUnavailable(why) || absl::IsDeadlineExceeded(why)) return UplinkHold::kAway;
   return why.ok() ? UplinkHold::kOpening : UplinkHold::kRefused;

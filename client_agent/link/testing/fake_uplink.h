@@ -6,6 +6,7 @@
 
 #include <atomic>
 #include <map>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -25,6 +26,7 @@ class FakeUplink : public Uplink {
     open = true;
     SessionGrant grant;
     grant.capabilities = capabilities;
+    grant.mission_uid = mission_uid;
     for (const LocalMapId& id : request.local_maps) {
       grant.acknowledged.push_back({id, stored[id].size()});
     }
@@ -60,6 +62,7 @@ class FakeUplink : public Uplink {
   // Why sessions are refused; OK: they are not.
   absl::Status refusal;
   Capabilities capabilities = {.points_follow = true};
+  std::string mission_uid;
   // What a batch takes, as a multiple of its estimate.
   double wire_factor = 1;
   std::atomic<uint64_t> bytes = 0;

@@ -4,12 +4,19 @@
 
 #include <utility>
 
+#include "slam/exchange/session_end.h"
+
 namespace corbslam::services {
 namespace {
 
-// Returns true if the robot does not ask again after this status.
-bool IsForGood(const absl::Status& status) {
-  return absl::IsAborted(status) || absl::IsPermissionDenied(status);
+// Returns what the robot does about a session that can't be had, or ended so.
+const char* WhatFollows(const absl::Status& cause) {
+  if (SaysMissionDeleted(cause)) return "; the robot maps on, and does not try again";
+  const bool is_refused =
+      absl::IsAborted(cause) || absl::IsPermissionDenied(cause) || absl::IsInvalidArgument(cause);
+  return is_refused ? "; the robot maps on, keeps what the store lacks, and asks again every two "
+                      "minutes at least"
+                    : "; the robot maps on, keeps what the store lacks, and tries again";
 }
 
 }  // namespace
@@ -109,9 +116,7 @@ void UplinkLog::WarnIfDue() {
   said_at_ = now;
   LOG(WARNING) << who_ << "no session with the map store since "
                << absl::Trunc(now - without_since_, absl::Seconds(1)) << ": " << cause_
-               << (IsForGood(cause_)
-                       ? "; the robot maps on, and does not try again"
-                       : "; the robot maps on, keeps what the store lacks, and tries again");
+               << WhatFollows(cause_);
 }
 
 }  // namespace corbslam::services

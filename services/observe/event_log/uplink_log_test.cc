@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "absl/strings/match.h"
+#include "slam/exchange/session_end.h"
 
 namespace corbslam::services {
 namespace {
@@ -122,12 +123,20 @@ TEST_F(UplinkLogTest, SaysAnotherCauseAndRemindsRarely) {
   EXPECT_THAT(lines_.WaitFor(3)[2], HasSubstr("since 1m20s"));
 }
 
-TEST_F(UplinkLogTest, SaysThatAFencedRobotDoesNotTryAgain) {
+TEST_F(UplinkLogTest, SaysThatAFencedRobotAsksAgainRarely) {
   log_.OnOpening();
   log_.OnOpened();
   log_.OnClosed(absl::AbortedError("a newer session"));
   EXPECT_THAT(lines_.WaitFor(2)[1],
-              AllOf(HasSubstr("a newer session"), HasSubstr("does not try again")));
+              AllOf(HasSubstr("a newer session"), HasSubstr("asks again every two minutes")));
+}
+
+TEST_F(UplinkLogTest, SaysThatAMissionThatWasDeletedIsNotTriedAgain) {
+  log_.OnOpening();
+  log_.OnOpened();
+  log_.OnClosed(MissionDeletedError("lab"));
+  EXPECT_THAT(lines_.WaitFor(2)[1],
+              AllOf(HasSubstr("mission lab was deleted"), HasSubstr("does not try again")));
 }
 
 TEST_F(UplinkLogTest, IsNotConnectedBeforeTheFirstSession) {
