@@ -84,20 +84,26 @@ absl::StatusOr<FeatureSelection> ParseUpload(const RobotFlags& flags) {
   return Locate(selection.status(), "--upload");
 }
 
-absl::StatusOr<std::shared_ptr<grpc::Channel>> MakeStoreChannel(const RobotFlags& flags) {
+SecurityOptions Bearing(SecurityOptions security, Files files) {
+  security.files_may_come = files == Files::kMayCome;
+  return security;
+}
+
+absl::StatusOr<std::shared_ptr<grpc::Channel>> MakeStoreChannel(const RobotFlags& flags,
+                                                                Files files) {
   if (flags.server.empty()) return nullptr;
-  ASSIGN_OR_RETURN(const auto credentials, MakeChannelCredentials(flags.security));
+  ASSIGN_OR_RETURN(const auto credentials, MakeChannelCredentials(Bearing(flags.security, files)));
   return MakeChannel(flags.server, credentials);
 }
 
-absl::Status CheckListenSecurity(const RobotFlags& flags) {
+absl::Status CheckListenSecurity(const RobotFlags& flags, Files files) {
   if (flags.listen.empty()) return absl::OkStatus();
-  return CheckServerSecurity(ListenSecurityOf(flags), flags.mission, flags.agent);
+  return CheckServerSecurity(Bearing(ListenSecurityOf(flags), files), flags.mission, flags.agent);
 }
 
 absl::Status CheckSettable(const RobotFlags& flags) {
   const bool has_server = !flags.server.empty();
-  RETURN_IF_ERROR(CheckMemoryFlags(flags.memory, flags.share, flags.outbox_mb << 20,
+  RETURN_IF_ERROR(CheckMemoryFlags(flags.memory, flags.share, MemoryNeedsOf(flags),
                                    has_server || !flags.spool.folder.empty()));
   RETURN_IF_ERROR(CheckShareFlags(ShareOf(flags), has_server));
   RETURN_IF_ERROR(CheckLocaliseOnly(flags));
@@ -112,7 +118,7 @@ std::vector<absl::Status> CheckPlaces(const RobotFlags& flags) {
   found.push_back(CheckSpoolFlags(flags.spool, !flags.server.empty()));
   if (flags.server.empty()) found.push_back(CheckNoLinkFlags(flags.link));
   const bool has_server = !flags.server.empty();
-  found.push_back(CheckMemoryFlags(flags.memory, flags.share, flags.outbox_mb << 20,
+  found.push_back(CheckMemoryFlags(flags.memory, flags.share, MemoryNeedsOf(flags),
                                    has_server || !flags.spool.folder.empty()));
   found.push_back(CheckSettingsFlags(flags.settings, has_server));
   found.push_back(CheckShareFlags(ShareOf(flags), has_server));
@@ -132,10 +138,11 @@ std::vector<absl::Status> CheckRobotFlags(const RobotFlags& flags) {
   std::vector<absl::Status> found = {
       CheckNameSegment("--mission", flags.mission),
       CheckNameSegment("--agent", flags.agent),
-      MakeStoreChannel(flags).status(),
-      CheckListenSecurity(flags),
+      MakeStoreChannel(flags, Files::kMustBeGood).status(),
+      CheckListenSecurity(flags, Files::kMustBeGood),
       CheckVocabulary(flags.vocabulary),
       ParseUpload(flags).status(),
+      CheckSettingsFiles(flags.settings),
       CheckFlaggedSource(flags),
   };
   const std::vector<absl::Status> places = CheckPlaces(flags);

@@ -4,12 +4,15 @@
 #include <map>
 #include <utility>
 
+#include "absl/strings/numbers.h"
+#include "absl/strings/str_cat.h"
 #include "client_agent/live/live_sources.h"
 #include "client_agent/source/source_kinds.h"
 #include "services/command_line/help_formatter.h"
 #include "services/programs/link_flags.h"
 #include "services/programs/memory_flags.h"
 #include "services/programs/share_flags.h"
+#include "slam/features/feature_limits.h"
 
 namespace corbslam::services {
 
@@ -68,12 +71,22 @@ void AddResults(CLI::App& app, RobotFlags& flags) {
       ->default_str("camera");
 }
 
+// Returns what is wrong with the value; empty if it is good.
+std::string CheckFeatures(const std::string& text) {
+  int features = 0;
+  const bool good = absl::SimpleAtoi(text, &features) &&
+                    (features == 0 || (features >= kLeastFeatures && features <= kMostFeatures));
+  if (good) return "";
+  return absl::StrCat("\"", text, "\" is neither 0 nor a whole number from ", kLeastFeatures,
+                      " to ", kMostFeatures);
+}
+
 void AddWork(CLI::App& app, RobotFlags& flags) {
   app.add_option("--vocabulary", flags.vocabulary, "File of the bag of words")
       ->capture_default_str();
   app.add_option("--features", flags.features,
                  "Features of a picture; 0: 2000 for stereo, 1000 for RGB-D")
-      ->check(CLI::Range(0, 20000))
+      ->check(CLI::Validator(&CheckFeatures, ""))
       ->capture_default_str();
   app.add_option("--seed", flags.seed, "Of ids and random samples; 0: another one each time")
       ->capture_default_str()
@@ -89,6 +102,25 @@ void AddWork(CLI::App& app, RobotFlags& flags) {
 }
 
 }  // namespace
+
+int FeaturesOf(const RobotFlags& flags) {
+  if (flags.features != 0) return flags.features;
+  return flags.has_depth ? 1000 : 2000;
+}
+
+uint64_t OutboxBytesOf(const RobotFlags& flags) {
+  return flags.given.contains("--outbox-mb") ? flags.outbox_mb << 20 : OutboxBytesOf(flags.memory);
+}
+
+MemoryNeeds MemoryNeedsOf(const RobotFlags& flags) {
+  MemoryNeeds needs;
+  // Before the source is open it may be an RGB-D camera's.
+  needs.features = flags.features != 0 || flags.width_px > 0 ? FeaturesOf(flags) : 1000;
+  needs.width_px = flags.width_px;
+  needs.height_px = flags.height_px;
+  needs.outbox_bytes = OutboxBytesOf(flags);
+  return needs;
+}
 
 RobotFlags With(const SettableFlags& set, RobotFlags flags) {
   static_cast<SettableFlags&>(flags) = set;
@@ -120,7 +152,8 @@ void AddRobotFlags(CLI::App& app, RobotFlags& flags) {
   AddWork(app, flags);
   AddSpoolFlags(app, flags.spool);
   app.add_option("--outbox-mb", flags.outbox_mb,
-                 "MiB that wait in memory, the rest waits in --spool alone; 0: everything does")
+                 "MiB that wait in memory, the rest waits in --spool alone; 0: everything does. "
+                 "With --memory-budget an eighth of it, unless said here")
       ->check(CLI::Range(0, 1 << 20))
       ->capture_default_str()
       ->group(kRareGroup);

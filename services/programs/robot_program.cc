@@ -4,6 +4,7 @@
 
 #include <cstdio>
 #include <fstream>
+#include <future>
 #include <memory>
 #include <random>
 #include <string>
@@ -51,8 +52,7 @@ using client_agent::TrackingResult;
 
 namespace {
 
-AgentOptions MakeAgentOptions(const RobotFlags& flags, const FeatureSelection& upload,
-                              const SensorCalibration& calibration) {
+AgentOptions MakeAgentOptions(const RobotFlags& flags, const FeatureSelection& upload) {
   AgentOptions options;
   options.mission = flags.mission;
   options.name = flags.agent;
@@ -63,20 +63,19 @@ AgentOptions MakeAgentOptions(const RobotFlags& flags, const FeatureSelection& u
                      : (uint64_t{std::random_device()()} << 32) | std::random_device()();
   options.deterministic = flags.pace == Pace::kStep;
   options.solver_threads = flags.solver_threads;
-  options.max_outbox_bytes = flags.outbox_mb << 20;
+  options.max_outbox_bytes = OutboxBytesOf(flags);
   options.upload_features = upload;
   options.uplink_bytes_per_second = BytesPerSecond(flags.link.uplink_kbps);
   options.downlink_bytes_per_second = BytesPerSecond(flags.link.downlink_kbps);
   options.share = ScopeOf(ShareOf(flags));
   options.localise_only = flags.localise_only;
   ApplySpoolFlags(flags.spool, options);
-  options.max_map_bytes = MaxMapBytes(flags.memory, options.max_outbox_bytes,
+  options.max_map_bytes = MaxMapBytes(flags.memory, MemoryNeedsOf(flags),
                                       /*has_server=*/!flags.server.empty());
   // The trajectory is asked for at the end, or by other programs at any time.
   options.keep_trajectory = !flags.trajectory.empty() || !flags.listen.empty();
   options.events = std::make_shared<client_agent::AgentEvents>();
-  const bool stereo = std::holds_alternative<StereoCalibration>(calibration);
-  options.sensor.orb.features = flags.features != 0 ? flags.features : stereo ? 2000 : 1000;
+  options.sensor.orb.features = FeaturesOf(flags);
   return options;
 }
 
@@ -129,26 +128,28 @@ absl::Status WriteResults(const RobotFlags& flags, const Agent& agent,
   return WriteText(flags.stats, ToJson(report).dump(2) + "\n");
 }
 
-absl::StatusOr<std::unique_ptr<LiveSettings>> MakeLiveSettings(
-    const RobotFlags& flags, const std::shared_ptr<AgentOrders>& orders,
-    const std::shared_ptr<FrameRateLimit>& rate) {
-  const auto limits = [flags](const SettableFlags& set) {
+std::unique_ptr<LiveSettings> MakeLiveSettings(const RobotFlags& flags,
+                                               const std::shared_ptr<AgentOrders>& orders,
+                                               const std::shared_ptr<FrameRateLimit>& rate) {
+  const auto limits = [flags](const SettableFlags& begun, const SettableFlags& set) {
     const RobotFlags now = With(set, flags);
+    // Its features and its outbox stay as they are.
+    const MemoryNeeds needs = MemoryNeedsOf(With(begun, flags));
     return client_agent::ChangedLimits{
         .uplink_bytes_per_second = BytesPerSecond(now.link.uplink_kbps),
-        .max_map_bytes = MaxMapBytes(now.memory, now.outbox_mb << 20),
+        .max_map_bytes = MaxMapBytes(now.memory, needs),
         .share = ScopeOf(ShareOf(now))};
   };
-  return LiveSettings::Make(
-      {.files = flags.settings,
-       .mission = flags.mission,
-       .agent = flags.agent,
-       .flags = flags,
-       .given = flags.given,
-       .orders = orders,
-       .rate = rate,
-       .check = [flags](const SettableFlags& set) { return CheckSettable(With(set, flags)); },
-       .limits = limits});
+  return std::make_unique<LiveSettings>(LiveSettingsOptions{
+      .files = flags.settings,
+      .mission = flags.mission,
+      .agent = flags.agent,
+      .flags = flags,
+      .given = flags.given,
+      .orders = orders,
+      .rate = rate,
+      .check = [flags](const SettableFlags& set) { return CheckSettable(With(set, flags)); },
+      .limits = limits});
 }
 
 // Returns null without a channel. `settings` is not owned and must outlive the uplink.
@@ -164,7 +165,8 @@ std::unique_ptr<Uplink> MakeUplink(const RobotFlags& flags, std::shared_ptr<grpc
 // Returns how other programs on the robot reach it.
 absl::StatusOr<ServerSecurity> MakeListenSecurity(const RobotFlags& flags) {
   if (flags.listen.empty()) return ServerSecurity{};
-  return MakeServerSecurity(ListenSecurityOf(flags), flags.mission, flags.agent);
+  return MakeServerSecurity(Bearing(ListenSecurityOf(flags), Files::kMayCome), flags.mission,
+                            flags.agent);
 }
 
 // Returns an error if the run mapped nothing: that is no success.
@@ -202,11 +204,45 @@ absl::Status CheckBefore(const RobotFlags& flags) {
   return ParseUpload(flags).status();
 }
 
-// Returns the flags that the robot runs with: with what its map store sets.
-absl::StatusOr<RobotFlags> Surround(const RobotFlags& given, Surroundings& around) {
-  ASSIGN_OR_RETURN(around.channel, MakeStoreChannel(given));
-  ASSIGN_OR_RETURN(around.settings, MakeLiveSettings(given, around.orders, around.rate));
-  RobotFlags flags = With(around.settings->Begin(around.channel), given);
+// Returns the flags with what is known of the source.
+RobotFlags WithSource(const SensorCalibration& calibration, RobotFlags flags) {
+  Camera camera;
+  if (const auto* stereo = std::get_if<StereoCalibration>(&calibration)) {
+    camera = stereo->camera;
+    if (stereo->raw.has_value()) {
+      camera.width_px = stereo->raw->width_px;
+      camera.height_px = stereo->raw->height_px;
+    }
+  } else {
+    camera = std::get<RgbdCalibration>(calibration).camera;
+    flags.has_depth = true;
+  }
+  flags.width_px = camera.width_px;
+  flags.height_px = camera.height_px;
+  return flags;
+}
+
+// Says to who gives orders which masks fit.
+void TellPictures(const RobotFlags& flags, const RobotSource& source, AgentOrders& orders) {
+  Camera camera;
+  camera.width_px = flags.width_px;
+  camera.height_px = flags.height_px;
+  orders.SetCamera(camera);
+  if (const auto& size_px = source.description.unscaled_px; size_px.has_value()) {
+    orders.SetRecordedSize(size_px->first, size_px->second);
+  }
+}
+
+// Surrounds a robot whose source is open, and returns the flags that it runs with: with what its
+// map store sets, as far as it can run with that.
+absl::StatusOr<RobotFlags> Surround(const RobotFlags& given, const RobotSource& source,
+                                    const absl::StatusOr<v1::RobotSettingsList>& told,
+                                    Surroundings& around) {
+  TellPictures(given, source, *around.orders);
+  around.settings = MakeLiveSettings(given, around.orders, around.rate);
+  RobotFlags flags = With(around.settings->Begin(told), given);
+  // By now it is known how large the pictures are.
+  RETURN_IF_ERROR(CheckSettable(flags));
   around.uplink = MakeUplink(flags, around.channel, *around.settings);
   ASSIGN_OR_RETURN(around.observers,
                    RobotObservers::Make(flags.observe, flags.mission, flags.agent));
@@ -225,10 +261,10 @@ void LogMemoryBudget(const RobotFlags& flags, uint64_t max_map_bytes) {
                     : "; --share is nearby, because of it");
 }
 
-absl::StatusOr<AgentOptions> SurroundedOptions(const RobotFlags& flags, const Surroundings& around,
-                                               const SensorCalibration& calibration) {
+absl::StatusOr<AgentOptions> SurroundedOptions(const RobotFlags& flags,
+                                               const Surroundings& around) {
   ASSIGN_OR_RETURN(const FeatureSelection upload, ParseUpload(flags));
-  AgentOptions options = MakeAgentOptions(flags, upload, calibration);
+  AgentOptions options = MakeAgentOptions(flags, upload);
   if (around.uplink != nullptr || !flags.listen.empty()) options.orders = around.orders;
   if (around.uplink != nullptr) around.observers->LogEvents(options.events);
   if (around.channel != nullptr) {
@@ -269,7 +305,7 @@ absl::Status Drive(const RobotFlags& flags, const Surroundings& around, const Ro
   RobotObservers& observers = *around.observers;
   ASSIGN_OR_RETURN(const RecordedCamera recorded, RecordedCameraOf(calibration));
   ASSIGN_OR_RETURN(ServerSecurity security, MakeListenSecurity(flags));
-  ASSIGN_OR_RETURN(const AgentOptions options, SurroundedOptions(flags, around, calibration));
+  ASSIGN_OR_RETURN(const AgentOptions options, SurroundedOptions(flags, around));
   ASSIGN_OR_RETURN(const auto recorder,
                    StartRecording(flags.record,
                                   {options, flags.source, flags.pace, uplink != nullptr,
@@ -277,9 +313,6 @@ absl::Status Drive(const RobotFlags& flags, const Surroundings& around, const Ro
                                   *source.stream));
   ASSIGN_OR_RETURN(const auto agent, Agent::Create(options, calibration, vocabulary,
                                                    observers.Watch(uplink), std::move(spool)));
-  if (const auto& size_px = source.description.unscaled_px; size_px.has_value()) {
-    around.orders->SetRecordedSize(size_px->first, size_px->second);
-  }
   around.settings->GiveMask();
   Agent* const watched = observers.Watch(agent.get());
   const auto recording =
@@ -317,19 +350,24 @@ absl::Status Drive(const RobotFlags& flags, const Surroundings& around, const Ro
 absl::Status Run(const RobotFlags& given) {
   RETURN_IF_ERROR(CheckBefore(given));
   Surroundings around;
-  ASSIGN_OR_RETURN(const RobotFlags flags, Surround(given, around));
+  ASSIGN_OR_RETURN(around.channel, MakeStoreChannel(given, Files::kMayCome));
+  std::future<absl::StatusOr<v1::RobotSettingsList>> told =
+      AskForSettings(around.channel, given.settings, given.mission, given.agent);
   ASSIGN_OR_RETURN(std::unique_ptr<Spool> spool,
-                   OpenSpool(flags.spool, AgentName(flags.mission, flags.agent)));
-  RETURN_IF_ERROR(CheckListenSecurity(flags));
-  LOG(INFO) << WhoOf(flags) << DescribeStart(flags);
+                   OpenSpool(given.spool, AgentName(given.mission, given.agent)));
+  RETURN_IF_ERROR(CheckListenSecurity(given, Files::kMayCome));
+  LOG(INFO) << WhoOf(given) << DescribeStart(given);
   const StopWatcher stop;
-  ASSIGN_OR_RETURN(const auto vocabulary, Vocabulary::Load(flags.vocabulary));
-  const absl::StatusOr<RobotSource> source = OpenFlaggedSource(flags, stop.stopped());
+  ASSIGN_OR_RETURN(const auto vocabulary, Vocabulary::Load(given.vocabulary));
+  const absl::StatusOr<RobotSource> source = OpenFlaggedSource(given, stop.stopped());
   // It was stopped while it waited for who drives its camera.
   if (absl::IsCancelled(source.status())) return absl::OkStatus();
   RETURN_IF_ERROR(source.status());
   LogSource(*source);
-  RETURN_IF_ERROR(CheckPosesOf(source->stream->calibration(), flags.poses_of));
+  const SensorCalibration& calibration = source->stream->calibration();
+  RETURN_IF_ERROR(CheckPosesOf(calibration, given.poses_of));
+  ASSIGN_OR_RETURN(const RobotFlags flags,
+                   Surround(WithSource(calibration, given), *source, told.get(), around));
   return Drive(flags, around, *source, vocabulary, std::move(spool), stop.stopped());
 }
 

@@ -25,7 +25,12 @@ Cause CauseOfProtocol(Protocol protocol) {
     case Protocol::kClosed:
       return {"whoever listens there hangs up at once", kOtherPort};
     case Protocol::kSilent:
-      return {"whoever listens there says nothing", kOtherPort, /*is_certain=*/false};
+      return {
+          "it takes connections and says nothing: it hangs (its process is stopped, or waits for "
+          "its disk), or the network holds back what is sent",
+          "look at its process, its log and its disk; if it never answered there, is it the "
+          "port of another program, or of metrics?",
+          /*is_certain=*/false};
     default:
       return {"another kind of program listens there", kOtherPort};
   }
