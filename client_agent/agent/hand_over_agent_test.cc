@@ -323,7 +323,7 @@ class HoldingUplink : public FakeUplink {
  public:
   void ResumeReading() override {
     if (std::this_thread::get_id() == tracking_) return;
-    holds.Notify();
+    if (!holds.HasBeenNotified()) holds.Notify();
     go_on.WaitForNotificationWithTimeout(absl::Seconds(10));
   }
   absl::Notification holds;

@@ -12,11 +12,11 @@ namespace {
 
 // Measured on short drives without a budget (docs/robot.md): programs with the vocabulary that is
 // shipped, threads' heaps and connections, ...
-constexpr uint64_t kPrograms_bytes = uint64_t{56} << 20;
+constexpr uint64_t kPrograms_bytes = uint64_t{88} << 20;
 // ... what a pixel of one picture takes, in pyramids, rectification and pictures read ahead, ...
 constexpr uint64_t kBytesPerPixel = 40;
 // ... and a feature, in frames that are under way.
-constexpr uint64_t kBytesPerFeature = 4096;
+constexpr uint64_t kBytesPerFeature = 2048;
 // A keyframe's feature in the map, with the part of a point that it sees.
 constexpr uint64_t kMapBytesPerFeature = 200;
 constexpr uint64_t kLeastKeyframes = 40;
