@@ -4,11 +4,12 @@
 
 #include "absl/strings/str_cat.h"
 #include "services/command_line/help_formatter.h"
+#include "services/command_line/values.h"
 
 namespace corbslam::services {
 namespace {
 
-// More has no computer: a negative number without a unit is read as one of 2^64 less it.
+// More has no computer.
 constexpr uint64_t kMost_bytes = uint64_t{1} << 50;
 
 std::string MiB(uint64_t bytes) { return absl::StrCat(bytes >> 20, " MiB"); }
@@ -20,7 +21,8 @@ void AddMemoryFlags(CLI::App& app, MemoryFlags& flags) {
                  "Memory of the process, as 500MB, beyond which far parts of the map leave it for "
                  "the map store (without one for --spool) and come back when they are near; 0: no "
                  "bound")
-      ->transform(CLI::AsSizeValue(/*kb_is_1000=*/false))
+      ->transform(BytesWithin({.may_be_0 = true}))
+      ->type_name(kBytesType)
       ->capture_default_str()
       ->group(kRareGroup);
 }
@@ -43,8 +45,7 @@ absl::Status CheckMemoryFlags(const MemoryFlags& flags, const ShareFlags& share,
   }
   if (flags.budget_bytes > kMost_bytes) {
     return absl::InvalidArgumentError(absl::StrCat("--memory-budget is ", MiB(flags.budget_bytes),
-                                                   ", must be at most ", MiB(kMost_bytes),
-                                                   ": was it negative?"));
+                                                   ", must be at most ", MiB(kMost_bytes)));
   }
   if (share.mode == ShareMode::kEverything) {
     return absl::InvalidArgumentError(

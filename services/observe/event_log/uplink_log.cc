@@ -49,7 +49,7 @@ void UplinkLog::OnOpened() {
     LOG(INFO) << who_ << "a session with the map store stands";
   } else {
     LOG(WARNING) << who_ << "a session with the map store stands again, after "
-                 << absl::Trunc(options_.clock() - without_since_, absl::Seconds(1)) << " without";
+                 << Span(options_.clock() - without_since_) << " without";
   }
   seen_ = cause_ = said_ = absl::OkStatus();
   explained_at_ = absl::InfinitePast();
@@ -107,8 +107,8 @@ void UplinkLog::WarnIfDue() {
   if (!reminder_.IsDue(now) && !is_new) return;
   said_ = cause_;
   said_at_ = now;
-  LOG(WARNING) << who_ << "no session with the map store since "
-               << absl::Trunc(now - without_since_, absl::Seconds(1)) << ": " << cause_
+  LOG(WARNING) << who_ << "no session with the map store for " << Span(now - without_since_) << ": "
+               << cause_
                << (IsForGood(cause_)
                        ? "; the robot maps on, and does not try again"
                        : "; the robot maps on, keeps what the store lacks, and tries again");

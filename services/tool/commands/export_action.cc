@@ -89,7 +89,7 @@ absl::Status ExportPoints(const MissionArguments& arguments,
                    ", coloured by the robot that made them (the PLY's comments say which),"),
       "in the mission's global frame, that of its first local map; metres."};
   if (!left_out.empty()) readme.push_back(left_out);
-  RETURN_IF_ERROR(WriteLines(readme, arguments.file + ".README.md"));
+  RETURN_IF_ERROR(WriteReadme(readme, arguments.file));
   PrintResult(absl::StrCat(arguments.file, ": ", points.size(), " points\n"),
               {{"file", arguments.file},
                {"points", points.size()},

@@ -17,7 +17,6 @@
 #include "services/tool/output/result.h"
 #include "slam/evaluation/pose_header.h"
 #include "slam/util/status_macros.h"
-#include "slam/util/text_file.h"
 
 namespace corbslam::services {
 namespace {
@@ -117,16 +116,16 @@ absl::StatusOr<std::vector<RecordedTrajectory>> ReadDrives(const MissionSummary&
   return trajectories;
 }
 
-absl::Status WriteReadme(const MissionArguments& arguments, PosesOf poses_of,
-                         const MissionRecording& recording) {
-  return WriteLines(
+absl::Status WriteReadmeOf(const MissionArguments& arguments, PosesOf poses_of,
+                           const MissionRecording& recording) {
+  return WriteReadme(
       {absl::StrCat("Recording of mission ", arguments.mission, " for Foxglove and Rerun: ",
                     recording.moments(), " moments of the map, a second each,"),
        "then the robots driving again in the map as it is, each by its own clock since its first "
        "frame.",
        absl::StrCat("Robots' poses: ", PoseHeaderLine(poses_of), ";"),
        "frames and topics are listed in CORB-SLAM's docs/operations.md; metres."},
-      arguments.file + ".README.md");
+      arguments.file);
 }
 
 }  // namespace
@@ -147,7 +146,7 @@ absl::Status ExportMcap(const MissionArguments& arguments,
   ASSIGN_OR_RETURN(const auto trajectories, ReadDrives(summary, poses_of, map, store));
   RETURN_IF_ERROR(recording.End(map, trajectories));
   RETURN_IF_ERROR(recording.Finish());
-  RETURN_IF_ERROR(WriteReadme(arguments, poses_of, recording));
+  RETURN_IF_ERROR(WriteReadmeOf(arguments, poses_of, recording));
   PrintResult(absl::StrCat(arguments.file, ": ", recording.moments(), " moments, ",
                            map.CountKeyframes(), " keyframes\n"),
               {{"file", arguments.file},
