@@ -5,6 +5,7 @@
 
 #include <opencv2/core.hpp>
 
+#include "client_agent/source_checks/testing/damage.h"
 #include "client_agent/source_checks/testing/layered_scene.h"
 
 namespace corbslam::client_agent {

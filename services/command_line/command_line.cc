@@ -127,9 +127,12 @@ void CommandLine::Parse(int argc, const char* const* argv) {
   } catch (const CLI::Success&) {
     throw;
   } catch (const CLI::ParseError& error) {
-    const std::string sources = SourcesOf(error.what());
-    if (sources.empty()) throw;
-    throw CLI::ParseError(absl::StrCat(error.what(), " (", sources, ")"), error.get_exit_code());
+    const std::string said = InOurWords(error.what());
+    const std::string sources = SourcesOf(said);
+    if (sources.empty() && said == error.what()) throw;
+    throw CLI::ParseError(absl::StrCat(said, sources.empty() ? "" : " (", sources,
+                                       sources.empty() ? "" : ")"),
+                          error.get_exit_code());
   }
 }
 

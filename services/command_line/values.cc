@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <optional>
+#include <regex>
 
 #include "absl/algorithm/container.h"
 #include "absl/strings/ascii.h"
@@ -134,6 +135,19 @@ std::string ReadBytes(const ByteRange& range, std::string& text) {
 
 void CheckEveryValue(CLI::App& app) {
   ForEachOption(app, [](CLI::App&, CLI::Option& option) { CheckValuesOf(option); });
+}
+
+std::string InOurWords(const std::string& message) {
+  static const auto& sayings = *new std::vector<std::pair<std::regex, std::string>>{
+      {std::regex("^(\\S+): Value (.*) not in range (\\S+) to (\\S+)$"),
+       "$1: is \"$2\", must be $3 to $4"},
+      {std::regex("^(\\S+): (.*) not in \\{(.*)\\}$"), "$1: is \"$2\", must be one of $3"},
+      {std::regex("^Could not convert: (\\S+) = (.*)$"),
+       "$1: is \"$2\", which is no value of it, or too large a number"}};
+  for (const auto& [theirs, ours] : sayings) {
+    if (std::regex_match(message, theirs)) return std::regex_replace(message, theirs, ours);
+  }
+  return message;
 }
 
 CLI::Option* MayBeEmpty(CLI::Option* option) {

@@ -126,6 +126,13 @@ TEST(ValuesTest, ChoicesAreListedInOurWords) {
   EXPECT_EQ(program.mode, 1);
 }
 
+TEST(ValuesTest, RangesAreSaidInOurWords) {
+  EXPECT_EQ(ParseOne("--seconds", "10.5"), "--seconds: is \"10.5\", must be 0 to 10");
+  EXPECT_EQ(InOurWords("--format: json not in {tum,kitti}"),
+            "--format: is \"json\", must be one of tum,kitti");
+  EXPECT_EQ(InOurWords("anything else"), "anything else");
+}
+
 TEST(ValuesTest, CommandsOptionsAreHeldToItToo) {
   EXPECT_THAT(Program().Parse({"go", "--far", "-1"}), HasSubstr("--far: is \"-1\""));
 }

@@ -42,8 +42,9 @@ struct MissionArguments {
   std::string before;
   std::optional<uint32_t> keep_local_maps;
   bool dry_run = false;
-  // `export` alone has the three fields below.
+  // `export` alone has the four fields below.
   std::string format;
+  std::string clock;
   std::string poses_of;  // Empty if the flag was not given.
   uint32_t moments = 0;  // 0 if the flag was not given.
 };

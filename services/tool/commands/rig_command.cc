@@ -157,16 +157,23 @@ absl::Status TakeAgain(const RetakeArguments& arguments) {
   return absl::OkStatus();
 }
 
+std::vector<std::string> FormatNames() {
+  std::vector<std::string> names;
+  for (const absl::string_view name : client_agent::RigFormats()) names.emplace_back(name);
+  return names;
+}
+
 void AddConvert(CLI::App& rig, Command& chosen) {
   auto arguments = std::make_shared<ConvertArguments>();
   CLI::App* convert = rig.add_subcommand(
-      "convert", "Make a rig file of what Kalibr, ROS, OpenCV, ORB-SLAM, EuRoC or KITTI wrote");
+      "convert", "Make a rig file of what Kalibr, ROS, OpenCV, ORB-SLAM or another system wrote");
   convert
       ->add_option("files", arguments->files.paths, "The calibration's file or files, left first")
       ->required();
   convert->add_option("--format", arguments->files.format,
                       absl::StrCat("One of ", absl::StrJoin(client_agent::RigFormats(), ", "),
-                                   "; else found out from the files"));
+                                   "; else found out from the files"))
+      ->check(CLI::IsMember(FormatNames()));
   convert->add_option("--size", arguments->size,
                       "WIDTHxHEIGHT of the pictures, where the files leave it out");
   convert->add_option("--lens", arguments->files.lens,
