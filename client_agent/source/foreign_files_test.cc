@@ -23,7 +23,8 @@ std::string Refusal(const std::string& source) {
 }
 
 TEST(ForeignFilesTest, OtherProgramsRecordingsAreCalledByTheirNames) {
-  for (const char* source : {"rec.bag", "/data/rec.bag", "bag:/data/rec", "rosbag:rec", "rec.db3"}) {
+  for (const char* source :
+       {"rec.bag", "/data/rec.bag", "bag:/data/rec", "rosbag:rec", "rec.db3"}) {
     EXPECT_THAT(Refusal(source), AllOf(HasSubstr("a ROS bag"), HasSubstr("push:SOCKET"))) << source;
   }
   EXPECT_THAT(Refusal("mcap:rec.mcap"), HasSubstr("an MCAP recording"));

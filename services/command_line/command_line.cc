@@ -130,9 +130,9 @@ void CommandLine::Parse(int argc, const char* const* argv) {
     const std::string said = InOurWords(error.what());
     const std::string sources = SourcesOf(said);
     if (sources.empty() && said == error.what()) throw;
-    throw CLI::ParseError(absl::StrCat(said, sources.empty() ? "" : " (", sources,
-                                       sources.empty() ? "" : ")"),
-                          error.get_exit_code());
+    throw CLI::ParseError(
+        absl::StrCat(said, sources.empty() ? "" : " (", sources, sources.empty() ? "" : ")"),
+        error.get_exit_code());
   }
 }
 

@@ -122,8 +122,8 @@ std::string ReadBytes(const ByteRange& range, std::string& text) {
   const std::optional<double> bytes = ParseBytes(text);
   if (!bytes.has_value()) return Quoted(text) + ", must be a number of bytes, as 500MB or 0.5GB";
   const bool is_none = range.may_be_0 && *bytes == 0;
-  if (!is_none && (*bytes < static_cast<double>(range.least) ||
-                   *bytes > static_cast<double>(range.most))) {
+  if (!is_none &&
+      (*bytes < static_cast<double>(range.least) || *bytes > static_cast<double>(range.most))) {
     return absl::StrCat(Quoted(text), ", must be ", FormatBytes(range.least), " to ",
                         FormatBytes(range.most), range.may_be_0 ? ", or 0 for no bound" : "");
   }
@@ -151,8 +151,7 @@ std::string InOurWords(const std::string& message) {
 }
 
 CLI::Option* MayBeEmpty(CLI::Option* option) {
-  return option->check(CLI::Validator([](std::string&) { return std::string(); }, ""),
-                       kMayBeEmpty);
+  return option->check(CLI::Validator([](std::string&) { return std::string(); }, ""), kMayBeEmpty);
 }
 
 CLI::Validator Choice(std::vector<std::pair<std::string, int>> numbers_of_words) {
@@ -163,10 +162,9 @@ CLI::Validator Choice(std::vector<std::pair<std::string, int>> numbers_of_words)
           text = absl::StrCat(number);
           return "";
         }
-        const std::string all =
-            absl::StrJoin(words, ", ", [](std::string* out, const auto& pair) {
-              absl::StrAppend(out, pair.first);
-            });
+        const std::string all = absl::StrJoin(words, ", ", [](std::string* out, const auto& pair) {
+          absl::StrAppend(out, pair.first);
+        });
         return absl::StrCat(Quoted(text), ", must be one of ", all);
       },
       "");

@@ -1,5 +1,5 @@
-// Holds every program's flags to what a value may be, wherever it was given: on the command line, in
-// the environment or in the file of --config.
+// Holds every program's flags to what a value may be, wherever it was given: on the command line,
+// in the environment or in the file of --config.
 #ifndef CORBSLAM_SERVICES_COMMAND_LINE_VALUES_H_
 #define CORBSLAM_SERVICES_COMMAND_LINE_VALUES_H_
 
@@ -13,8 +13,8 @@ namespace corbslam::services {
 
 // Has every option of the app and its commands refuse what is none of its values: an empty text
 // (in a script it is a variable that is not set), a number with something before or behind it, with
-// digits that C reads as octal, below 0, not finite, or with more digits than there is room for; and
-// for a switch all but true and false. The app must have all of its options.
+// digits that C reads as octal, below 0, not finite, or with more digits than there is room for;
+// and for a switch all but true and false. The app must have all of its options.
 void CheckEveryValue(CLI::App& app);
 
 // Returns what CLI11 says of a value that is out of range, none of some words or no number, in our
@@ -34,8 +34,8 @@ struct ByteRange {
   uint64_t most = uint64_t{1} << 50;  // More has no computer.
   bool may_be_0 = false;
 };
-// Reads a number of bytes, as 500MB, 0.5GiB or 4096 (1 KB is 1024, as 1 KiB is), for an option whose
-// type is named kBytesType. The error says the bounds.
+// Reads a number of bytes, as 500MB, 0.5GiB or 4096 (1 KB is 1024, as 1 KiB is), for an option
+// whose type is named kBytesType. The error says the bounds.
 inline constexpr char kBytesType[] = "BYTES";
 CLI::Validator BytesWithin(const ByteRange& range);
 

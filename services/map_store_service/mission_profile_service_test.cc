@@ -160,7 +160,8 @@ TEST_F(MissionProfileServiceTest, NoLimitIsBeyondAllThatThereIs) {
   constexpr uint64_t kMinusOne = std::numeric_limits<uint64_t>::max();
   v1::Mission mission = MakeMission();
   mission.mutable_limits()->set_keyframes(kMinusOne);
-  ExpectRefused(Create(mission), Code::INVALID_ARGUMENT, "limits.keyframes is 18446744073709551615");
+  ExpectRefused(Create(mission), Code::INVALID_ARGUMENT,
+                "limits.keyframes is 18446744073709551615");
   mission = MakeMission();
   mission.mutable_limits()->set_disk_bytes(kMinusOne);
   ExpectRefused(Create(mission), Code::INVALID_ARGUMENT, "limits.disk_bytes");

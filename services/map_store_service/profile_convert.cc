@@ -52,7 +52,8 @@ absl::Status CheckAskedAtMost(absl::string_view field, uint64_t value, uint64_t 
 
 absl::Status CheckAsked(absl::string_view field, const v1::MissionLimits& limits) {
   for (const auto& [name, value] :
-       {std::pair("keyframes", limits.keyframes()), std::pair("memory_bytes", limits.memory_bytes()),
+       {std::pair("keyframes", limits.keyframes()),
+        std::pair("memory_bytes", limits.memory_bytes()),
         std::pair("disk_bytes", limits.disk_bytes()),
         std::pair("uplink_bytes_per_second", limits.uplink_bytes_per_second())}) {
     RETURN_IF_ERROR(CheckAskedAtMost(absl::StrCat(field, ".", name), value, kMostAsked));

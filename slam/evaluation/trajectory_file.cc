@@ -159,10 +159,10 @@ absl::Status CheckIsText(const std::string& path) {
   const bool is_utf16 = absl::StartsWith(begin, "\xff\xfe") || absl::StartsWith(begin, "\xfe\xff");
   if (what == nullptr && !is_utf16 && begin.find('\0') != std::string::npos) what = "no text";
   if (what == nullptr) return absl::OkStatus();
-  return absl::InvalidArgumentError(
-      absl::StrCat(path, " is ", what,
-                   ": wanted is a trajectory as text (TUM's, EuRoC's or KITTI's form), as `corbslam "
-                   "mission export --format tum` writes it"));
+  return absl::InvalidArgumentError(absl::StrCat(
+      path, " is ", what,
+      ": wanted is a trajectory as text (TUM's, EuRoC's or KITTI's form), as `corbslam "
+      "mission export --format tum` writes it"));
 }
 
 }  // namespace

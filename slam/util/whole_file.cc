@@ -35,8 +35,7 @@ bool SyncFolderOf(const std::string& path) {
 
 absl::Status Error(absl::string_view action, absl::string_view path) {
   const int error = errno;
-  const std::string message =
-      absl::StrCat("can't ", action, " ", path, ": ", std::strerror(error));
+  const std::string message = absl::StrCat("can't ", action, " ", path, ": ", std::strerror(error));
   if (error == ENOSPC || error == EDQUOT) return absl::ResourceExhaustedError(message);
   return absl::UnavailableError(message);
 }
@@ -162,8 +161,7 @@ absl::StatusOr<WholeFile> WholeFile::Create(const std::string& path, Old old, Re
     ASSIGN_OR_RETURN(const int fd, OpenInPlace(target));
     return WholeFile(target, fd, /*in_place=*/true);
   }
-  const mode_t others =
-      readers == Readers::kOthersToo ? S_IRGRP | S_IWGRP | S_IROTH | S_IWOTH : 0;
+  const mode_t others = readers == Readers::kOthersToo ? S_IRGRP | S_IWGRP | S_IROTH | S_IWOTH : 0;
   ASSIGN_OR_RETURN(const int fd, OpenPart(target + ".part", S_IRUSR | S_IWUSR | others));
   if (fs::exists(there) && readers != Readers::kOwnerAlways) {
     // Best as far as the file system knows permissions.

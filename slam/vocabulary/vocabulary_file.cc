@@ -74,8 +74,7 @@ absl::Status CheckHeader(const Header& header, const MappedFile& file) {
 
 template <typename T>
 absl::Status WriteArray(WholeFile& file, const std::vector<T>& values) {
-  return file.Append(
-      {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T)});
+  return file.Append({reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T)});
 }
 
 }  // namespace

@@ -117,8 +117,8 @@ TEST(ConfigTest, NoFlagOfAnyProgramTakesANumberThatIsNone) {
         std::vector<std::string> arguments = flag.command;
         arguments.insert(arguments.end(), {flag.name, value});
         const Ended ended = RunToEnd(program, arguments);
-        const std::string said = absl::StrCat(program, " ", absl::StrJoin(arguments, " "), "\n",
-                                              ended.text);
+        const std::string said =
+            absl::StrCat(program, " ", absl::StrJoin(arguments, " "), "\n", ended.text);
         EXPECT_EQ(ended.exit_code, 2) << said;
         EXPECT_THAT(ended.text, HasSubstr(flag.name)) << said;
       }

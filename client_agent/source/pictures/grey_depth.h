@@ -22,9 +22,9 @@ struct GreyDepth {
 };
 
 // Makes one decision for a whole source, from pictures spread over it (of both cameras of a pair);
-// those that aren't CV_16UC1 are passed over. The brightest pixels decide on the bits, but for a few
-// per million, which are hot ones, and all but the brightest hundredth on the gain. A pure function,
-// for any thread.
+// those that aren't CV_16UC1 are passed over. The brightest pixels decide on the bits, but for a
+// few per million, which are hot ones, and all but the brightest hundredth on the gain. A pure
+// function, for any thread.
 GreyDepth DecideGreyDepth(absl::Span<const cv::Mat> sample);
 
 // Returns CV_8UC1: 256 grey levels up to `white` (GreyDepth::White); what is brighter becomes 255.

@@ -82,7 +82,8 @@ TEST(GreyDepthTest, ADarkPictureOfTheWholeRangeIsMadeBrightAndThatIsSaid) {
   const cv::Mat scaled = ScaleGreyTo8(night, decision.White());
   EXPECT_NEAR(scaled.at<uint8_t>(0, 199), 237, 1);
   EXPECT_EQ(scaled.at<uint8_t>(95, 95), 255);
-  EXPECT_EQ(DecideGreyDepth({MakeNight(256)}).gain, 16) << "no more, noise would be all that is seen";
+  EXPECT_EQ(DecideGreyDepth({MakeNight(256)}).gain, 16)
+      << "no more, noise would be all that is seen";
   EXPECT_EQ(DecideGreyDepth({MakeNight(120 * 256)}).gain, 1);
 }
 

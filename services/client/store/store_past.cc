@@ -96,8 +96,7 @@ absl::StatusOr<std::map<KeyframeId, int64_t>> StoreReader::ReadKeyframeTimes() {
     grpc::ClientContext context;
     SetDeadline(context);
     v1::ListKeyframesResponse response;
-    RETURN_IF_ERROR(
-        ToStatus(stub_->ListKeyframes(&context, request, &response), "ListKeyframes"));
+    RETURN_IF_ERROR(ToStatus(stub_->ListKeyframes(&context, request, &response), "ListKeyframes"));
     for (const v1::Keyframe& keyframe : response.keyframes()) {
       ASSIGN_OR_RETURN(const KeyframePath path, ParseKeyframeName(keyframe.name()));
       times_ns[path.keyframe] = keyframe.timestamp_ns();

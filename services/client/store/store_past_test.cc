@@ -102,7 +102,8 @@ TEST_F(StorePastTest, EventsEndOnceItIsQuiet) {
 TEST_F(StorePastTest, HandsOnThatThereIsNoSuchMission) {
   StoreReader nowhere(server_->InProcessChannel(), "nowhere");
   const auto ignore = [](const ToldMap&) { return absl::OkStatus(); };
-  EXPECT_EQ(nowhere.ReplayMap(0, /*with_points=*/false, ignore).code(), absl::StatusCode::kNotFound);
+  EXPECT_EQ(nowhere.ReplayMap(0, /*with_points=*/false, ignore).code(),
+            absl::StatusCode::kNotFound);
   EXPECT_EQ(nowhere.ReadMap().status().code(), absl::StatusCode::kNotFound);
   EXPECT_EQ(nowhere.ReadEvents().status().code(), absl::StatusCode::kNotFound);
 }

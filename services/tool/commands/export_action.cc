@@ -22,6 +22,7 @@
 #include "slam/evaluation/pose_header.h"
 #include "slam/util/status_macros.h"
 #include "slam/util/text_file.h"
+#include "slam/util/whole_file.h"
 
 namespace corbslam::services {
 
@@ -180,9 +181,11 @@ absl::Status Export(const MissionArguments& arguments) {
     return absl::InvalidArgumentError(absl::StrCat(
         "--moments: ", arguments.format, " holds the map as it is; only mcap holds its past"));
   }
+  // It may be standard output itself.
+  if (!IsForPlainFile(arguments.file)) PrintToStandardError();
   if (!arguments.clock.empty() && arguments.format != "mcap") {
-    return absl::InvalidArgumentError(
-        absl::StrCat("--clock: ", arguments.format, " has each robot's own; only mcap has another"));
+    return absl::InvalidArgumentError(absl::StrCat("--clock: ", arguments.format,
+                                                   " has each robot's own; only mcap has another"));
   }
   ASSIGN_OR_RETURN(const auto channel, Connect(arguments));
   // The exports below find nothing where there is no keyframe; the message here says so at once.
@@ -223,10 +226,11 @@ void AddExportAction(CLI::App& mission, const std::shared_ptr<MissionArguments>&
                    "mcap: of the map's past at most so many moments, 2 to 1000 (default: 100)")
       ->check(CLI::Range(2, 1000));
   action
-      ->add_option("--clock", arguments->clock,
-                   "mcap: robots (the default): each pose has its frame's time, and the recording "
-                   "lies beside others of the robots; recording: a second a moment, then all drives "
-                   "begin together")
+      ->add_option(
+          "--clock", arguments->clock,
+          "mcap: robots (the default): each pose has its frame's time, and the recording "
+          "lies beside others of the robots; recording: a second a moment, then all drives "
+          "begin together")
       ->check(CLI::IsMember({"robots", "recording"}));
   action->add_option("--agent", arguments->agent, "Only this robot's");
   action

@@ -72,7 +72,8 @@ absl::StatusOr<ToldMap> RecordPast(const MissionArguments& arguments, StoreReade
   bool with_points = arguments.clock != kOwnClock;
   absl::Status status = store.ReplayMap(arguments.moments, with_points, add);
   if (with_points && absl::IsResourceExhausted(status) && recording.moments() == 0) {
-    Say("the past with its points is more than the map store tells at once: points are those of the "
+    Say("the past with its points is more than the map store tells at once: points are those of "
+        "the "
         "end alone\n");
     with_points = false;
     status = store.ReplayMap(arguments.moments, with_points, add);
@@ -151,12 +152,13 @@ absl::Status WriteReadmeOf(const MissionArguments& arguments, PosesOf poses_of,
                            const MissionRecording& recording) {
   const bool is_own = arguments.clock == kOwnClock;
   return WriteReadme(
-      {absl::StrCat("Recording of mission ", arguments.mission, " for Foxglove and Rerun: ",
-                    recording.moments(), " moments of the map, ",
+      {absl::StrCat("Recording of mission ", arguments.mission,
+                    " for Foxglove and Rerun: ", recording.moments(), " moments of the map, ",
                     is_own ? "a second each," : "each at the time of its newest keyframe,"),
-       is_own ? "then the robots driving again in the map as it is, each by its own clock since its "
-                "first frame."
-              : "and the robots driving in the map as it is in the end, at their frames' own times.",
+       is_own
+           ? "then the robots driving again in the map as it is, each by its own clock since its "
+             "first frame."
+           : "and the robots driving in the map as it is in the end, at their frames' own times.",
        absl::StrCat("Robots' poses: ", PoseHeaderLine(poses_of), ";"),
        "frames and topics are listed in CORB-SLAM's docs/operations.md; metres."},
       arguments.file);

@@ -50,8 +50,9 @@ absl::Status WriteFiles(const std::vector<TrajectoryFile>& files, const std::str
   // A device or a pipe has room for one file.
   if (files.size() > 1 || format == "kitti") {
     RETURN_IF_ERROR(CheckForPlainFile(
-        paths[0], files.size() > 1 ? absl::StrCat("the robot's drives make ", files.size(), " files")
-                                   : "the times go into a second file, beside it"));
+        paths[0], files.size() > 1
+                      ? absl::StrCat("the robot's drives make ", files.size(), " files")
+                      : "the times go into a second file, beside it"));
   }
   if (format == "tum") return WriteTumFiles(files, poses_of, kGlobalFrame, paths, names);
   for (size_t i = 0; i < files.size(); ++i) {
@@ -89,8 +90,8 @@ class TrajectoryExport {
   TrajectoryExport(const MissionArguments& arguments, PosesOf poses_of, LocalMapNames names,
                    StoreReader& store)
       : arguments_(arguments), poses_of_(poses_of), names_(std::move(names)), store_(store) {
-    readme_ = {absl::StrCat(kReadmeBegins, arguments.mission, " as ", arguments.format,
-                            ": ", PoseHeaderLine(poses_of), ","),
+    readme_ = {absl::StrCat(kReadmeBegins, arguments.mission, " as ", arguments.format, ": ",
+                            PoseHeaderLine(poses_of), ","),
                absl::StrCat(kGlobalFrame, "; times are of each robot's own clock.")};
   }
 

@@ -47,10 +47,10 @@ absl::Status Forget(const MissionArguments& arguments) {
   ASSIGN_OR_RETURN(const v1::ForgetLocalMapsRequest request, MakeRequest(arguments));
   ASSIGN_OR_RETURN(const auto channel, Connect(arguments));
   if (!arguments.dry_run) {
-    RETURN_IF_ERROR(ConfirmLoss(absl::StrCat("Sessions of ", arguments.agent, " in mission ",
-                                             arguments.mission,
-                                             " go for good; --dry-run says which."),
-                                arguments.yes));
+    RETURN_IF_ERROR(
+        ConfirmLoss(absl::StrCat("Sessions of ", arguments.agent, " in mission ", arguments.mission,
+                                 " go for good; --dry-run says which."),
+                    arguments.yes));
   }
   MissionAdmin admin(channel);
   ASSIGN_OR_RETURN(const v1::ForgetLocalMapsResponse forgotten, admin.Forget(request));

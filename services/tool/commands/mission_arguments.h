@@ -27,7 +27,7 @@ struct MissionArguments {
   std::string mission;
   std::string file;
   bool json = false;
-  bool yes = false;  // Of `delete` and `forget`: nobody is asked.
+  bool yes = false;                   // Of `delete` and `forget`: nobody is asked.
   MissionSettings settings;           // Of `create` and `set`.
   RobotSettingsFlags robot_settings;  // Of `settings`.
   // These are of stored backups: missions/M/backups/N, a time, and a new mission's name.

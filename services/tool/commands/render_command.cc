@@ -160,9 +160,10 @@ void AddPastOptions(CLI::App& render, PastOptions& past) {
   render.add_option("--fps", past.frames_per_second, "Moments a second of --animate, 5 to 20")
       ->check(CLI::Range(5, 20))
       ->capture_default_str();
-  render.add_option("--moments", past.moments,
-                    "At most so many moments of the past are looked at, 2 to 1000; by default "
-                    "1000 for --at, 200 for --animate alone")
+  render
+      .add_option("--moments", past.moments,
+                  "At most so many moments of the past are looked at, 2 to 1000; by default "
+                  "1000 for --at, 200 for --animate alone")
       ->check(CLI::Range(2, 1000));
 }
 

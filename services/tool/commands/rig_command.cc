@@ -170,9 +170,10 @@ void AddConvert(CLI::App& rig, Command& chosen) {
   convert
       ->add_option("files", arguments->files.paths, "The calibration's file or files, left first")
       ->required();
-  convert->add_option("--format", arguments->files.format,
-                      absl::StrCat("One of ", absl::StrJoin(client_agent::RigFormats(), ", "),
-                                   "; else found out from the files"))
+  convert
+      ->add_option("--format", arguments->files.format,
+                   absl::StrCat("One of ", absl::StrJoin(client_agent::RigFormats(), ", "),
+                                "; else found out from the files"))
       ->check(CLI::IsMember(FormatNames()));
   convert->add_option("--size", arguments->size,
                       "WIDTHxHEIGHT of the pictures, where the files leave it out");

@@ -56,8 +56,9 @@ void AddFlags(CLI::App& action, RobotSettingsFlags& flags) {
   action.add_option("--share", flags.share, "none, corrections, nearby or everything");
   action.add_option("--share-radius", flags.share_radius_m, "Metres, with --share nearby")
       ->check(CLI::Range(kMinShareRadius_m, kMaxShareRadius_m));
-  action.add_option("--uplink-kbps", flags.uplink_kbps,
-                    "Kilobits a second that the robot sends at most; 0: no bound")
+  action
+      .add_option("--uplink-kbps", flags.uplink_kbps,
+                  "Kilobits a second that the robot sends at most; 0: no bound")
       ->check(CLI::Range(0, 10'000'000));
   action.add_option("--mask", flags.mask, "PNG that is 0 where nothing is to be looked at");
   action.add_option("--unset", flags.unset, "Flag of these, without dashes, that is set no more")

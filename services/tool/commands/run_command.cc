@@ -107,9 +107,9 @@ void AddRunCommand(CLI::App& app, const std::string& command_line, Command& chos
   run->add_option("--own", arguments->plan.own, "The robot drawn as own (the first)");
   const CLI::Option* const from_frame =
       run->add_option("--from-frame", arguments->plan.from_frame,
-                  "Errors are given also from this frame of the sequence on")
-      ->check(CLI::Range(0, 1'000'000'000))
-      ->capture_default_str();
+                      "Errors are given also from this frame of the sequence on")
+          ->check(CLI::Range(0, 1'000'000'000))
+          ->capture_default_str();
   run->add_option("--out", arguments->plan.out, "Folder for all results")->capture_default_str();
   AddCompanyFlag(*run, arguments->plan);
   AddMissionOptions(*run, arguments->plan.mission);

@@ -57,13 +57,15 @@ void AddSettingFlags(CLI::App& action, MissionSettings& settings) {
       ->allow_extra_args(false);
   action.add_option("--max-keyframes", settings.max_keyframes, "Keyframes at most; 0: no limit")
       ->check(CLI::Range(uint64_t{0}, kMost));
-  action.add_option("--max-memory-mb", settings.max_memory_mb,
-                    "MiB of the store's memory at most; 0: no limit")
+  action
+      .add_option("--max-memory-mb", settings.max_memory_mb,
+                  "MiB of the store's memory at most; 0: no limit")
       ->check(CLI::Range(uint64_t{0}, kMost_mib));
   action.add_option("--max-disk-mb", settings.max_disk_mb, "MiB of disk at most; 0: no limit")
       ->check(CLI::Range(uint64_t{0}, kMost_mib));
-  action.add_option("--uplink-kbps", settings.uplink_kbps,
-                    "Kilobits a second that each robot sends at most; 0: no limit")
+  action
+      .add_option("--uplink-kbps", settings.uplink_kbps,
+                  "Kilobits a second that each robot sends at most; 0: no limit")
       ->check(CLI::Range(uint64_t{0}, kMost));
   action.add_option("--retention", settings.retention,
                     "Deleted once unused for so long, as 30d or 12h; never");

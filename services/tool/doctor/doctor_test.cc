@@ -261,8 +261,9 @@ TEST(DoctorTest, AsksForMissionsBeyondTheFirstPage) {
   EXPECT_EQ(LevelOf(findings, "no fusion worker takes its requests"), Level::kFail);
   store.fails_from = 200;
   findings = CheckFusion("store", channel, absl::Seconds(5));
-  EXPECT_EQ(LevelOf(findings, "does not list all of its missions (200 came): the store is stopping"),
-            Level::kFail);
+  EXPECT_EQ(
+      LevelOf(findings, "does not list all of its missions (200 came): the store is stopping"),
+      Level::kFail);
 }
 
 TEST(DoctorTest, NoticesDamagedMissions) {

@@ -53,8 +53,8 @@ Findings CheckFusionOf(const std::string& name, const std::vector<v1::Mission>& 
   }
   uint64_t waiting = 0;
   for (const v1::Mission* mission : whole) waiting += mission->waiting_queries();
-  const auto away = std::ranges::find_if(
-      whole, [](const auto* any) { return any->worker_away_since_ns() != 0; });
+  const auto away =
+      std::ranges::find_if(whole, [](const auto* any) { return any->worker_away_since_ns() != 0; });
   if (away == whole.end()) {
     return {{Level::kOk, name,
              absl::StrCat("has fusion workers, and no request to them has failed since the last "

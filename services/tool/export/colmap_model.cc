@@ -116,8 +116,7 @@ std::map<KeyframeId, std::string> NamePictures(const Map& map, const ColmapSourc
   std::set<std::string> taken;
   for (const auto& [number, id] : in_order) {
     const std::string robot = RobotOf(source, id.local_map);
-    const std::string file =
-        absl::StrCat("/", map.FindKeyframe(id)->payload->timestamp_ns, ".png");
+    const std::string file = absl::StrCat("/", map.FindKeyframe(id)->payload->timestamp_ns, ".png");
     std::string name = robot + file;
     if (!taken.insert(name).second) name = absl::StrCat(robot, "+", number, file);
     for (char letter = 'b'; name != robot + file && !taken.insert(name).second; ++letter) {

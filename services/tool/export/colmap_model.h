@@ -52,10 +52,10 @@ struct ColmapSource {
 ColmapSource ColmapSourceOf(const map_store::MissionState& state, PosesOf poses_of);
 
 // Writes the three files into a folder, which is made. An image is called ROBOT/NANOSECONDS.png
-// after its time, or ROBOT+4/NANOSECONDS.png where an earlier local map than ROBOT/4 has a picture of
-// that time (ROBOT+4b/... where ROBOT/4 itself has another one, too); a point has the colour of the robot that made it (robot_colours.h). Points that nobody
-// sees are left out. UNAVAILABLE names the path; INVALID_ARGUMENT a lens for which COLMAP has no
-// model.
+// after its time, or ROBOT+4/NANOSECONDS.png where an earlier local map than ROBOT/4 has a picture
+// of that time (ROBOT+4b/... where ROBOT/4 itself has another one, too); a point has the colour of
+// the robot that made it (robot_colours.h). Points that nobody sees are left out. UNAVAILABLE names
+// the path; INVALID_ARGUMENT a lens for which COLMAP has no model.
 absl::StatusOr<ColmapCounts> WriteColmapModel(const Map& map, const ColmapSource& source,
                                               const std::string& folder);
 

@@ -12,7 +12,8 @@ namespace corbslam::services {
 // Returns true if somebody sits at a terminal, who can be asked.
 bool SomebodyIsThere();
 
-// Asks on `out` whether it is meant, and reads the answer, "yes", from `in`. CANCELLED for any other.
+// Asks on `out` whether it is meant, and reads the answer, "yes", from `in`. CANCELLED for any
+// other.
 absl::Status Confirm(const std::string& question, std::FILE* in, std::FILE* out);
 
 // Asks at the terminal, unless `is_sure` (--yes) or nobody is there: a script means what it says.

@@ -126,9 +126,9 @@ absl::StatusOr<int> LockNote(const std::string& path) {
   }
   if (flock(file, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) return file;
   close(file);
-  return absl::FailedPreconditionError(
-      absl::StrCat("another run writes to this folder now (", path, ": ", DescribeLockHolder(path),
-                   "): give it another --out"));
+  return absl::FailedPreconditionError(absl::StrCat("another run writes to this folder now (", path,
+                                                    ": ", DescribeLockHolder(path),
+                                                    "): give it another --out"));
 }
 
 }  // namespace
@@ -149,8 +149,7 @@ absl::StatusOr<RunFolder> RunFolder::Take(const std::string& folder,
   const bool good = ftruncate(file, 0) == 0 && lseek(file, 0, SEEK_SET) == 0 &&
                     write(file, line.data(), line.size()) == static_cast<ssize_t>(line.size());
   if (good) return taken;
-  return absl::UnavailableError(
-      absl::StrCat("can't write ", note, ": ", std::strerror(errno)));
+  return absl::UnavailableError(absl::StrCat("can't write ", note, ": ", std::strerror(errno)));
 }
 
 }  // namespace corbslam::services

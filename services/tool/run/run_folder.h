@@ -12,8 +12,8 @@ namespace corbslam::services {
 // A folder that one run writes to, for as long as this lives. Not thread-safe.
 class RunFolder {
  public:
-  // Makes the folder and its `logs`, removes what an earlier run wrote, and notes the command line in
-  // logs/command.txt, which says that a run's files are a run's. What no run writes stays.
+  // Makes the folder and its `logs`, removes what an earlier run wrote, and notes the command line
+  // in logs/command.txt, which says that a run's files are a run's. What no run writes stays.
   // FAILED_PRECONDITION names a file that a run would write and none has written, or says who runs
   // there now; UNAVAILABLE names what can't be made or removed.
   static absl::StatusOr<RunFolder> Take(const std::string& folder, const std::string& command_line);

@@ -28,18 +28,16 @@ class RunFolderTest : public ::testing::Test {
     fs::create_directories((folder_ / file).parent_path());
     std::ofstream(folder_ / file) << text;
   }
-  bool Has(const std::string& file) const {
-    return fs::exists(fs::symlink_status(folder_ / file));
-  }
+  bool Has(const std::string& file) const { return fs::exists(fs::symlink_status(folder_ / file)); }
 
   fs::path folder_;
 };
 
 TEST_F(RunFolderTest, ASecondRunLeavesNothingOfTheFirst) {
   { ASSERT_TRUE(RunFolder::Take(folder_, "corbslam run --robots 3").ok()); }
-  for (const char* file :
-       {"report.json", "map.png", "alpha.local.tum", "alpha.global+12.tum", "charlie.near.png",
-        "logs/charlie.log", "logs/missions/journal/1", "alone/report.html", "alone/logs/bravo.map"}) {
+  for (const char* file : {"report.json", "map.png", "alpha.local.tum", "alpha.global+12.tum",
+                           "charlie.near.png", "logs/charlie.log", "logs/missions/journal/1",
+                           "alone/report.html", "alone/logs/bravo.map"}) {
     Write(file);
   }
   for (const char* file : {"notes.txt", "alpha.txt", "zebra.local.tum", "alpha.local+x.tum",

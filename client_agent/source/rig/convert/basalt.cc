@@ -22,9 +22,7 @@ const std::vector<Model>& Models() {
       {"pinhole", "none", {}},
       {"ds", "double-sphere", {"xi", "alpha"}},
       {"kb4", "equidistant", {"k1", "k2", "k3", "k4"}},
-      {"pinhole-radtan8",
-       "radial-tangential",
-       {"k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6"}}};
+      {"pinhole-radtan8", "radial-tangential", {"k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6"}}};
   return models;
 }
 
@@ -58,9 +56,9 @@ absl::StatusOr<RigCamera> ReadCamera(const YAML::Node& value, size_t index,
     ASSIGN_OR_RETURN(const auto k, ReadNamed(intrinsics, {"fx", "fy", "cx", "cy"}, path, within));
     ASSIGN_OR_RETURN(const auto numbers, ReadNamed(intrinsics, model.numbers, path, within));
     ASSIGN_OR_RETURN(const LensModel lens, LensOfWords(model.lens, numbers));
-    ASSIGN_OR_RETURN(const PictureSize size,
-                     ReadSize(value["resolution"][index], path,
-                              absl::StrCat("value0.resolution[", index, "]")));
+    ASSIGN_OR_RETURN(
+        const PictureSize size,
+        ReadSize(value["resolution"][index], path, absl::StrCat("value0.resolution[", index, "]")));
     return RigCamera{{k[0], k[1], k[2], k[3], lens}, size.width_px, size.height_px};
   }
   return Bad(path, absl::StrCat(field, ".camera_type is '", word,
@@ -71,8 +69,9 @@ absl::StatusOr<RigCamera> ReadCamera(const YAML::Node& value, size_t index,
 absl::StatusOr<Rigid3d> ReadImuFromCamera(const YAML::Node& value, size_t index,
                                           const std::string& path) {
   const std::string field = absl::StrCat("value0.T_imu_cam[", index, "]");
-  ASSIGN_OR_RETURN(const auto n, ReadNamed(value["T_imu_cam"][index],
-                                           {"px", "py", "pz", "qx", "qy", "qz", "qw"}, path, field));
+  ASSIGN_OR_RETURN(const auto n,
+                   ReadNamed(value["T_imu_cam"][index], {"px", "py", "pz", "qx", "qy", "qz", "qw"},
+                             path, field));
   const Eigen::Quaterniond rotation(n[6], n[3], n[4], n[5]);
   if (!(std::abs(rotation.norm() - 1) < 1e-3)) {
     return Bad(path, absl::StrCat(field, ": qx, qy, qz, qw have a length of ", rotation.norm(),
@@ -90,8 +89,7 @@ absl::Status Read(const YAML::Node& file, const std::string& path, ConvertedRig&
                                   "right one; with one camera the map has no scale"));
   }
   if (value["intrinsics"].size() > 2) {
-    converted.notes.emplace_back(
-        "cameras after the first two are left out: a rig has two cameras");
+    converted.notes.emplace_back("cameras after the first two are left out: a rig has two cameras");
   }
   Rig& rig = converted.rig;
   for (const size_t index : {0, 1}) {

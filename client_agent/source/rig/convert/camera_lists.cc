@@ -40,8 +40,7 @@ absl::StatusOr<LensModel> LensOf(const std::string& word, const std::vector<doub
 }
 
 // Returns the numbers of a lens, none where it is said not to distort.
-absl::StatusOr<std::vector<double>> ReadLensNumbers(const YAML::Node& node,
-                                                    const std::string& path,
+absl::StatusOr<std::vector<double>> ReadLensNumbers(const YAML::Node& node, const std::string& path,
                                                     const std::string& field) {
   return ReadMatrix(node, path, field, 1, 14);
 }
@@ -69,7 +68,8 @@ absl::StatusOr<Listed> ReadSvoCamera(const YAML::Node& entry, const std::string&
     }
     ASSIGN_OR_RETURN(listed.camera.raw.lens, LensOf(word, numbers, path, within));
   }
-  ASSIGN_OR_RETURN(const double width, ReadNumber(node["image_width"], path, field + ".image_width"));
+  ASSIGN_OR_RETURN(const double width,
+                   ReadNumber(node["image_width"], path, field + ".image_width"));
   ASSIGN_OR_RETURN(const double height,
                    ReadNumber(node["image_height"], path, field + ".image_height"));
   ASSIGN_OR_RETURN(const PictureSize size, ToSize(width, height, path, field + ".image_width"));
@@ -83,7 +83,8 @@ absl::StatusOr<Listed> ReadSvoCamera(const YAML::Node& entry, const std::string&
 absl::StatusOr<Listed> ReadOkvisCamera(const YAML::Node& node, const std::string& path,
                                        const std::string& field) {
   Listed listed;
-  ASSIGN_OR_RETURN(const auto f, ReadMatrix(node["focal_length"], path, field + ".focal_length", 2, 2));
+  ASSIGN_OR_RETURN(const auto f,
+                   ReadMatrix(node["focal_length"], path, field + ".focal_length", 2, 2));
   ASSIGN_OR_RETURN(const auto c,
                    ReadMatrix(node["principal_point"], path, field + ".principal_point", 2, 2));
   listed.camera.raw = {f[0], f[1], c[0], c[1], {}};
@@ -112,8 +113,7 @@ absl::Status Read(const YAML::Node& file, const std::string& path, ReadListed re
                "camera the map has no scale");
   }
   if (cameras.size() > 2) {
-    converted.notes.emplace_back(
-        "cameras after the first two are left out: a rig has two cameras");
+    converted.notes.emplace_back("cameras after the first two are left out: a rig has two cameras");
   }
   ASSIGN_OR_RETURN(const Listed left, read(cameras[0], path, "cameras[0]"));
   ASSIGN_OR_RETURN(const Listed right, read(cameras[1], path, "cameras[1]"));

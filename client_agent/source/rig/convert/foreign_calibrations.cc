@@ -25,16 +25,19 @@ const std::vector<Foreign>& Known() {
       {{"Intrinsic of \""},
        "what rs-enumerate-devices -c says of a RealSense",
        "it lists all modes: of the one that runs take Fx, Fy, PPX, PPY, and as baseline what the "
-       "extrinsics from \"Infrared 1\" to \"Infrared 2\" say (its infrared pictures are rectified), "
+       "extrinsics from \"Infrared 1\" to \"Infrared 2\" say (its infrared pictures are "
+       "rectified), "
        "or the depth's units_per_m: 1000 for RGB-D aligned to colour"},
       {{"cameraData", "boardName"},
        "an OAK's (DepthAI's) calibration",
-       "its pipeline's StereoDepth node gives rectified pictures, or depth that is aligned: take the "
+       "its pipeline's StereoDepth node gives rectified pictures, or depth that is aligned: take "
+       "the "
        "intrinsics of these by getCameraIntrinsics at the size that runs, and the baseline in "
        "metres, not this file's centimetres"},
       {{"cameraData", "stereoRectificationData"},
        "an OAK's (DepthAI's) calibration",
-       "its pipeline's StereoDepth node gives rectified pictures, or depth that is aligned: take the "
+       "its pipeline's StereoDepth node gives rectified pictures, or depth that is aligned: take "
+       "the "
        "intrinsics of these by getCameraIntrinsics at the size that runs, and the baseline in "
        "metres, not this file's centimetres"},
       {{"# Camera list with one line of data per camera"},
@@ -42,7 +45,8 @@ const std::vector<Foreign>& Known() {
        "it says nothing of where two cameras of a rig are: calibrate the pair"},
       {{"MATLAB 5.0 MAT-file"},
        "MATLAB's",
-       "export stereoParameters as M1, D1, M2, D2, R, T (OpenCV's names) with cv.FileStorage's YAML"},
+       "export stereoParameters as M1, D1, M2, D2, R, T (OpenCV's names) with cv.FileStorage's "
+       "YAML"},
       {{"<calibration>", "<sensor"},
        "Metashape's",
        "it says nothing of where two cameras of a rig are: calibrate the pair"}};

@@ -43,7 +43,8 @@ TEST(OtherSystemsTest, RefusesBasaltsOtherModels) {
   const std::string eucm = absl::StrReplaceAll(kBasalt, {{"\"ds\"", "\"eucm\""}});
   EXPECT_THAT(std::string(ConvertRig(One("basalt.json", eucm)).status().message()),
               AllOf(HasSubstr("camera_type is 'eucm'"), HasSubstr("basalt_calibrate")));
-  const std::string turned = absl::StrReplaceAll(kBasalt, {{"\"qw\": 0.7071067811865476},", "\"qw\": 1},"}});
+  const std::string turned =
+      absl::StrReplaceAll(kBasalt, {{"\"qw\": 0.7071067811865476},", "\"qw\": 1},"}});
   EXPECT_THAT(std::string(ConvertRig(One("basalt.json", turned)).status().message()),
               HasSubstr("must be 1"));
 }
@@ -156,8 +157,8 @@ TEST(OtherSystemsTest, ReadsStellaVslam) {
   EXPECT_FALSE(raw->rig.rectified);
   EXPECT_EQ(raw->rig.cameras[1].raw.cx_px, 379.9);
   EXPECT_NEAR(raw->rig.right_from_left.translation.x(), -0.11, 1e-12);
-  const std::string rgbd =
-      absl::StrReplaceAll(kStella, {{"\"stereo\"", "\"RGBD\""}}) + "Preprocessing:\n  depthmap_factor: 5000\n";
+  const std::string rgbd = absl::StrReplaceAll(kStella, {{"\"stereo\"", "\"RGBD\""}}) +
+                           "Preprocessing:\n  depthmap_factor: 5000\n";
   const auto depth = ConvertRig(One("stella.yaml", rgbd));
   ASSERT_TRUE(depth.ok()) << depth.status();
   EXPECT_EQ(depth->rig.depth.units_per_m, 5000);
@@ -232,7 +233,8 @@ body_T_cam1: !!opencv-matrix
   const std::string lost = absl::StrReplaceAll(main, {{"cam1_kb", "cam1_lost"}});
   EXPECT_THAT(std::string(ConvertRig(One("vins.yaml", lost)).status().message()),
               HasSubstr("cam1_lost.yaml"));
-  RigFiles one = {.paths = {::testing::TempDir() + "/cam0_mei.yaml"}, .format = "", .size = {}, .trust = false};
+  RigFiles one = {
+      .paths = {::testing::TempDir() + "/cam0_mei.yaml"}, .format = "", .size = {}, .trust = false};
   EXPECT_THAT(std::string(ConvertRig(one).status().message()),
               HasSubstr("is one camera's file of VINS-Fusion's"));
 }
@@ -246,8 +248,8 @@ TEST(OtherSystemsTest, RefusesOthersByTheirNames) {
       {"SN1234.conf", "[LEFT_CAM_HD]\nfx=700.8\nfy=700.8\n[STEREO]\nBaseline=119.9\n", "a ZED's"},
       {"realsense.txt", " Intrinsic of \"Depth\" / 640x480 / {Z16}\n  Width: 640\n", "RealSense"},
       {"oak.json", "{\"boardName\": \"OAK-D\", \"cameraData\": [[0, {}]]}", "an OAK's (DepthAI's)"},
-      {"cameras.txt", "# Camera list with one line of data per camera:\n1 PINHOLE 640 480 1 1 1 1\n",
-       "COLMAP's"}};
+      {"cameras.txt",
+       "# Camera list with one line of data per camera:\n1 PINHOLE 640 480 1 1 1 1\n", "COLMAP's"}};
   for (const auto& [file, text, says] : cases) {
     const absl::Status status = ConvertRig(One(file, text)).status();
     EXPECT_TRUE(absl::IsInvalidArgument(status)) << file << status;

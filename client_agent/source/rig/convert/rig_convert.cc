@@ -23,8 +23,8 @@ constexpr double kMostSkew = 1e-6;
 
 struct Format {
   absl::string_view name;
-  // Names of fields, each of which is in no file but of this format. Of LIST/FIELD the first entry of
-  // a list has the field, or the map of that name.
+  // Names of fields, each of which is in no file but of this format. Of LIST/FIELD the first entry
+  // of a list has the field, or the map of that name.
   std::vector<std::string> fields;
   absl::StatusOr<ConvertedRig> (*read)(const RigFiles& files);
 };

@@ -43,7 +43,8 @@ Rigid3d MotionOfRectified(const Eigen::Matrix3d& left_rotation,
 // INVALID_ARGUMENT says how many files the format wants, unless it is given `count`.
 absl::Status ExpectFiles(const RigFiles& files, size_t count, absl::string_view what);
 
-// Returns whose a calibration is that can't be read, and what to do about it, by how its text begins;
+// Returns whose a calibration is that can't be read, and what to do about it, by how its text
+// begins;
 // "" for any other.
 std::string DescribeForeignCalibration(absl::string_view text);
 

@@ -31,8 +31,7 @@ Rigid3d UprightFromMission() {
   return {Eigen::Quaterniond(half, -half, 0, 0), Eigen::Vector3d::Zero()};
 }
 
-absl::Status CheckIslands(const ToldMap& map,
-                          const std::vector<RecordedTrajectory>& trajectories) {
+absl::Status CheckIslands(const ToldMap& map, const std::vector<RecordedTrajectory>& trajectories) {
   for (const RecordedTrajectory& trajectory : trajectories) {
     if (map.islands.contains(trajectory.island)) continue;
     return absl::FailedPreconditionError(absl::StrCat(

@@ -48,8 +48,8 @@ struct RecordedMission {
 };
 
 // One recording. The calls come in this order: on the robots' clock BeginDrives; AddMoment, End,
-// Finish. On its own clock each moment takes a second, from second 1 on, and robots begin to drive a
-// second after the last one. Not thread-safe. Errors name the file.
+// Finish. On its own clock each moment takes a second, from second 1 on, and robots begin to drive
+// a second after the last one. Not thread-safe. Errors name the file.
 class MissionRecording {
  public:
   // Begins a file that takes the place of one at the path once it is finished.
@@ -86,7 +86,7 @@ class MissionRecording {
   RecordedMission mission_;
   FoxgloveChannels channels_;
   std::optional<TrajectoryPlayer> drives_;
-  uint64_t now_ns_;  // Where the clock of the recording stands.
+  uint64_t now_ns_;           // Where the clock of the recording stands.
   uint64_t drive_at_ns_ = 0;  // On its own clock: when robots begin to drive again.
   size_t moments_ = 0;
   size_t points_left_ = 0;  // To be written at moments.

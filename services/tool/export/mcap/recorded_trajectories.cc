@@ -17,7 +17,8 @@ namespace {
 constexpr uint64_t kLongest_ns = uint64_t{1} << 62;
 
 std::string Suffix(const RecordedTrajectory& trajectory) {
-  return absl::StrCat(trajectory.suffix, IslandSuffix(trajectory.island, trajectory.in_global_frame));
+  return absl::StrCat(trajectory.suffix,
+                      IslandSuffix(trajectory.island, trajectory.in_global_frame));
 }
 
 absl::Status WritePath(const RecordedTrajectory& trajectory, uint64_t time_ns,
@@ -67,9 +68,8 @@ absl::Status TrajectoryPlayer::Collect(std::optional<uint64_t> begin_ns) {
             " ns of its trajectory follows ", last_ns, " ns, must ascend by at most 2^62 ns"));
       }
       last_ns = time_ns;
-      moments_.push_back({begin_ns.has_value() ? *begin_ns + after_ns
-                                               : static_cast<uint64_t>(time_ns),
-                          i, j});
+      moments_.push_back(
+          {begin_ns.has_value() ? *begin_ns + after_ns : static_cast<uint64_t>(time_ns), i, j});
     }
   }
   std::sort(moments_.begin(), moments_.end(), [](const Moment& a, const Moment& b) {
