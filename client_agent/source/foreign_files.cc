@@ -38,10 +38,7 @@ const std::vector<ForeignKind>& Kinds() {
       {{"rrd"}, "a recording of Rerun", kPushOrExtract},
       {{"zip", "tar", "tgz", "gz", "7z", "xz", "zst"},
        "an archive",
-       "unpack it, and name the folder in it"},
-      {{"png", "jpg", "jpeg", "pgm", "tif", "tiff"},
-       "a picture",
-       "name the folder of the whole sequence"}};
+       "unpack it, and name the folder in it"}};
   return kinds;
 }
 

@@ -24,6 +24,13 @@ std::string Quoted(absl::string_view text) {
   return absl::StrCat("is \"", absl::CHexEscape(text.substr(0, 80)), "\"");
 }
 
+// Returns a number without the zeros behind it that say nothing.
+std::string Plain(const std::string& number) {
+  if (!absl::StrContains(number, ".")) return number;
+  const std::string plain = number.substr(0, number.find_last_not_of('0') + 1);
+  return plain.back() == '.' ? plain.substr(0, plain.size() - 1) : plain;
+}
+
 bool HasMark(CLI::Option& option, const char* mark) {
   try {
     return option.get_validator(mark) != nullptr;
@@ -138,12 +145,16 @@ void CheckEveryValue(CLI::App& app) {
 }
 
 std::string InOurWords(const std::string& message) {
+  static const auto& range = *new std::regex("^(\\S+): Value (.*) not in range (\\S+) to (\\S+)$");
   static const auto& sayings = *new std::vector<std::pair<std::regex, std::string>>{
-      {std::regex("^(\\S+): Value (.*) not in range (\\S+) to (\\S+)$"),
-       "$1: is \"$2\", must be $3 to $4"},
       {std::regex("^(\\S+): (.*) not in \\{(.*)\\}$"), "$1: is \"$2\", must be one of $3"},
       {std::regex("^Could not convert: (\\S+) = (.*)$"),
        "$1: is \"$2\", which is no value of it, or too large a number"}};
+  std::smatch parts;
+  if (std::regex_match(message, parts, range)) {
+    return absl::StrCat(parts[1].str(), ": ", Quoted(parts[2].str()), ", must be ",
+                        Plain(parts[3].str()), " to ", Plain(parts[4].str()));
+  }
   for (const auto& [theirs, ours] : sayings) {
     if (std::regex_match(message, theirs)) return std::regex_replace(message, theirs, ours);
   }

@@ -19,8 +19,8 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 
 // A program with an option of each kind, one of them of a command.
-struct Program {
-  Program() {
+struct ValuedProgram {
+  ValuedProgram() {
     app.add_option("--name", name);
     MayBeEmpty(app.add_option("--note", note));
     app.add_option("--count", count);
@@ -31,7 +31,9 @@ struct Program {
     app.add_option("--budget", budget)
         ->transform(BytesWithin({.least = 1024, .most = uint64_t{1} << 40, .may_be_0 = true}))
         ->type_name(kBytesType);
-    app.add_option("--mode", mode)->transform(Choice({{"none", 0}, {"all", 1}}));
+    app.add_option("--mode", mode)
+        ->transform(Choice({{"none", 0}, {"all", 1}}))
+        ->type_name("none|all");
     app.add_subcommand("go")->add_option("--far", far)->check(CLI::Range(1, 100));
   }
 
@@ -60,7 +62,9 @@ struct Program {
   int far = 1;
 };
 
-std::string ParseOne(const char* flag, const char* value) { return Program().Parse({flag, value}); }
+std::string ParseOne(const char* flag, const char* value) {
+  return ValuedProgram().Parse({flag, value});
+}
 
 TEST(ValuesTest, NumbersWithoutASignAreNotNegativeNorRoundTheCorner) {
   for (const char* flag : {"--count", "--limit", "--seconds", "--kbps"}) {
@@ -78,7 +82,7 @@ TEST(ValuesTest, NumbersWithoutASignAreNotNegativeNorRoundTheCorner) {
 }
 
 TEST(ValuesTest, DigitsAreDecimal) {
-  Program program;
+  ValuedProgram program;
   EXPECT_EQ(program.Parse({"--count", "010", "--kbps", "0020", "--limit", "08"}), "");
   EXPECT_EQ(program.count, 10);
   EXPECT_EQ(program.kbps, 20u);
@@ -87,22 +91,22 @@ TEST(ValuesTest, DigitsAreDecimal) {
 
 TEST(ValuesTest, NothingIsEmptyThatDoesNotSaySo) {
   EXPECT_THAT(ParseOne("--name", ""), HasSubstr("--name: is empty: was a variable not set?"));
-  Program program;
+  ValuedProgram program;
   EXPECT_EQ(program.Parse({"--note", ""}), "");
   EXPECT_EQ(program.note, "");
 }
 
 TEST(ValuesTest, SwitchesAreTrueOrFalse) {
   EXPECT_NE(ParseOne("--strict=maybe", "--count"), "");
-  EXPECT_NE(Program().Parse({"--strict=1abc"}), "");
-  Program program;
+  EXPECT_NE(ValuedProgram().Parse({"--strict=1abc"}), "");
+  ValuedProgram program;
   EXPECT_EQ(program.Parse({"--strict=true"}), "");
   EXPECT_TRUE(program.strict);
 }
 
 TEST(ValuesTest, BytesHaveUnitsAndFractions) {
   const auto read = [](const char* text) {
-    Program program;
+    ValuedProgram program;
     EXPECT_EQ(program.Parse({"--budget", text}), "") << text;
     return program.budget;
   };
@@ -121,7 +125,7 @@ TEST(ValuesTest, BytesHaveUnitsAndFractions) {
 TEST(ValuesTest, ChoicesAreListedInOurWords) {
   EXPECT_THAT(ParseOne("--mode", "some"), HasSubstr("is \"some\", must be one of none, all"));
   EXPECT_NE(ParseOne("--mode", "1"), "");
-  Program program;
+  ValuedProgram program;
   EXPECT_EQ(program.Parse({"--mode", "all"}), "");
   EXPECT_EQ(program.mode, 1);
 }
@@ -134,22 +138,22 @@ TEST(ValuesTest, RangesAreSaidInOurWords) {
 }
 
 TEST(ValuesTest, CommandsOptionsAreHeldToItToo) {
-  EXPECT_THAT(Program().Parse({"go", "--far", "-1"}), HasSubstr("--far: is \"-1\""));
+  EXPECT_THAT(ValuedProgram().Parse({"go", "--far", "-1"}), HasSubstr("--far: is \"-1\""));
 }
 
 TEST(ValuesTest, TheEnvironmentAndTheFileAreHeldToItToo) {
   setenv("CORBSLAM_MAP_STORE_LIMIT", "-1", 1);
-  EXPECT_THAT(Program().Parse({}), AllOf(HasSubstr("--limit"), HasSubstr("MAP_STORE_LIMIT")));
+  EXPECT_THAT(ValuedProgram().Parse({}), AllOf(HasSubstr("--limit"), HasSubstr("MAP_STORE_LIMIT")));
   setenv("CORBSLAM_MAP_STORE_STRICT", "maybe", 1);
   setenv("CORBSLAM_MAP_STORE_LIMIT", "1", 1);
-  EXPECT_NE(Program().Parse({}), "");
+  EXPECT_NE(ValuedProgram().Parse({}), "");
   unsetenv("CORBSLAM_MAP_STORE_STRICT");
   unsetenv("CORBSLAM_MAP_STORE_LIMIT");
   const std::string path = TestPath("values.toml");
   for (const char* line : {"limit = -1", "limit = 99999999999999999999", "seconds = nan",
                            "name = \"\"", "strict = \"maybe\"", "seconds = 1e30"}) {
     std::ofstream(path) << line << "\n";
-    EXPECT_NE(Program().Parse({"--config", path.c_str()}), "") << line;
+    EXPECT_NE(ValuedProgram().Parse({"--config", path.c_str()}), "") << line;
   }
 }
 
