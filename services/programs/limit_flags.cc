@@ -1,5 +1,8 @@
 #include "services/programs/limit_flags.h"
 
+#include <cstdint>
+#include <type_traits>
+
 #include "services/command_line/help_formatter.h"
 
 namespace corbslam::services {
@@ -8,9 +11,18 @@ using map_store::MapStoreOptions;
 
 namespace {
 
+// No limit means more: nothing counts or weighs as much, or waits as long.
+template <typename Value>
+Value MostOf() {
+  return std::is_floating_point_v<Value> ? Value(1e9) : Value(uint64_t{1} << 50);
+}
+
 template <typename Value>
 void Add(CLI::App& app, const char* flag, Value& value, const char* what) {
-  app.add_option(flag, value, what)->capture_default_str()->group(kRareGroup);
+  app.add_option(flag, value, what)
+      ->check(CLI::Range(Value(0), MostOf<Value>()))
+      ->capture_default_str()
+      ->group(kRareGroup);
 }
 
 }  // namespace

@@ -15,6 +15,7 @@
 #include "map_store/mission/mission_load.h"
 #include "map_store/rocks/rocks_journal.h"
 #include "services/command_line/help_formatter.h"
+#include "services/command_line/values.h"
 #include "services/convert/resource_names.h"
 #include "services/map_store_service/map_store_service.h"
 #include "services/observe/event_log/server_minutes.h"
@@ -47,6 +48,9 @@ using map_store::RocksJournal;
 using map_store::RocksJournalOptions;
 
 namespace {
+
+// More of a mission has none.
+constexpr size_t kMostItems = size_t{1} << 50;
 
 constexpr double kSleepAfter_s = 600;
 
@@ -224,7 +228,8 @@ void AddFlags(CLI::App& app, Flags& flags) {
          "--memory-budget", flags.memory_budget_bytes,
          "Memory of the process, as 6GiB or 600MiB, beyond which nothing is taken in; 0: no "
          "limit. Default: three quarters of the container's or the machine's")
-      ->transform(CLI::AsSizeValue(/*kb_is_1000=*/false));
+      ->transform(BytesWithin({.may_be_0 = true}))
+      ->type_name(kBytesType);
   app.add_option("--sleep-after", flags.store.sleep_after_s,
                  "Seconds after which a mission that nobody uses leaves memory, and is read again "
                  "when somebody wants it; needs --data-dir; 0: never")
@@ -247,6 +252,7 @@ void AddFlags(CLI::App& app, Flags& flags) {
       ->capture_default_str();
   app.add_option("--cull-target", flags.store.cull_target,
                  "Keyframes of an island beyond which the most redundant are culled; 0: none")
+      ->check(CLI::Range(size_t{0}, kMostItems))
       ->group(kRareGroup)
       ->capture_default_str();
   app.add_flag("--keep-everything", flags.keep_everything,
@@ -257,10 +263,12 @@ void AddFlags(CLI::App& app, Flags& flags) {
       ->group(kRareGroup);
   app.add_option("--keep-local-maps", flags.store.keep_local_maps,
                  "A robot's newest closed local maps that stay as they are")
+      ->check(CLI::Range(size_t{0}, kMostItems))
       ->group(kRareGroup)
       ->capture_default_str();
   app.add_option("--max-shared-keyframes", flags.store.max_shared_keyframes,
                  "Others' keyframes that one agent is sent at most")
+      ->check(CLI::Range(size_t{0}, kMostItems))
       ->capture_default_str();
   app.add_option("--shared-bytes", flags.service.shared_bytes, "Bytes of one shared update, about")
       ->check(CLI::Range(size_t{1024}, size_t{2} << 20))

@@ -6,6 +6,7 @@
 #include "absl/strings/str_cat.h"
 #include "services/command_line/help_formatter.h"
 #include "services/convert/robot_settings_check.h"
+#include "services/command_line/values.h"
 
 namespace corbslam::services {
 namespace {
@@ -33,7 +34,8 @@ void AddMemoryFlags(CLI::App& app, MemoryFlags& flags) {
                  "Memory of the process, as 500MB, beyond which far parts of the map leave it for "
                  "the map store (without one for --spool) and come back when they are near; 0: no "
                  "bound")
-      ->transform(CLI::AsSizeValue(/*kb_is_1000=*/false))
+      ->transform(BytesWithin({.may_be_0 = true}))
+      ->type_name(kBytesType)
       ->capture_default_str()
       ->group(kRareGroup);
 }

@@ -54,8 +54,9 @@ TEST(MemoryFlagsTest, WithoutItThereIsNoBound) {
 TEST(MemoryFlagsTest, AreBytesWithAUnit) {
   EXPECT_EQ(Parse({"--memory-budget", "500MB"}).memory.budget_bytes, 500 * kMiB);
   EXPECT_EQ(Parse({"--memory-budget=1GiB"}).memory.budget_bytes, 1024 * kMiB);
+  EXPECT_EQ(Parse({"--memory-budget", "0.5GB"}).memory.budget_bytes, 512 * kMiB);
   EXPECT_THAT(Parse({"--memory-budget", "much"}).error,
-              AllOf(HasSubstr("--memory-budget"), HasSubstr("much")));
+              HasSubstr("is \"much\", must be a number of bytes, as 500MB or 0.5GB"));
   EXPECT_NE(Parse({"--memory-budget", "-5MB"}).error, "");
 }
 
@@ -113,7 +114,8 @@ TEST(MemoryFlagsTest, ABudgetThatIsUsedUpIsNoBoundlessMap) {
 }
 
 TEST(MemoryFlagsTest, ANegativeOneIsNotBoundless) {
-  EXPECT_THAT(Parse({"--memory-budget=-1"}).Check().message(), HasSubstr("was it negative?"));
+  EXPECT_THAT(Parse({"--memory-budget=-1"}).error,
+              HasSubstr("is \"-1\", must be a number of bytes, as 500MB or 0.5GB"));
 }
 
 TEST(MemoryFlagsTest, NeedsAStore) {

@@ -8,11 +8,11 @@
 #include <cstdlib>
 #include <exception>
 #include <iostream>
-#include <map>
 #include <opencv2/core/utility.hpp>
 #include <string>
 
 #include "services/command_line/command_line.h"
+#include "services/command_line/values.h"
 #include "services/observe/logging/log_format.h"
 #include "services/server/server.h"
 
@@ -21,8 +21,8 @@ namespace {
 
 void AddLogFlag(CLI::App& app, LogFormat& format) {
   app.add_option("--log-format", format, "text: glog's lines; json: an object a line")
-      ->transform(CLI::CheckedTransformer(
-          std::map<std::string, LogFormat>{{"text", LogFormat::kText}, {"json", LogFormat::kJson}}))
+      ->transform(Choice({{"text", static_cast<int>(LogFormat::kText)},
+                          {"json", static_cast<int>(LogFormat::kJson)}}))
       ->type_name("text|json")
       ->default_str("text");
 }

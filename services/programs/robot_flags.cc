@@ -1,7 +1,6 @@
 #include "services/programs/robot_flags.h"
 
 #include <cstdio>
-#include <map>
 #include <utility>
 
 #include "absl/strings/numbers.h"
@@ -9,6 +8,7 @@
 #include "client_agent/live/live_sources.h"
 #include "client_agent/source/source_kinds.h"
 #include "services/command_line/help_formatter.h"
+#include "services/command_line/values.h"
 #include "services/programs/link_flags.h"
 #include "services/programs/memory_flags.h"
 #include "services/programs/share_flags.h"
@@ -46,8 +46,9 @@ void AddMission(CLI::App& app, RobotFlags& flags) {
 void AddPace(CLI::App& app, RobotFlags& flags) {
   app.add_option("--pace", flags.pace,
                  "sensor: drop what comes too fast; max: wait; step: in lockstep")
-      ->transform(CLI::CheckedTransformer(std::map<std::string, Pace>{
-          {"sensor", Pace::kSensor}, {"max", Pace::kMax}, {"step", Pace::kStep}}))
+      ->transform(Choice({{"sensor", static_cast<int>(Pace::kSensor)},
+                          {"max", static_cast<int>(Pace::kMax)},
+                          {"step", static_cast<int>(Pace::kStep)}}))
       ->type_name("max|sensor|step")
       ->default_str("max");
 }
@@ -63,10 +64,9 @@ void AddResults(CLI::App& app, RobotFlags& flags) {
                  "File for the trajectory, as TUM; of further local maps: FILE.2 and so on");
   app.add_option("--poses-of", flags.poses_of,
                  "Of --trajectory: camera (as recorded, the left one), rectified or body")
-      ->transform(CLI::CheckedTransformer(
-          std::map<std::string, PosesOf>{{"camera", PosesOf::kRecordedCamera},
-                                         {"rectified", PosesOf::kRectifiedCamera},
-                                         {"body", PosesOf::kBody}}))
+      ->transform(Choice({{"camera", static_cast<int>(PosesOf::kRecordedCamera)},
+                          {"rectified", static_cast<int>(PosesOf::kRectifiedCamera)},
+                          {"body", static_cast<int>(PosesOf::kBody)}}))
       ->type_name("FRAME")
       ->default_str("camera");
 }

@@ -3,7 +3,6 @@
 #include <glog/logging.h>
 
 #include <cstdio>
-#include <fstream>
 #include <future>
 #include <memory>
 #include <random>
@@ -38,6 +37,7 @@
 #include "services/programs/start_lines.h"
 #include "services/server/server.h"
 #include "slam/util/status_macros.h"
+#include "slam/util/whole_file.h"
 #include "slam/vocabulary/vocabulary.h"
 
 namespace corbslam::services {
@@ -79,14 +79,6 @@ AgentOptions MakeAgentOptions(const RobotFlags& flags, const FeatureSelection& u
   return options;
 }
 
-absl::Status WriteText(const std::string& path, const std::string& text) {
-  std::ofstream file(path, std::ios::binary | std::ios::trunc);
-  file << text;
-  file.close();
-  if (!file) return absl::UnavailableError(absl::StrCat("can't write ", path));
-  return absl::OkStatus();
-}
-
 RobotReport MakeReport(const RobotFlags& flags, const Agent& agent, const RobotSource& source,
                        const PlayedFrames& played, const Uplink* uplink) {
   RobotReport report = MakeRobotReport(agent);
@@ -125,7 +117,7 @@ absl::Status WriteResults(const RobotFlags& flags, const Agent& agent,
   if (!flags.held_map.empty()) RETURN_IF_ERROR(WriteHeldMap(GetHeldMap(agent), flags.held_map));
   LOG(INFO) << WhoOf(flags) << DescribeEnd(report);
   if (flags.stats.empty()) return absl::OkStatus();
-  return WriteText(flags.stats, ToJson(report).dump(2) + "\n");
+  return WriteWhole(flags.stats, ToJson(report).dump(2) + "\n");
 }
 
 std::unique_ptr<LiveSettings> MakeLiveSettings(const RobotFlags& flags,

@@ -12,6 +12,7 @@
 #include <string>
 
 #include "absl/strings/str_cat.h"
+#include "absl/time/clock.h"
 #include "fusion_worker/local_fusion_worker.h"
 #include "services/fusion_worker_service/fusion_worker_service.h"
 #include "services/observe/metrics/metrics_endpoint.h"
@@ -113,6 +114,21 @@ TEST_F(CauseTest, TheAuthorityIsAnother) {
   Start(certificates.Options("worker"));
   EXPECT_THAT(std::string(ExplainServer(others.Options("store")).message()),
               HasSubstr("does not lead to an authority of --tls-ca"));
+}
+
+TEST_F(CauseTest, TheServerKnowsAnotherAuthorityOfItsCallers) {
+  const TestCertificates certificates("lab");
+  const TestCertificates others("lab");
+  Start(certificates.Options("worker"));
+  SecurityOptions stranger = certificates.Options("store");
+  stranger.certificate_file = others.Options("store").certificate_file;
+  stranger.key_file = others.Options("store").key_file;
+  const absl::Time begin = absl::Now();
+  EXPECT_THAT(std::string(ExplainServer(stranger).message()),
+              AllOf(HasSubstr("refuses this side's certificate, --tls-cert"),
+                    HasSubstr(stranger.certificate_file),
+                    HasSubstr("an authority of the server's --tls-ca")));
+  EXPECT_LT(absl::Now() - begin, absl::Seconds(5));
 }
 
 TEST_F(CauseTest, TheServerWantsACertificateOfItsCallers) {

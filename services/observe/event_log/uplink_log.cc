@@ -56,7 +56,7 @@ void UplinkLog::OnOpened() {
     LOG(INFO) << who_ << "a session with the map store stands";
   } else {
     LOG(WARNING) << who_ << "a session with the map store stands again, after "
-                 << absl::Trunc(options_.clock() - without_since_, absl::Seconds(1)) << " without";
+                 << Span(options_.clock() - without_since_) << " without";
   }
   seen_ = cause_ = said_ = absl::OkStatus();
   explained_at_ = absl::InfinitePast();
@@ -114,9 +114,8 @@ void UplinkLog::WarnIfDue() {
   if (!reminder_.IsDue(now) && !is_new) return;
   said_ = cause_;
   said_at_ = now;
-  LOG(WARNING) << who_ << "no session with the map store since "
-               << absl::Trunc(now - without_since_, absl::Seconds(1)) << ": " << cause_
-               << WhatFollows(cause_);
+  LOG(WARNING) << who_ << "no session with the map store for " << Span(now - without_since_) << ": "
+               << cause_ << WhatFollows(cause_);
 }
 
 }  // namespace corbslam::services

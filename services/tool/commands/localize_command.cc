@@ -76,7 +76,8 @@ void AddLocalizeCommand(CLI::App& app, Command& chosen) {
   auto* near = action->add_option("--near", arguments->near,
                                   "\"X Y Z\" in the global frame: only around there, metres");
   auto* radius =
-      action->add_option("--radius", arguments->search.radius_m, "Within so many metres of --near");
+      action->add_option("--radius", arguments->search.radius_m, "Within so many metres of --near")
+          ->check(CLI::Range(0.001, 1e6));
   near->needs(radius);
   radius->needs(near);
   action->add_flag("--all-islands", arguments->search.all_islands,

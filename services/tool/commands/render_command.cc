@@ -158,10 +158,13 @@ void AddPastOptions(CLI::App& render, PastOptions& past) {
   render.add_option("--animate", past.animate,
                     "Write the mission's past as an animation, too: FILE.webp");
   render.add_option("--fps", past.frames_per_second, "Moments a second of --animate, 5 to 20")
+      ->check(CLI::Range(5, 20))
       ->capture_default_str();
-  render.add_option("--moments", past.moments,
-                    "At most so many moments of the past are looked at, 2 to 1000; by default "
-                    "1000 for --at, 200 for --animate alone");
+  render
+      .add_option("--moments", past.moments,
+                  "At most so many moments of the past are looked at, 2 to 1000; by default "
+                  "1000 for --at, 200 for --animate alone")
+      ->check(CLI::Range(2, 1000));
 }
 
 }  // namespace
@@ -174,7 +177,9 @@ void AddRenderCommand(CLI::App& app, Command& chosen) {
   render->add_option("--own", arguments->own, "The robot drawn as own (the first)");
   render->add_option("--truth", arguments->truth,
                      "kitti:DIR, tum:DIR, euroc:DIR or sim:WORLD, drawn dashed");
-  render->add_option("--width", arguments->picture.width_px, "Pixels")->capture_default_str();
+  render->add_option("--width", arguments->picture.width_px, "Pixels")
+      ->check(CLI::Range(200, 10'000))
+      ->capture_default_str();
   render->add_option("--out", arguments->out, "The picture to write: FILE.svg or FILE.png")
       ->capture_default_str();
   AddPastOptions(*render, arguments->past);
