@@ -39,7 +39,7 @@ absl::Status MapStore::CreateMission(const std::string& name, const MissionProfi
   RETURN_IF_ERROR(map_store::ValidateName("mission", name));
   RETURN_IF_ERROR(ValidateProfile(profile));
   RETURN_IF_ERROR(ReserveName(name));
-  std::shared_ptr<Mission> mission = MakeMission(name);
+  std::shared_ptr<Mission> mission = BeginMission(name, "");
   const absl::Status begun = mission->profile().Begin(profile);
   if (!begun.ok()) {
     // What the caller was told is not there must not be there after a restart either.

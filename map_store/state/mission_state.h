@@ -270,6 +270,9 @@ struct AgentState {
 
 struct MissionState {
   std::string name;
+  // Tells the mission from earlier and later ones of its name (mission_uid.h); empty: it is older
+  // than that, and has not been loaded since.
+  std::string uid;
   MissionProfile profile;
   std::map<std::string, AgentState> agents;
   std::map<LocalMapId, LocalMapState> local_maps;

@@ -383,6 +383,7 @@ void ToProto(const SessionRequest& request, v1::OpenSession* proto) {
   proto->set_share(ToProto(request.share.mode));
   if (request.share.mode == ShareMode::kNearby) proto->set_share_radius_m(request.share.radius_m);
   proto->set_localise_only(request.localise_only);
+  proto->set_mission_uid(request.mission_uid);
 }
 
 absl::StatusOr<SessionRequest> FromProto(const v1::OpenSession& proto) {
@@ -408,6 +409,7 @@ absl::StatusOr<SessionRequest> FromProto(const v1::OpenSession& proto) {
   }
   ASSIGN_OR_RETURN(request.share, ReadShareScope(proto));
   request.localise_only = proto.localise_only();
+  request.mission_uid = proto.mission_uid();
   if (request.localise_only && !request.local_maps.empty()) {
     return absl::InvalidArgumentError(
         "local_maps is not empty, though an agent with localise_only has none");
@@ -430,6 +432,7 @@ void ToProto(const SessionGrant& grant, v1::SessionGrant* proto) {
     ToProto(entry, proto->add_acknowledged());
   }
   AddCapabilities(grant.capabilities, proto);
+  proto->set_mission_uid(grant.mission_uid);
 }
 
 absl::StatusOr<SessionGrant> FromProto(const v1::SessionGrant& proto) {
@@ -439,6 +442,7 @@ absl::StatusOr<SessionGrant> FromProto(const v1::SessionGrant& proto) {
     grant.acknowledged.push_back(acknowledgement);
   }
   grant.capabilities = ReadCapabilities(proto);
+  grant.mission_uid = proto.mission_uid();
   return grant;
 }
 

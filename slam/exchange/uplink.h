@@ -65,6 +65,9 @@ struct SessionRequest {
   // True: the agent changes nothing. It sends no batches, only where its frames were
   // (Uplink::SendLocalised), and what it is told is in the mission's global frame.
   bool localise_only = false;
+  // SessionGrant::mission_uid of the mission in which the agent's process had a session before;
+  // empty: it had none, or does not know.
+  std::string mission_uid = "";
   // Where the request came from, for people. The store's transport says it, not the agent.
   std::string peer = "";
 };
@@ -79,6 +82,8 @@ struct SessionGrant {
   std::vector<Acknowledgement> acknowledged;
   // What the store understands.
   Capabilities capabilities = {};
+  // Tells the mission from earlier and later ones of its name; empty: the store does not say.
+  std::string mission_uid = "";
 };
 
 // Where a frame was of an agent that changes nothing.
@@ -123,10 +128,11 @@ class UplinkListener {
   virtual void OnShared(SharedUpdate update) = 0;
   // The store wants to be told where the points of the newest local map are, exactly.
   virtual void OnExactPlacesWanted() = 0;
-  // The session is gone. ABORTED: a newer session of the same agent fenced it off;
-  // PERMISSION_DENIED: don't try again. INVALID_ARGUMENT: likewise before OnSessionOpened; after it
-  // a batch was refused. After anything else open again later, also after ALREADY_EXISTS: another
-  // process holds a session of this agent.
+  // The session is gone. ABORTED: a newer session of the same agent fenced it off, or the mission
+  // is deleted (session_end.h), and then no session comes any more. PERMISSION_DENIED: the store
+  // refuses this agent, which may ask again rarely. INVALID_ARGUMENT: likewise before
+  // OnSessionOpened; after it a batch was refused. After anything else open again later, also after
+  // ALREADY_EXISTS: another process holds a session of this agent.
   virtual void OnSessionClosed(const absl::Status& reason) = 0;
 };
 
