@@ -66,7 +66,6 @@ void MapStore::NoteDeparture(absl::string_view name) {
   const absl::StatusOr<KnownMission> known = directory_->Look(name);
   if (!known.ok()) return;
   const DeletedMission departed{known->name, UidOf(*known)};
-  if (known->mission != nullptr && known->mission->IsVacant()) return;
   DepartedMissions::Processes processes;
   if (known->mission != nullptr) processes = ProcessesOf(*known->mission);
   departed_->Note(departed, std::move(processes));
