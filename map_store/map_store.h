@@ -11,6 +11,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "absl/base/thread_annotations.h"
@@ -41,6 +42,7 @@ struct KnownMission;
 struct MissionLoad;
 struct Sleeper;
 
+class DepartedMissions;
 class FusionExecutor;
 class MemoryBudget;
 class MemoryReturner;
@@ -61,6 +63,9 @@ class MapStore {
 
   // Is told that a mission was deleted because its retention has passed, and why.
   using ExpiryListener = std::function<void(const std::string& mission, const std::string& why)>;
+  // Is told which uid a mission has from now on: it was made, or is older than uids. It must return
+  // soon, and may not call the store.
+  using UidListener = std::function<void(const std::string& mission, const std::string& uid)>;
 
   struct OpenedSession {
     uint64_t session_id = 0;
@@ -92,7 +97,9 @@ class MapStore {
   // Sessions: an agent has one at a time.
 
   // Opens or resumes a session; creates the mission and the agent where there are none, but returns
-  // NOT_FOUND for an agent that changes nothing where there is no such mission. An older
+  // NOT_FOUND for an agent that changes nothing where there is no such mission, and ABORTED
+  // (session_end.h) to a process of a mission that is deleted, whether it names its uid or is
+  // remembered to have been in it. An older
   // session of the same agent is fenced: its calls return ABORTED from now on, and its shared
   // listener is called once. Returns ALREADY_EXISTS if the older session was opened by another
   // process (SessionRequest::instance) and this one is not to take over, INVALID_ARGUMENT if a name
@@ -197,9 +204,12 @@ class MapStore {
   // `options.deterministic`.
   void TendMissions();
   void SetExpiryListener(ExpiryListener listener);
+  // Called before Recover.
+  void SetUidListener(UidListener listener) { uid_listener_ = std::move(listener); }
   // Deletes the mission and fences the sessions in it. What it took of the disk is free when the
-  // function returns, what it took of memory a moment later.
-  absl::Status DeleteMission(absl::string_view mission);
+  // function returns, what it took of memory a moment later. FAILED_PRECONDITION: the name is not
+  // that of the mission with this uid, unless that is empty.
+  absl::Status DeleteMission(absl::string_view mission, absl::string_view uid = "");
   // Deletes it if no session is open in it and `may`, which is called while nobody can write to the
   // mission, returns OK. FAILED_PRECONDITION names who is connected. Who connects meanwhile gets
   // UNAVAILABLE: the next try finds the mission as it was, or makes another one.
@@ -326,12 +336,21 @@ class MapStore {
   absl::Status EndLife(absl::string_view name, const std::shared_ptr<Mission>& mission)
       ABSL_EXCLUSIVE_LOCKS_REQUIRED(deletion_mutex_) ABSL_LOCKS_EXCLUDED(mutex_);
   // Registers a session in the mission, which is made if there is none. Returns the session's id.
-  absl::StatusOr<uint64_t> EnterMission(const std::string& name, const std::string& agent);
+  absl::StatusOr<uint64_t> EnterMission(const SessionRequest& request);
+  absl::StatusOr<OpenedSession> OpenSessionOf(const SessionRequest& request);
+  // Returns ABORTED if the request is of a process that was in a mission that is deleted.
+  absl::Status CheckNotDeparted(const SessionRequest& request) const;
+  // Returns FAILED_PRECONDITION if the mission has another uid than this one, unless it is empty.
+  absl::Status CheckUid(absl::string_view name, absl::string_view uid) const;
+  // Remembers who was in a mission that is about to go, before its name is free.
+  void NoteDeparture(absl::string_view name);
   // Forgets the session, and the mission if nothing was ever written of it and nobody is in it.
   void LeaveMission(uint64_t session_id);
   // Wakes the fusion threads and the snapshot keeper, which may have work now.
   void Wake();
   std::shared_ptr<Mission> MakeMission(const std::string& name);
+  // Makes a mission of which nothing was written; an empty uid: a new one is drawn.
+  std::shared_ptr<Mission> BeginMission(const std::string& name, const std::string& uid);
   // Describes a mission that could not be read.
   MissionInfo InfoOfUnreadable(const std::string& name, const absl::Status& damage) const;
   absl::StatusOr<Session> FindSession(uint64_t session_id) const;
@@ -360,11 +379,13 @@ class MapStore {
 
   // Holds all missions.
   std::unique_ptr<MissionDirectory> directory_;
+  const std::unique_ptr<DepartedMissions> departed_;
   std::unique_ptr<Sleepers> sleepers_;
   std::unique_ptr<MissionWaker> waker_;
   std::atomic<uint64_t> woken_ = 0;
   std::atomic<int64_t> waking_ns_ = 0;
 
+  UidListener uid_listener_;
   // A deletion holds this lock from its beginning to its end.
   absl::Mutex deletion_mutex_;
   mutable absl::Mutex mutex_;

@@ -29,6 +29,12 @@ class Mission {
 
   absl::Status Recover() { return strand_.Recover(); }
   void Restore(MissionState state) { strand_.Restore(std::move(state)); }
+  // These do what those of MissionStrand do.
+  void BeginAs(std::string uid) { strand_.BeginAs(std::move(uid)); }
+  void EnsureUid() { strand_.EnsureUid(); }
+  std::string uid() const {
+    return WithState([](const MissionState& state) { return state.uid; });
+  }
 
   MissionSessions& sessions() { return sessions_; }
   BatchIntake& batches() { return batches_; }

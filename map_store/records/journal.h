@@ -3,6 +3,7 @@
 #ifndef CORBSLAM_MAP_STORE_RECORDS_JOURNAL_H_
 #define CORBSLAM_MAP_STORE_RECORDS_JOURNAL_H_
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <limits>
@@ -25,6 +26,13 @@ struct JournalSnapshot {
   // Keyframes whose features are still needed, each once, in any order: a local map that others
   // became parts of has keyframes of several names.
   std::vector<KeyframeId> keyframes;
+};
+
+// A mission that was deleted; an empty uid: nobody knows it.
+struct DeletedMission {
+  std::string name;
+  std::string uid;
+  friend bool operator==(const DeletedMission&, const DeletedMission&) = default;
 };
 
 // Keeps the records of missions; records of one mission are appended one at a time. Thread-safe.
@@ -82,6 +90,13 @@ class Journal {
                                            const Replay& replay) const = 0;
   // The deletion is durable when this returns.
   virtual absl::Status DeleteMission(absl::string_view mission) = 0;
+
+  // Of so many missions that were deleted last is remembered that they were.
+  static constexpr size_t kMaxDeleted = 10'000;
+  // Remembers, durably as far as this journal is, that the mission is deleted.
+  virtual absl::Status NoteDeleted(const DeletedMission&) { return absl::OkStatus(); }
+  // Returns what is remembered, the oldest first.
+  virtual std::vector<DeletedMission> ListDeleted() const { return {}; }
 
   // A mission that is put aside takes no memory and no open files. Recover brings it back, and
   // nothing else does but DeleteMission: until then all that would write returns UNAVAILABLE. The

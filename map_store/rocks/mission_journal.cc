@@ -2,6 +2,7 @@
 
 #include <rocksdb/write_batch.h>
 
+#include <algorithm>
 #include <utility>
 
 #include "absl/functional/function_ref.h"
@@ -129,7 +130,8 @@ absl::StatusOr<Journal::Position> MissionJournal::Append(const BatchBytes& bytes
 absl::Status MissionJournal::Sync(Position position) {
   if (!options_.sync) return absl::OkStatus();
   absl::MutexLock lock(&mutex_);
-  while (synced_ < position) {
+  // A position of an earlier mission of the name may be larger than all of this one's.
+  while (synced_ < std::min(position, written_)) {
     // One thread syncs for all that were written by then; the others wait for it.
     if (syncing_) {
       synced_changed_.Wait(&mutex_);

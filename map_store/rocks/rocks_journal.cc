@@ -8,6 +8,7 @@
 #include "absl/strings/str_cat.h"
 #include "map_store/archive/feature_archive.h"
 #include "map_store/archive/record_archive.h"
+#include "map_store/rocks/deleted_file.h"
 #include "map_store/rocks/files_check.h"
 #include "map_store/rocks/journal_scrubber.h"
 #include "map_store/rocks/journal_tidier.h"
@@ -181,6 +182,15 @@ absl::Status RocksJournal::DeleteMission(absl::string_view mission) {
   LOG_IF(WARNING, !removed.ok()) << "a deleted mission's files are left, until the next start: "
                                  << removed;
   return absl::OkStatus();
+}
+
+absl::Status RocksJournal::NoteDeleted(const DeletedMission& mission) {
+  absl::MutexLock making(&making_);
+  return AddToDeletedFile(options_.directory, mission);
+}
+
+std::vector<DeletedMission> RocksJournal::ListDeleted() const {
+  return ReadDeletedFile(options_.directory);
 }
 
 absl::Status RocksJournal::Damage(absl::string_view mission) const {

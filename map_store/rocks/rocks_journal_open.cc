@@ -7,6 +7,7 @@
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
+#include "map_store/rocks/deleted_file.h"
 #include "map_store/rocks/files_check.h"
 #include "map_store/rocks/journal_keys.h"
 #include "map_store/rocks/journal_scrubber.h"
@@ -85,6 +86,7 @@ absl::StatusOr<std::unique_ptr<RocksJournal>> RocksJournal::Open(
   }
   RETURN_IF_ERROR(journal->OpenGuard());
   RETURN_IF_ERROR(journal->LoadMissions());
+  ShortenDeletedFile(options.directory);
   journal->tidier_ =
       std::make_unique<JournalTidier>([made = journal.get()] { return made->OpenMissions(); });
   journal->StartScrubber();

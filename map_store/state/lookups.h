@@ -50,8 +50,10 @@ struct UncomparedPair {
 
 struct MissionInfo {
   std::string name;
+  std::string uid;  // MissionState::uid; empty: nobody knows it.
   uint64_t revision = 0;
   size_t agents = 0;
+  size_t connected_agents = 0;
   size_t local_maps = 0;
   size_t islands = 0;
   size_t keyframes = 0;

@@ -21,8 +21,8 @@ grpc::ServerUnaryReactor* MapStoreService::CreateMission(grpc::CallbackServerCon
                                                           map_store::ProfileField::kAgentLimits,
                                                           map_store::ProfileField::kRetention}));
     RETURN_IF_ERROR(store_.CreateMission(mission, ProfileFromProto(request->mission())));
-    LOG(INFO) << LogFields{.mission = mission} << "mission created";
     ASSIGN_OR_RETURN(const MissionInfo info, store_.GetMission(mission));
+    LOG(INFO) << LogFields{.mission = mission} << "mission created, uid " << info.uid;
     ToProto(info, response);
     return absl::OkStatus();
   });

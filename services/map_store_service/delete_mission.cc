@@ -18,8 +18,8 @@ grpc::ServerUnaryReactor* MapStoreService::DeleteMission(grpc::CallbackServerCon
   return AnswerOn(pool_, context, [this, request, response]() -> absl::Status {
     ASSIGN_OR_RETURN(const std::string mission, ParseMissionName(request->name()));
     ASSIGN_OR_RETURN(const MissionInfo info, store_.GetMission(mission));
-    RETURN_IF_ERROR(store_.DeleteMission(mission));
-    LOG(INFO) << LogFields{.mission = mission} << "mission deleted";
+    RETURN_IF_ERROR(store_.DeleteMission(mission, request->uid()));
+    LOG(INFO) << LogFields{.mission = mission} << "mission deleted, uid " << info.uid;
     response->set_local_maps(static_cast<uint32_t>(info.local_maps));
     return absl::OkStatus();
   });

@@ -63,6 +63,8 @@ void ToProto(const MissionInfo& info, v1::Mission* proto) {
   proto->set_damage(info.damage);
   ToProto(info.profile, proto);
   proto->set_asleep(info.asleep);
+  proto->set_uid(info.uid);
+  proto->set_connected_agents(Count(info.connected_agents));
   if (!info.worker_outage.has_value()) return;
   proto->set_worker_away_since_ns(absl::ToUnixNanos(info.worker_outage->begin));
   proto->set_worker_error(info.worker_outage->cause);

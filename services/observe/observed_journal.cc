@@ -65,6 +65,12 @@ class ObservedJournal : public Journal {
   absl::StatusOr<Position> Recover(absl::string_view mission, const Replay& replay) const override {
     return journal_->Recover(mission, replay);
   }
+  absl::Status NoteDeleted(const map_store::DeletedMission& mission) override {
+    return journal_->NoteDeleted(mission);
+  }
+  std::vector<map_store::DeletedMission> ListDeleted() const override {
+    return journal_->ListDeleted();
+  }
   absl::Status DeleteMission(absl::string_view mission) override {
     RETURN_IF_ERROR(journal_->DeleteMission(mission));
     for (JournalObserver* observer : observers_) observer->OnDeleted(mission);

@@ -182,6 +182,10 @@ absl::Status Run(Flags flags) {
       [auditor = security.server.auditor](const std::string& mission, const std::string& why) {
         if (auditor != nullptr) auditor->OnOwnDoing("mission_expired", MissionName(mission), why);
       });
+  store.SetUidListener(
+      [auditor = security.server.auditor](const std::string& mission, const std::string& uid) {
+        if (auditor != nullptr) auditor->OnOwnDoing("mission_named", MissionName(mission), uid);
+      });
   RETURN_IF_ERROR(store.Recover());
   ASSIGN_OR_RETURN(const std::unique_ptr<StoreBackups> backups,
                    StoreBackups::Make(flags.backup, &store, rocks));

@@ -128,11 +128,11 @@ class UplinkListener {
   virtual void OnShared(SharedUpdate update) = 0;
   // The store wants to be told where the points of the newest local map are, exactly.
   virtual void OnExactPlacesWanted() = 0;
-  // The session is gone. ABORTED: a newer session of the same agent fenced it off, or the mission is
-  // deleted (session_end.h), and then no session comes any more. PERMISSION_DENIED: the store
+  // The session is gone. ABORTED: a newer session of the same agent fenced it off, or the mission
+  // is deleted (session_end.h), and then no session comes any more. PERMISSION_DENIED: the store
   // refuses this agent, which may ask again rarely. INVALID_ARGUMENT: likewise before
-  // OnSessionOpened; after it a batch was refused. After anything else open again later, also after ALREADY_EXISTS: another
-  // process holds a session of this agent.
+  // OnSessionOpened; after it a batch was refused. After anything else open again later, also after
+  // ALREADY_EXISTS: another process holds a session of this agent.
   virtual void OnSessionClosed(const absl::Status& reason) = 0;
 };
 
