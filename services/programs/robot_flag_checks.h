@@ -20,7 +20,12 @@ namespace corbslam::services {
 // drives its camera.
 absl::StatusOr<RobotSource> OpenFlaggedSource(const RobotFlags& flags,
                                               const absl::Notification& stop);
-absl::StatusOr<client_agent::FeatureSelection> ParseUpload(const RobotFlags& flags);
+// What goes up of a keyframe.
+struct UploadChoice {
+  client_agent::FeatureSelection features;
+  int picture_width_px = 320;  // AgentOptions::picture_width_px.
+};
+absl::StatusOr<UploadChoice> ParseUpload(const RobotFlags& flags);
 // Returns null without --server.
 absl::StatusOr<std::shared_ptr<grpc::Channel>> MakeStoreChannel(const RobotFlags& flags);
 
