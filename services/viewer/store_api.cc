@@ -254,15 +254,13 @@ StoreApi::Answered StoreApi::GetPicture(const std::string& name) {
   v1::Keyframe keyframe;
   RETURN_IF_ERROR(ToStatus(store_->GetKeyframe(&context, ask, &keyframe), "GetKeyframe"));
   const size_t bytes = keyframe.picture().size();
-  if (bytes == 0) {
-    return absl::NotFoundError(
-        "There is no picture: its robot sent none, or the map store has let it go.");
-  }
   if (bytes > kMaxPictureBytes) {
     return absl::InternalError(absl::StrCat("the map store's picture has ", bytes,
                                             " bytes; the limit is ", kMaxPictureBytes));
   }
   WebResponse response;
+  // That there is none is no error; one may still come.
+  if (bytes == 0) return response;
   response.content_type = "image/jpeg";
   response.body = std::make_shared<const std::string>(std::move(*keyframe.mutable_picture()));
   response.headers["Picture-Scale"] = absl::StrCat(keyframe.picture_scale());
