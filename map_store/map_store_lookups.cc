@@ -70,9 +70,9 @@ absl::StatusOr<OverlapInfo> MapStore::GetOverlap(absl::string_view mission_name,
   RETURN_IF_ERROR(mission->WithState([&](const MissionState& state) {
     const OverlapEntry* const entry = state.global.overlaps.Find(overlap);
     if (entry == nullptr) {
-      return absl::NotFoundError(absl::StrCat(
-          "there is no overlap ", overlap, "; of those that are no part of the map, the newest ",
-          OverlapLedger::kMaxHistory, " are remembered"));
+      return absl::NotFoundError(absl::StrCat("there is no overlap ", overlap,
+                                              "; of those that are no part of the map, the newest ",
+                                              OverlapLedger::kMaxHistory, " are remembered"));
     }
     info = map_store::DescribeOverlap(state, *entry);
     sides = map_store::TakeOverlapSides(state, entry->overlap);

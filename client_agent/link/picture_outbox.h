@@ -52,7 +52,8 @@ class PictureOutbox {
   static constexpr size_t kMaxTold = 64;
 
   void DropOldest() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
-  // Takes the next picture that is ready; false: there is none, or the budget can't spare its bytes.
+  // Takes the next picture that is ready; false: there is none, or the budget can't spare its
+  // bytes.
   bool TakeReady(LinkBudget& budget, absl::Time now, KeyframePicture& picture)
       ABSL_LOCKS_EXCLUDED(mutex_);
 

@@ -138,8 +138,10 @@ std::vector<std::pair<uint32_t, uint32_t>> MatchOverlap(const OverlapSides& side
   std::vector<KeypointPair> pairs;
   AddFree(sides.of_landmarks, pairs);
   if (sides.overlap.IsAccepted()) {
-    AddFree(PairByPlace(sides), pairs);
-  } else if (pairs.empty()) {
+    if (sides.query.payload->camera != nullptr && sides.candidate.payload->camera != nullptr) {
+      AddFree(PairByPlace(sides), pairs);
+    }
+  } else if (sides.of_landmarks.empty()) {
     WordMatchingOptions alike;
     alike.need_points_a = alike.need_points_b = false;
     if (sides.query.words != nullptr && sides.candidate.words != nullptr) {

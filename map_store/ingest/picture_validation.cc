@@ -90,8 +90,8 @@ absl::Status ValidatePicture(const KeyframePicture& picture) {
         absl::StrCat("scale is ", picture.scale, ", must be from 1 to ", kMaxPictureScale));
   }
   if (picture.jpeg.size() > kMaxPictureBytes) {
-    return refuse(absl::StrCat("it has ", picture.jpeg.size(), " bytes; the limit is ",
-                               kMaxPictureBytes));
+    return refuse(
+        absl::StrCat("it has ", picture.jpeg.size(), " bytes; the limit is ", kMaxPictureBytes));
   }
   const absl::Status jpeg = ValidateGreyJpeg(picture.jpeg);
   return jpeg.ok() ? jpeg : refuse(jpeg.message());

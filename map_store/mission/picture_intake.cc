@@ -29,9 +29,9 @@ absl::Status PictureIntake::Check(uint64_t session_id, const std::string& agent,
   }
   const LocalMapState* const local_map = state.FindLocalMap(keyframe.local_map);
   if (local_map != nullptr && local_map->agent != agent) {
-    return absl::PermissionDeniedError(
-        absl::StrCat("picture of keyframe ", ToString(keyframe), ": its local map is another "
-                     "agent's"));
+    return absl::PermissionDeniedError(absl::StrCat("picture of keyframe ", ToString(keyframe),
+                                                    ": its local map is another "
+                                                    "agent's"));
   }
   is_there = local_map != nullptr && local_map->map.FindKeyframe(keyframe) != nullptr;
   return absl::OkStatus();

@@ -138,7 +138,8 @@ class Journal {
   virtual uint64_t DiskBytes(absl::string_view) const { return 0; }
 };
 
-// Keeps nothing but some pictures, and only counts: a journal for tests and for stores without a disk. Thread-safe.
+// Keeps nothing but some pictures, and only counts: a journal for tests and for stores without a
+// disk. Thread-safe.
 class InMemoryJournal : public Journal {
  public:
   void Prepare(BatchRecord&) const override {}

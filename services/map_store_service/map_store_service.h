@@ -32,8 +32,8 @@ using MapStoreBackupMethods =
             v1::MapStore::WithCallbackMethod_VerifyStoredBackup<
                 v1::MapStore::WithCallbackMethod_ArchiveMission<
                     v1::MapStore::WithCallbackMethod_ForgetLocalMaps<v1::MapStore::Service>>>>>>;
-using MapStoreSettingsMethods =
-    v1::MapStore::WithCallbackMethod_SetRobotSettings<v1::MapStore::WithCallbackMethod_GetRobotSettings<
+using MapStoreSettingsMethods = v1::MapStore::WithCallbackMethod_SetRobotSettings<
+    v1::MapStore::WithCallbackMethod_GetRobotSettings<
         v1::MapStore::WithCallbackMethod_GetOverlap<MapStoreBackupMethods>>>;
 using MapStoreMethods = v1::MapStore::WithRawCallbackMethod_Sync<v1::MapStore::WithCallbackMethod_WatchMap<
     v1::MapStore::WithCallbackMethod_WatchEvents<v1::MapStore::WithCallbackMethod_ReplayMap<

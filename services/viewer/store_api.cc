@@ -180,7 +180,8 @@ StoreApi::Answered StoreApi::OfMission(const std::string& mission,
   if (rest.size() == 4 && rest[0] == "localMaps" && rest[2] == "keyframes") {
     return GetKeyframe(absl::StrCat(MissionName(mission), "/", absl::StrJoin(rest, "/")), request);
   }
-  if (rest.size() == 5 && rest[0] == "localMaps" && rest[2] == "keyframes" && rest[4] == "picture") {
+  if (rest.size() == 5 && rest[0] == "localMaps" && rest[2] == "keyframes" &&
+      rest[4] == "picture") {
     return GetPicture(absl::StrCat(MissionName(mission), "/",
                                    absl::StrJoin(rest.begin(), rest.begin() + 4, "/")));
   }
