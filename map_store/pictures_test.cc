@@ -220,7 +220,9 @@ class OverlapMatchesTest : public testing::SleepingStore {
 };
 
 TEST_F(OverlapMatchesTest, KeypointsOfAnAcceptedOverlapShowTheSame) {
-  const auto accepted = store_->ListOverlaps("pair", {.accepted = true}, {});
+  OverlapFilter filter;
+  filter.accepted = true;
+  const auto accepted = store_->ListOverlaps("pair", filter, {});
   ASSERT_TRUE(accepted.ok()) << accepted.status();
   ASSERT_FALSE(accepted->items.empty());
   EXPECT_TRUE(accepted->items[0].matches.empty()) << "lists have none";

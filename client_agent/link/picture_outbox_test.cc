@@ -174,7 +174,9 @@ TEST_F(LinkPicturesTest, AnOlderStoreIsSentNone) {
 TEST_F(LinkPicturesTest, WhileNobodyAnswersTheyWaitAndTheMapLosesNothing) {
   uplink_.capabilities.keyframe_pictures = true;
   uplink_.reachable = false;
-  Make({.min_backoff = absl::ZeroDuration(), .max_backoff = absl::ZeroDuration()});
+  StoreLinkOptions options;
+  options.min_backoff = options.max_backoff = absl::ZeroDuration();
+  Make(options);
   AddKeyframe(0);
   link_->Step();
   EXPECT_EQ(link_->pictures().waiting, 1u);

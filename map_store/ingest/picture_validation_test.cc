@@ -70,7 +70,7 @@ TEST(PictureValidationTest, DamageAnywhereIsNoTrouble) {
 
 TEST(PictureValidationTest, ScaleSizeAndKeyframeHaveTheirLimits) {
   const std::string good = MakeGreyJpeg(320, 96, 50);
-  for (const double scale : {0.0, 0.99, 64.5, -2.0, INFINITY, std::nan("")}) {
+  for (const double scale : {0.0, 0.99, 64.5, -2.0, HUGE_VAL, std::nan("")}) {
     EXPECT_THAT(std::string(ValidatePicture({kKeyframe, good, scale}).message()),
                 HasSubstr("must be from 1 to 64"))
         << scale;
