@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "map_store/map_store.h"
-#include "map_store/stored_backups.h"
 #include "map_store/testing/grey_jpeg.h"
 #include "map_store/testing/sleeping_store.h"
 
@@ -39,10 +38,18 @@ class PicturesTest : public testing::SleepingStore {
   absl::Status Keep(uint32_t index, size_t bytes = 1000) {
     return store_->KeepPicture(robot_->session(), {{{0xa}, index}, Jpeg(index, bytes), 4});
   }
-  // Ends the store, and returns its folder.
-  std::string EndAndNameFolder() {
+  // Ends the store, and reads what its journal has.
+  std::unique_ptr<RocksJournal> OpenJournalAlone() {
+    robot_.reset();
     store_.reset();
-    return folder_.string();
+    auto journal = RocksJournal::Open({.directory = folder_.string()});
+    EXPECT_TRUE(journal.ok()) << journal.status();
+    Journal::Replay replay;
+    replay.on_snapshot = [](MissionState) { return absl::OkStatus(); };
+    replay.on_record = [](const JournalRecord&) { return absl::OkStatus(); };
+    // A mission that is aside is opened by this.
+    EXPECT_TRUE((*journal)->Recover(kMission, replay).ok());
+    return *std::move(journal);
   }
   // Returns whether the keyframe's own picture is there.
   bool Has(uint32_t index, const std::string& mission = kMission) {
@@ -129,15 +136,9 @@ TEST_F(PicturesTest, ItGoesWithItsKeyframe) {
   EXPECT_TRUE(absl::IsNotFound(store_->GetPicture(kMission, {{0xa}, 3}).status()));
   Restart();
   EXPECT_TRUE(Has(4));
-  const auto journal = RocksJournal::Open({.directory = EndAndNameFolder()});
-  ASSERT_TRUE(journal.ok()) << journal.status();
-  ASSERT_TRUE(
-      (*journal)
-          ->Recover(kMission, {.on_snapshot = [](MissionState) { return absl::OkStatus(); },
-                               .on_record = [](const JournalRecord&) { return absl::OkStatus(); }})
-          .ok());
-  EXPECT_TRUE(absl::IsNotFound((*journal)->ReadPicture(kMission, {{0xa}, 3}).status()));
-  EXPECT_TRUE((*journal)->ReadPicture(kMission, {{0xa}, 4}).ok());
+  const auto journal = OpenJournalAlone();
+  EXPECT_TRUE(absl::IsNotFound(journal->ReadPicture(kMission, {{0xa}, 3}).status()));
+  EXPECT_TRUE(journal->ReadPicture(kMission, {{0xa}, 4}).ok());
 }
 
 TEST_F(PicturesTest, ItGoesWithALocalMapThatIsForgotten) {
@@ -152,16 +153,13 @@ TEST_F(PicturesTest, ItGoesWithALocalMapThatIsForgotten) {
   ASSERT_EQ(forgotten->local_maps.size(), 1u);
   Restart();
   EXPECT_TRUE(absl::IsNotFound(store_->GetPicture(kMission, {{0xa}, 3}).status()));
-  const auto journal = RocksJournal::Open({.directory = EndAndNameFolder()});
-  ASSERT_TRUE(journal.ok()) << journal.status();
+  const auto journal = OpenJournalAlone();
   int pictures = 0;
-  ASSERT_TRUE((*journal)
-                  ->ForEachPicture(kMission,
-                                   [&pictures](const KeyframePicture&) {
-                                     ++pictures;
-                                     return absl::OkStatus();
-                                   })
-                  .ok());
+  const absl::Status counted = journal->ForEachPicture(kMission, [&](const KeyframePicture&) {
+    ++pictures;
+    return absl::OkStatus();
+  });
+  ASSERT_TRUE(counted.ok()) << counted;
   EXPECT_EQ(pictures, 0);
 }
 

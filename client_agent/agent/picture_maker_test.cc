@@ -122,6 +122,7 @@ TEST_F(PicturedAgentTest, ADeterministicRobotAndOneThatIsToldSoSendNone) {
   EXPECT_TRUE(uplink_.pictures.empty());
   options.deterministic = false;
   options.picture_width_px = 0;
+  options.seed = 2;
   Drive(options);
   EXPECT_TRUE(uplink_.pictures.empty());
 }

@@ -234,7 +234,7 @@ TEST_F(ViewerTest, ShowsWhatAKeyframesCameraSaw) {
   EXPECT_EQ(BodyOf(none), "");
   EXPECT_THAT(none, HasSubstr("Cache-Control: no-store"));
   const std::string jpeg = testing::MakeGreyJpeg(320, 97, 500);
-  ASSERT_TRUE(uplink->SendPicture({id, jpeg, 3.878125}));
+  ASSERT_TRUE(uplink->SendPicture({id, jpeg, 3.875}));
   std::string picture;
   for (int i = 0; i < 500 && BodyOf(picture).empty(); ++i) {
     picture = Get(path + "/picture", with);
@@ -242,7 +242,7 @@ TEST_F(ViewerTest, ShowsWhatAKeyframesCameraSaw) {
   }
   EXPECT_EQ(BodyOf(picture), jpeg);
   for (const char* header :
-       {"Content-Type: image/jpeg", "Picture-Scale: 3.87812", "Cache-Control: private, max-age=600",
+       {"Content-Type: image/jpeg", "Picture-Scale: 3.875", "Cache-Control: private, max-age=600",
         "Vary: Authorization", "X-Content-Type-Options: nosniff"}) {
     EXPECT_THAT(picture, HasSubstr(header));
   }
