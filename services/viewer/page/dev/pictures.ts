@@ -106,9 +106,9 @@ async function showOverlap(browser: Browser, home: string, theme: Theme): Promis
   const page = await open(browser, home, 1366, 768, theme, '&show=pkto');
   const rows = page.locator('.overlap.yes');
   await rows.first().waitFor();
-  const pairs = await rows.evaluateAll((all) => all.map(({ textContent }) => {
-    const [, a, b, agree] = /(\w+) #\d+ – (\w+) #\d+\D*([\d\u2009]+)/.exec(textContent ?? '') ?? [];
-    return a === b ? 0 : Number((agree ?? '0').replace(/\u2009/g, ''));
+  const pairs = await rows.evaluateAll((all) => all.map((row) => {
+    const robots = (row.querySelector('.text')?.textContent ?? '').split('–').map((side) => side.trim().split(' ')[0]);
+    return robots[0] === robots[1] ? 0 : parseInt((row.querySelector('small')?.textContent ?? '0').replace(/\u2009/g, ''), 10);
   }));
   await rows.nth(pairs.indexOf(Math.max(...pairs))).dispatchEvent('click');
   await page.locator('.seen-figure').waitFor();
