@@ -217,6 +217,11 @@ absl::StatusOr<std::optional<LocalisedKept>> MapStore::NoteLocalised(
   return session.mission->localised().Note(session_id, session.agent, localised);
 }
 
+absl::Status MapStore::KeepPicture(uint64_t session_id, const KeyframePicture& picture) {
+  ASSIGN_OR_RETURN(const Session session, FindSession(session_id));
+  return session.mission->pictures().Keep(session_id, session.agent, picture);
+}
+
 void MapStore::CloseSession(uint64_t session_id) {
   const absl::StatusOr<Session> session = FindSession(session_id);
   if (!session.ok()) return;
@@ -356,6 +361,17 @@ absl::Status MapStore::RestoreMission(const std::string& name, MissionState stat
   directory_->EndMaking(name, std::move(mission));
   Wake();
   return status;
+}
+
+void MapStore::TakePictures(const std::string& name, const Journal& from, absl::string_view there) {
+  const absl::StatusOr<std::shared_ptr<Mission>> mission = FindMission(name);
+  const uint64_t max_bytes = mission.ok() ? (*mission)->pictures().MaxBytes() : 0;
+  if (max_bytes == 0) return;
+  const absl::Status taken = from.ForEachPicture(there, [&](const KeyframePicture& picture) {
+    return journal_->PutPicture(name, picture, max_bytes);
+  });
+  LOG_IF(WARNING, !taken.ok()) << "mission " << name
+                               << " was restored, but not all of its pictures: " << taken;
 }
 
 }  // namespace corbslam::map_store

@@ -131,6 +131,11 @@ class MapStore {
   // kept. Returns PERMISSION_DENIED if the session is of another agent, else as Apply.
   absl::StatusOr<std::optional<LocalisedKept>> NoteLocalised(uint64_t session_id,
                                                              const LocalisedFrames& localised);
+  // Keeps a keyframe's picture, for people. One that can't be kept is passed over: its keyframe is
+  // not there or has one, or there is no room. INVALID_ARGUMENT as ValidatePicture,
+  // PERMISSION_DENIED if the local map is another agent's, or the session changes nothing; else as
+  // Apply.
+  absl::Status KeepPicture(uint64_t session_id, const KeyframePicture& picture);
   // Has the agent tell exactly where its points are (MapUpdateBatch::points_follow). Returns
   // NOT_FOUND if there is no such agent, FAILED_PRECONDITION if it is not connected.
   absl::Status AskForExactPlaces(absl::string_view mission, const std::string& agent);
@@ -257,6 +262,9 @@ class MapStore {
   // Returns ALREADY_EXISTS, or INVALID_ARGUMENT and RESOURCE_EXHAUSTED for content that would not
   // be taken from agents either.
   absl::Status RestoreMission(const std::string& mission, MissionState state);
+  // Takes over what pictures another journal has of a mission that was restored from it, as far as
+  // there is room.
+  void TakePictures(const std::string& mission, const Journal& from, absl::string_view there);
   absl::StatusOr<Page<AgentInfo>> ListAgents(absl::string_view mission,
                                              const PageRequest& page) const;
   absl::StatusOr<Page<LocalMapInfo>> ListLocalMaps(absl::string_view mission,
@@ -267,6 +275,10 @@ class MapStore {
                                                    const PageRequest& page) const;
   absl::StatusOr<KeyframeInfo> GetKeyframe(absl::string_view mission, KeyframeId id,
                                            bool with_sights = false) const;
+  // Returns the keyframe's picture; nullopt: its robot sent none, or it is not kept. NOT_FOUND as
+  // GetKeyframe.
+  absl::StatusOr<std::optional<KeyframePicture>> GetPicture(absl::string_view mission,
+                                                            KeyframeId id) const;
   absl::StatusOr<MissionStatistics> GetStatistics(absl::string_view mission) const;
   // Returns the load of each mission (mission_load.h). This costs less than the look-ups above:
   // only local maps and what waits for fusion are walked through.
@@ -285,6 +297,10 @@ class MapStore {
   absl::StatusOr<Page<OverlapInfo>> ListOverlaps(absl::string_view mission,
                                                  const OverlapFilter& filter,
                                                  const PageRequest& page) const;
+
+  // Returns one overlap, with what of its keyframes shows the same (MatchOverlap), as far as they
+  // are still there.
+  absl::StatusOr<OverlapInfo> GetOverlap(absl::string_view mission, uint64_t overlap) const;
 
   // Returns all islands, the reference island first.
   absl::StatusOr<std::vector<IslandView>> GlobalMapView(absl::string_view mission) const;

@@ -141,7 +141,9 @@ absl::Status StoredBackups::Restore(const std::string& mission, uint32_t number,
     StateWriteLock lock(strand);
     state = std::move(strand.mutable_state());
   }
-  return store_.RestoreMission(name, std::move(state));
+  RETURN_IF_ERROR(store_.RestoreMission(name, std::move(state)));
+  store_.TakePictures(name, *journal, mission);
+  return absl::OkStatus();
 }
 
 absl::Status StoredBackups::CheckReadsBack(const StoredBackup& backup) const {

@@ -146,6 +146,7 @@ SingleAgent::SingleAgent(const AgentOptions& options, std::unique_ptr<Sensor> se
           },
           std::move(spool), kept.ok() ? kept->local_map() : LocalMapId())),
       far_(MakeFarMaps(uplink != nullptr)),
+      pictures_(uplink != nullptr ? MakePictureMaker(calibration) : nullptr),
       after_work_(/*threaded=*/!options.deterministic) {
   if (options_.orders != nullptr) options_.orders->SetCamera(*camera_);
   if (kept.ok()) resuming_ = Resuming{kept->newest_ns(), std::nullopt};
@@ -161,6 +162,15 @@ SingleAgent::SingleAgent(const AgentOptions& options, std::unique_ptr<Sensor> se
 SingleAgent::~SingleAgent() {
   if (far_ != nullptr) far_->Stop();
   current().Stop();
+}
+
+std::unique_ptr<PictureMaker> SingleAgent::MakePictureMaker(const SensorCalibration& calibration) {
+  if (options_.picture_width_px == 0 || options_.deterministic || options_.localise_only) {
+    return nullptr;
+  }
+  return std::make_unique<PictureMaker>(
+      calibration, options_.picture_width_px,
+      [this](KeyframePicture picture) { link_->AddPicture(std::move(picture)); });
 }
 
 void SingleAgent::OpenLocalMap(const std::optional<Similarity3d>& global_from_local,
@@ -252,6 +262,9 @@ absl::StatusOr<TrackingResult> SingleAgent::Track(const SensorImages& images) {
   UseAnswer();
   TrackingResult result = current().tracker().Track(images.timestamp_ns, std::move(features));
   smooth_pose_.Add(result);
+  if (result.made_keyframe && pictures_ != nullptr && link_->WantsPictures()) {
+    pictures_->Add(result.reference, images.grey);
+  }
   const bool is_placed = link_->GlobalFromLocal().has_value();
   Record(result, absl::ToDoubleMilliseconds(absl::Now() - start), is_placed);
   AskForPlace(result, is_placed);
@@ -417,6 +430,7 @@ absl::Status SingleAgent::Finish(absl::Duration timeout) {
   if (!after_work_.WaitUntilIdle(deadline)) {
     return absl::DeadlineExceededError("an earlier local map has not come to an end yet");
   }
+  if (pictures_ != nullptr) pictures_->Finish();
   return link_->Finish(deadline - absl::Now());
 }
 

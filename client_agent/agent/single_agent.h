@@ -14,6 +14,7 @@
 #include "client_agent/agent/agent.h"
 #include "client_agent/agent/hand_over.h"
 #include "client_agent/agent/local_map_session.h"
+#include "client_agent/agent/picture_maker.h"
 #include "client_agent/agent/share_shedding.h"
 #include "client_agent/agent/smooth_pose.h"
 #include "client_agent/far/far_maps.h"
@@ -57,6 +58,8 @@ class SingleAgent : public Agent {
   void NoteNotResumed(const std::string& why);
   // Without a map store, earlier local maps come back from the spool; null: they don't.
   std::unique_ptr<FarMaps> MakeFarMaps(bool has_uplink);
+  // Null: no pictures go up.
+  std::unique_ptr<PictureMaker> MakePictureMaker(const SensorCalibration& calibration);
   void KeepForReturn(const LocalMapSession& session) const;
   void LookForFar(const TrackingResult& result) const;
   void FollowOrders();
@@ -138,8 +141,9 @@ class SingleAgent : public Agent {
   PlaceInquiry inquiry_;
   // The link reads the sessions' maps, so that it is destroyed before them.
   std::unique_ptr<StoreLink> link_;
-  const std::unique_ptr<FarMaps> far_;  // Uses the link.
-  AfterWork after_work_;                // Uses all of the above.
+  const std::unique_ptr<FarMaps> far_;            // Uses the link.
+  const std::unique_ptr<PictureMaker> pictures_;  // Likewise.
+  AfterWork after_work_;                          // Uses all of the above.
 };
 
 }  // namespace corbslam::client_agent

@@ -149,6 +149,7 @@ void StoreLink::Step() {
   LetGoOfClosed();
   if (WritesAll()) SpillDue(/*now=*/true);
   SendUnsent();
+  SendPictures();
   SpillDue(/*now=*/true);
 }
 
@@ -160,6 +161,7 @@ void StoreLink::Run() {
     LetGoOfClosed();
     if (WritesAll()) SpillDue(/*now=*/false);
     SendUnsent();
+    SendPictures();
     // A robot that ends may be killed before all is acknowledged.
     IsFinishing() ? static_cast<void>(queue_.SpillAll()) : SpillDue(/*now=*/false);
   }

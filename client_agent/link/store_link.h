@@ -18,6 +18,7 @@
 #include "client_agent/link/localised_outbox.h"
 #include "client_agent/link/map_jobs.h"
 #include "client_agent/link/no_uplink.h"
+#include "client_agent/link/picture_outbox.h"
 #include "client_agent/link/share_anew.h"
 #include "client_agent/link/share_watch.h"
 #include "client_agent/link/shared_inbox.h"
@@ -131,6 +132,11 @@ class StoreLink : private UplinkListener {
   // Takes where a frame was of a robot that localises only; what AddTrackedFrame and AddLostFrame
   // take is its trajectory.
   void AddLocalised(const LocalisedFrame& frame);
+  // Takes what a keyframe's camera saw, to be sent once the keyframe was and the link has time.
+  void AddPicture(KeyframePicture picture) { pictures_.Add(std::move(picture)); }
+  // Returns false if pictures would go nowhere, as far as is known.
+  bool WantsPictures() const { return has_link_ && !options_.localise_only && pictures_.Wants(); }
+  PictureOutbox::Counts pictures() const { return pictures_.counts(); }
 
   // Changes StoreLinkOptions::uplink_bytes_per_second.
   void SetUplinkRate(uint64_t bytes_per_second) { budget_.SetRate(bytes_per_second); }
@@ -212,6 +218,9 @@ class StoreLink : private UplinkListener {
   std::string DescribeWhatIsLeft() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void SendUnsent();
   void SendLocalised(bool all);
+  void SendPictures();
+  // Gives pictures that may be sent now a moment to go: nobody will send them later.
+  void AwaitPictures(absl::Duration timeout) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void BeginLocalised(const Capabilities& store) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   // Gives up local maps. Those of this process get no more batches.
   void GiveUp(const std::vector<LostLocalMap>& lost) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
@@ -236,6 +245,7 @@ class StoreLink : private UplinkListener {
   LinkBudget budget_;
   FrameInbox frames_;
   LocalisedOutbox localised_;
+  PictureOutbox pictures_;
 
   mutable absl::Mutex mutex_;
   std::vector<std::unique_ptr<Recording>> recordings_ ABSL_GUARDED_BY(mutex_);

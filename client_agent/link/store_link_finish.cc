@@ -6,6 +6,11 @@
 #include "client_agent/link/store_link.h"
 
 namespace corbslam::client_agent {
+namespace {
+
+constexpr absl::Duration kMostForPictures = absl::Seconds(2);
+
+}  // namespace
 
 absl::Status StoreLink::Finish(absl::Duration timeout) {
   if (uplink_ == nullptr) return absl::OkStatus();
@@ -22,6 +27,7 @@ absl::Status StoreLink::Finish(absl::Duration timeout) {
     wake_ = true;
   }
   if (!thread_.joinable()) Step();
+  const absl::Time deadline = absl::Now() + timeout;
   absl::MutexLock lock(&mutex_);
   const auto finished = [this]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
     return IsDone() || !refusal_.ok() || IsToldWithoutLink();
@@ -35,7 +41,18 @@ absl::Status StoreLink::Finish(absl::Duration timeout) {
   }
   if (!refusal_.ok()) return refusal_;
   if (!has_link_) return queue_.status().room;
+  AwaitPictures(std::min(deadline - absl::Now(), kMostForPictures));
   return needs_new_local_map_ ? queue_.status().loss : absl::OkStatus();
+}
+
+void StoreLink::AwaitPictures(absl::Duration timeout) {
+  if (!thread_.joinable()) return;
+  const auto gone = [this]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
+    // What waits in the transport counts: it would be cut off.
+    return session_ != Session::kOpen || budget_.is_bounded() ||
+           (!pictures_.HasReady() && uplink_->bytes_waiting() == 0);
+  };
+  mutex_.AwaitWithTimeout(absl::Condition(&gone), timeout);
 }
 
 std::string StoreLink::DescribeWhatIsLeft() const {

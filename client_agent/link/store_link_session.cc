@@ -65,6 +65,7 @@ void StoreLink::OnSessionOpened(const SessionGrant& grant) {
   }
   NoteCapabilities(grant.capabilities);
   if (options_.localise_only) BeginLocalised(grant.capabilities);
+  pictures_.BeginSession(grant.capabilities.keyframe_pictures);
   GiveUp(queue_.Resume(grant));
   session_ = Session::kOpen;
   closed_ = refusal_ = absl::OkStatus();

@@ -66,10 +66,12 @@ absl::StatusOr<MissionSessions::Opened> MissionSessions::Enter(uint64_t session_
   const absl::Time now = strand_.environment().clock();
   Opened opened;
   opened.grant.mission_uid = state.uid;
-  opened.grant.capabilities = {.points_follow = true,
-                               .coded_features = true,
-                               .localise_only = true,
-                               .keeps_localised = true};
+  opened.grant.capabilities = {
+      .points_follow = true,
+      .coded_features = true,
+      .localise_only = true,
+      .keeps_localised = true,
+      .keyframe_pictures = strand_.options().max_picture_bytes_per_mission > 0};
   for (const LocalMapId& id : request.local_maps) {
     LocalMapState* local_map = state.FindLocalMap(id);
     if (local_map != nullptr) ExpireParked(now, strand_.options(), *local_map);

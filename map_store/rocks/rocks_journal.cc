@@ -37,16 +37,6 @@ std::shared_ptr<const BatchBytes> BytesOf(const JournalRecord& record) {
   return std::make_shared<const BatchBytes>(BatchBytes{map_store::EncodeRecord(record), {}});
 }
 
-std::vector<KeyframeId> RemovedBy(const JournalRecord& record) {
-  std::vector<KeyframeId> removed;
-  const auto* update = std::get_if<BatchRecord>(&record);
-  if (update == nullptr) return removed;
-  for (const KeyframeRemoval& removal : update->batch->removed_keyframes) {
-    removed.push_back(removal.id);
-  }
-  return removed;
-}
-
 uint64_t SizeOf(const BatchBytes& bytes) {
   uint64_t size = bytes.record.size();
   for (const auto& [id, features] : bytes.features) size += features.size();
@@ -152,6 +142,26 @@ absl::StatusOr<std::vector<std::string>> RocksJournal::ListMissions() const {
   for (const auto& [name, status] : unreadable_) names.push_back(name);
   names.insert(names.end(), aside_.begin(), aside_.end());
   return names;
+}
+
+absl::Status RocksJournal::PutPicture(absl::string_view mission, const KeyframePicture& picture,
+                                      uint64_t max_bytes) {
+  // A picture makes no mission: it may have been deleted just now.
+  ASSIGN_OR_RETURN(const MissionPtr found, FindMission(mission));
+  return found->PutPicture(picture, max_bytes);
+}
+
+absl::StatusOr<KeyframePicture> RocksJournal::ReadPicture(absl::string_view mission,
+                                                          KeyframeId keyframe) const {
+  ASSIGN_OR_RETURN(const MissionPtr found, FindMission(mission));
+  return found->ReadPicture(keyframe);
+}
+
+absl::Status RocksJournal::ForEachPicture(
+    absl::string_view mission,
+    const std::function<absl::Status(const KeyframePicture& picture)>& visit) const {
+  ASSIGN_OR_RETURN(const MissionPtr found, FindMission(mission));
+  return found->ForEachPicture(visit);
 }
 
 absl::StatusOr<Journal::Position> RocksJournal::Recover(absl::string_view mission,

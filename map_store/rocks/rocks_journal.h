@@ -59,6 +59,13 @@ class RocksJournal : public Journal {
   void TidyUp(absl::string_view mission) override;
   absl::Status PutAside(absl::string_view mission, absl::string_view summary) override;
   absl::StatusOr<std::string> ReadSummary(absl::string_view mission) const override;
+  absl::Status PutPicture(absl::string_view mission, const KeyframePicture& picture,
+                          uint64_t max_bytes) override;
+  absl::StatusOr<KeyframePicture> ReadPicture(absl::string_view mission,
+                                              KeyframeId keyframe) const override;
+  absl::Status ForEachPicture(
+      absl::string_view mission,
+      const std::function<absl::Status(const KeyframePicture& picture)>& visit) const override;
   absl::Status CheckWritable() override;
   absl::Status Damage(absl::string_view mission) const override;
   uint64_t DiskBytes(absl::string_view mission) const override;

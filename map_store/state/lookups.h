@@ -220,6 +220,8 @@ struct OverlapInfo {
   uint64_t revision = 0;  // The revision that took it into the graph; 0: none.
   // Says, for people, what happened beyond the verdict: "waits for fusing", "worker failed: ...".
   std::string note;
+  // Pixels of the query and of the candidate; only where one overlap was asked for.
+  std::vector<std::pair<Eigen::Vector2d, Eigen::Vector2d>> matches;
 };
 
 struct OverlapFilter {

@@ -143,6 +143,13 @@ void ToProto(absl::string_view mission, const OverlapInfo& info, v1::Overlap* pr
   proto->set_number(info.id);
   proto->set_name(OverlapName(mission, info.id));
   proto->set_note(info.note);
+  for (const auto& [query, candidate] : info.matches) {
+    v1::OverlapMatch* const match = proto->add_matches();
+    match->set_query_x_px(static_cast<float>(query.x()));
+    match->set_query_y_px(static_cast<float>(query.y()));
+    match->set_candidate_x_px(static_cast<float>(candidate.x()));
+    match->set_candidate_y_px(static_cast<float>(candidate.y()));
+  }
 }
 
 void ToProto(absl::string_view mission, const MissionStatistics& statistics,

@@ -33,7 +33,8 @@ using MapStoreBackupMethods =
                 v1::MapStore::WithCallbackMethod_ArchiveMission<
                     v1::MapStore::WithCallbackMethod_ForgetLocalMaps<v1::MapStore::Service>>>>>>;
 using MapStoreSettingsMethods = v1::MapStore::WithCallbackMethod_SetRobotSettings<
-    v1::MapStore::WithCallbackMethod_GetRobotSettings<MapStoreBackupMethods>>;
+    v1::MapStore::WithCallbackMethod_GetRobotSettings<
+        v1::MapStore::WithCallbackMethod_GetOverlap<MapStoreBackupMethods>>>;
 using MapStoreMethods = v1::MapStore::WithRawCallbackMethod_Sync<v1::MapStore::WithCallbackMethod_WatchMap<
     v1::MapStore::WithCallbackMethod_WatchEvents<v1::MapStore::WithCallbackMethod_ReplayMap<
         v1::MapStore::WithCallbackMethod_ListMissions<v1::MapStore::WithCallbackMethod_GetMission<
@@ -207,6 +208,9 @@ class MapStoreService : public MapStoreMethods {
   grpc::ServerUnaryReactor* ListOverlaps(grpc::CallbackServerContext* context,
                                          const v1::ListOverlapsRequest* request,
                                          v1::ListOverlapsResponse* response) override;
+  grpc::ServerUnaryReactor* GetOverlap(grpc::CallbackServerContext* context,
+                                       const v1::GetOverlapRequest* request,
+                                       v1::Overlap* response) override;
   grpc::ServerUnaryReactor* AskForExactPlaces(grpc::CallbackServerContext* context,
                                               const v1::AskForExactPlacesRequest* request,
                                               v1::AskForExactPlacesResponse* response) override;

@@ -42,6 +42,8 @@ void AddStoreLimitFlags(CLI::App& app, MapStoreOptions& options) {
       "Steps for pairs of keyframes and for parents that a batch takes");
   Add(app, "--max-agent-bytes", options.max_bytes_per_agent, "Bytes stored for one agent");
   Add(app, "--max-mission-bytes", options.max_bytes_per_mission, "Bytes stored for one mission");
+  Add(app, "--max-picture-bytes", options.max_picture_bytes_per_mission,
+      "Bytes of keyframes' pictures kept of a mission, the oldest go; 0: none");
   Add(app, "--max-backup-bytes", options.max_backup_bytes, "Bytes of a backup to be restored");
   Add(app, "--max-parked", options.max_parked_references,
       "References of a local map to what has not arrived");

@@ -1,8 +1,11 @@
 #include "services/programs/robot_flag_checks.h"
 
+#include <set>
 #include <string>
 
+#include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_split.h"
 #include "absl/strings/strip.h"
 #include "client_agent/live/live_sources.h"
 #include "client_agent/source/source_kinds.h"
@@ -48,6 +51,19 @@ absl::Status CheckPace(const RobotFlags& flags) {
       "corbslam run --pace step plays several robots and a store in lockstep");
 }
 
+absl::StatusOr<int> ParsePictureWidth(absl::string_view text) {
+  constexpr int kLeast = 64;
+  constexpr int kMost = 1280;
+  int width_px = 0;
+  if (absl::SimpleAtoi(text, &width_px) &&
+      (width_px == 0 || (width_px >= kLeast && width_px <= kMost))) {
+    return width_px;
+  }
+  return absl::InvalidArgumentError(absl::StrCat("--upload: picture=", text,
+                                                 ": must be 0 (none) or a width in pixels from ",
+                                                 kLeast, " to ", kMost));
+}
+
 absl::Status CheckLocaliseOnly(const RobotFlags& flags) {
   if (!flags.localise_only) return absl::OkStatus();
   if (flags.server.empty()) {
@@ -73,15 +89,29 @@ absl::StatusOr<RobotSource> OpenFlaggedSource(const RobotFlags& flags,
   return OpenRobotSource(spec, flags.strict, stop);
 }
 
-absl::StatusOr<FeatureSelection> ParseUpload(const RobotFlags& flags) {
-  absl::string_view text = flags.upload;
-  if (!absl::ConsumePrefix(&text, "features=")) {
-    return absl::InvalidArgumentError(absl::StrCat(
-        "--upload is ", flags.upload, ", must be features=all, features=mapped or features=N"));
+absl::StatusOr<UploadChoice> ParseUpload(const RobotFlags& flags) {
+  UploadChoice choice;
+  std::set<absl::string_view> named;
+  for (absl::string_view part : absl::StrSplit(flags.upload, '&')) {
+    const absl::string_view name = part.substr(0, part.find('='));
+    if (!named.insert(name).second) {
+      return absl::InvalidArgumentError(
+          absl::StrCat("--upload is ", flags.upload, ", which says ", name, " twice"));
+    }
+    if (absl::ConsumePrefix(&part, "features=")) {
+      const absl::StatusOr<FeatureSelection> features = ParseFeatureSelection(part);
+      if (!features.ok()) return Locate(features.status(), "--upload");
+      choice.features = *features;
+    } else if (absl::ConsumePrefix(&part, "picture=")) {
+      ASSIGN_OR_RETURN(choice.picture_width_px, ParsePictureWidth(part));
+    } else {
+      return absl::InvalidArgumentError(absl::StrCat(
+          "--upload is ", flags.upload,
+          ", must be features=all, features=mapped or features=N, picture=N, or both with & "
+          "between them"));
+    }
   }
-  const absl::StatusOr<FeatureSelection> selection = ParseFeatureSelection(text);
-  if (selection.ok()) return selection;
-  return Locate(selection.status(), "--upload");
+  return choice;
 }
 
 SecurityOptions Bearing(SecurityOptions security, Files files) {

@@ -158,7 +158,8 @@ void AddRobotFlags(CLI::App& app, RobotFlags& flags) {
       ->capture_default_str()
       ->group(kRareGroup);
   app.add_option("--upload", flags.upload,
-                 "What goes up of a keyframe: features=all, =mapped or =N")
+                 "What goes up of a keyframe: features=all, =mapped or =N; and, with & before it, "
+                 "picture=N: a small one for people, N px wide; 0: none")
       ->capture_default_str();
   AddLinkFlags(app, flags.link);
   AddShareFlags(app, flags.share);

@@ -45,14 +45,14 @@ namespace corbslam::services {
 using client_agent::Agent;
 using client_agent::AgentOptions;
 using client_agent::AgentOrders;
-using client_agent::FeatureSelection;
 using client_agent::RegisterLiveSources;
 using client_agent::Spool;
 using client_agent::TrackingResult;
 
 namespace {
 
-AgentOptions MakeAgentOptions(const RobotFlags& flags, const FeatureSelection& upload) {
+AgentOptions MakeAgentOptions(const RobotFlags& flags, const UploadChoice& upload,
+                              const SensorCalibration& calibration) {
   AgentOptions options;
   options.mission = flags.mission;
   options.name = flags.agent;
@@ -64,7 +64,8 @@ AgentOptions MakeAgentOptions(const RobotFlags& flags, const FeatureSelection& u
   options.deterministic = flags.pace == Pace::kStep;
   options.solver_threads = flags.solver_threads;
   options.max_outbox_bytes = OutboxBytesOf(flags);
-  options.upload_features = upload;
+  options.upload_features = upload.features;
+  options.picture_width_px = upload.picture_width_px;
   options.uplink_bytes_per_second = BytesPerSecond(flags.link.uplink_kbps);
   options.downlink_bytes_per_second = BytesPerSecond(flags.link.downlink_kbps);
   options.share = ScopeOf(ShareOf(flags));
@@ -253,10 +254,10 @@ void LogMemoryBudget(const RobotFlags& flags, uint64_t max_map_bytes) {
                     : "; --share is nearby, because of it");
 }
 
-absl::StatusOr<AgentOptions> SurroundedOptions(const RobotFlags& flags,
-                                               const Surroundings& around) {
-  ASSIGN_OR_RETURN(const FeatureSelection upload, ParseUpload(flags));
-  AgentOptions options = MakeAgentOptions(flags, upload);
+absl::StatusOr<AgentOptions> SurroundedOptions(const RobotFlags& flags, const Surroundings& around,
+                                               const SensorCalibration& calibration) {
+  ASSIGN_OR_RETURN(const UploadChoice upload, ParseUpload(flags));
+  AgentOptions options = MakeAgentOptions(flags, upload, calibration);
   if (around.uplink != nullptr || !flags.listen.empty()) options.orders = around.orders;
   if (around.uplink != nullptr) around.observers->LogEvents(options.events);
   if (around.channel != nullptr) {

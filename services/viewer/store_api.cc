@@ -15,6 +15,7 @@
 #include "absl/strings/strip.h"
 #include "services/client/store/call_status.h"
 #include "services/convert/resource_names.h"
+#include "slam/exchange/uplink.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::services {
@@ -125,7 +126,7 @@ WebResponse ToResponse(const absl::Status& error) {
 WebResponse StoreApi::Answer(const WebRequest& request) {
   Answered answer = AnswerOrError(request);
   if (!answer.ok()) return ToResponse(answer.status());
-  answer->headers["Cache-Control"] = "no-store";
+  answer->headers.try_emplace("Cache-Control", "no-store");
   return *std::move(answer);
 }
 
@@ -178,6 +179,14 @@ StoreApi::Answered StoreApi::OfMission(const std::string& mission,
   }
   if (rest.size() == 4 && rest[0] == "localMaps" && rest[2] == "keyframes") {
     return GetKeyframe(absl::StrCat(MissionName(mission), "/", absl::StrJoin(rest, "/")), request);
+  }
+  if (rest.size() == 5 && rest[0] == "localMaps" && rest[2] == "keyframes" &&
+      rest[4] == "picture") {
+    return GetPicture(absl::StrCat(MissionName(mission), "/",
+                                   absl::StrJoin(rest.begin(), rest.begin() + 4, "/")));
+  }
+  if (rest.size() == 2 && rest[0] == "overlaps") {
+    return GetOverlap(absl::StrCat(MissionName(mission), "/", absl::StrJoin(rest, "/")));
   }
   return absl::NotFoundError(absl::StrCat("there is no ", request.path.substr(0, 200)));
 }
@@ -234,6 +243,41 @@ StoreApi::Answered StoreApi::GetKeyframe(const std::string& name, const WebReque
   if (Find(request, "view") == "full") ask.set_view(v1::KEYFRAME_VIEW_FULL);
   v1::Keyframe response;
   RETURN_IF_ERROR(ToStatus(store_->GetKeyframe(&context, ask, &response), "GetKeyframe"));
+  return ToJson(response);
+}
+
+StoreApi::Answered StoreApi::GetPicture(const std::string& name) {
+  grpc::ClientContext context;
+  SetDeadline(context);
+  v1::GetKeyframeRequest ask;
+  ask.set_name(name);
+  ask.set_view(v1::KEYFRAME_VIEW_PICTURE);
+  v1::Keyframe keyframe;
+  RETURN_IF_ERROR(ToStatus(store_->GetKeyframe(&context, ask, &keyframe), "GetKeyframe"));
+  const size_t bytes = keyframe.picture().size();
+  if (bytes > kMaxPictureBytes) {
+    return absl::InternalError(absl::StrCat("the map store's picture has ", bytes,
+                                            " bytes; the limit is ", kMaxPictureBytes));
+  }
+  WebResponse response;
+  // That there is none is no error; one may still come.
+  if (bytes == 0) return response;
+  response.content_type = "image/jpeg";
+  response.body = std::make_shared<const std::string>(std::move(*keyframe.mutable_picture()));
+  response.headers["Picture-Scale"] = absl::StrCat(keyframe.picture_scale());
+  // A keyframe's picture never changes; who may see it may.
+  response.headers["Cache-Control"] = "private, max-age=600";
+  response.headers["Vary"] = "Authorization";
+  return response;
+}
+
+StoreApi::Answered StoreApi::GetOverlap(const std::string& name) {
+  grpc::ClientContext context;
+  SetDeadline(context);
+  v1::GetOverlapRequest ask;
+  ask.set_name(name);
+  v1::Overlap response;
+  RETURN_IF_ERROR(ToStatus(store_->GetOverlap(&context, ask, &response), "GetOverlap"));
   return ToJson(response);
 }
 

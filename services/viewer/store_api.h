@@ -45,6 +45,8 @@ class StoreApi {
   Answered ListLocalMaps(const std::string& mission, const WebRequest& request);
   Answered ListOverlaps(const std::string& mission, const WebRequest& request);
   Answered GetKeyframe(const std::string& name, const WebRequest& request);
+  Answered GetPicture(const std::string& name);
+  Answered GetOverlap(const std::string& name);
   Answered GetTrajectory(const std::string& mission, const WebRequest& request);
   Answered GetHistory(const std::string& mission, const WebRequest& request);
   Answered GetTruth(const std::string& mission) const;

@@ -3,6 +3,7 @@
 #ifndef CORBSLAM_SLAM_EXCHANGE_UPLINK_H_
 #define CORBSLAM_SLAM_EXCHANGE_UPLINK_H_
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -26,6 +27,8 @@ struct Capabilities {
   bool localise_only = false;
   // A store that has it keeps what LocalisedFrames say of an agent's trajectory.
   bool keeps_localised = false;
+  // A store that has it takes keyframes' pictures (Uplink::SendPicture).
+  bool keyframe_pictures = false;
 };
 
 // What of the global layer an agent is told.
@@ -115,6 +118,19 @@ struct LocalisedKept {
   uint64_t number = 0;
 };
 
+// What a keyframe's camera saw, for people to look at; no algorithm reads it.
+struct KeyframePicture {
+  KeyframeId keyframe;
+  // A grey JPEG of the undistorted picture that the keypoints' positions are of.
+  std::string jpeg;
+  // Pixels of the keypoints' positions to one of the picture's, 1 to 64: what lies at x there lies
+  // at (x + 0.5) / scale - 0.5 here.
+  double scale = 1;
+};
+
+// Most bytes of KeyframePicture::jpeg.
+inline constexpr size_t kMaxPictureBytes = 64 << 10;
+
 // Hears what comes from the store. One thread at a time calls it, and never from inside a call of
 // Uplink, but for the direct implementation.
 class UplinkListener {
@@ -148,6 +164,8 @@ class Uplink {
   // Does the same with what an agent says that changes nothing. The default is for an uplink that
   // carries batches only.
   virtual bool SendLocalised(const LocalisedFrames& /*localised*/) { return false; }
+  // Does the same with a picture, which nobody answers: one that was taken may still be lost.
+  virtual bool SendPicture(const KeyframePicture& /*picture*/) { return false; }
   // Reads nothing more from the store until ResumeReading, but for what is being read: the listener
   // has no room. Acknowledgements wait, too. May be called by the listener. A transport that brings
   // only what its owner asks for needs neither.

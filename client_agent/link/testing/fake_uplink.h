@@ -42,6 +42,12 @@ class FakeUplink : public Uplink {
     if (acknowledge) listener_->OnAcknowledged({batch.local_map, batches.size()});
     return true;
   }
+  bool SendPicture(const KeyframePicture& picture) override {
+    if (!open || !takes_pictures) return false;
+    bytes += picture.jpeg.size();
+    pictures.push_back(picture);
+    return true;
+  }
   void Break(const absl::Status& reason) {
     open = false;
     listener_->OnSessionClosed(reason);
@@ -57,6 +63,9 @@ class FakeUplink : public Uplink {
 
   std::atomic<bool> reachable = true;
   bool acknowledge = true;
+  // False: the transport has no room for pictures.
+  bool takes_pictures = true;
+  std::vector<KeyframePicture> pictures;
   // False: what is sent is not stored.
   bool accept = true;
   // Why sessions are refused; OK: they are not.

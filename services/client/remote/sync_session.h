@@ -47,6 +47,8 @@ class SyncSession : private grpc::ClientBidiReactor<v1::SyncRequest, v1::SyncRes
   bool Send(const MapUpdateBatch& batch);
   // Does what Uplink::SendLocalised does.
   bool SendLocalised(const LocalisedFrames& localised);
+  // Does what Uplink::SendPicture does.
+  bool SendPicture(const KeyframePicture& picture);
   // Returns what Uplink::bytes_waiting does; 0 once the call has broken.
   uint64_t bytes_waiting() const;
   // These do what those of Uplink do.

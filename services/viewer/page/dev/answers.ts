@@ -1,17 +1,18 @@
 // What the simulated server answers to requests, by the contract of the page.
 import { type DescMessage, type MessageInitShape, create, toBinary, toJsonString } from '@bufbuild/protobuf';
 import { GetTrajectoryResponseSchema, ListMissionsResponseSchema, ListOverlapsResponseSchema, WatchMapResponseSchema } from '@gen/corbslam/v1/map_store_service_pb';
-import { OverlapVerdict } from '@gen/corbslam/v1/overlap_pb';
+import { OverlapMatchSchema, OverlapSchema, OverlapVerdict } from '@gen/corbslam/v1/overlap_pb';
 import { KeyframeSchema } from '@gen/corbslam/v1/resources_pb';
 import { MissionPulseSchema, type MissionPulse } from '@gen/corbslam/v1/viewer_pb';
 import { TrackingState } from '@gen/corbslam/v1/agent_service_pb';
 import { hexId } from '../src/model/ids';
 import { Random } from '../src/model/random';
 import type { Quat, Vec3 } from '../src/model/vector';
+import { picture } from './picture';
 import { cameraFromFrame, toOwnFrame, turnToOwnFrame } from './street';
 import { type SimulatedMission, type SimulatedRobot, now } from './simulated_mission';
 
-export type Answer = { type: string; body: Uint8Array | string } | undefined;
+export type Answer = { type: string; body: Uint8Array | string; headers?: Record<string, string> } | undefined;
 
 function json<S extends DescMessage>(schema: S, init: MessageInitShape<S>): Answer {
   return { type: 'application/json', body: toJsonString(schema, create(schema, init), { alwaysEmitImplicit: true }) };
@@ -38,11 +39,27 @@ export function answer(mission: SimulatedMission, path: string, query: URLSearch
       overlaps: mission.overlaps.filter(({ verdict }) => all || verdict === OverlapVerdict.ACCEPTED),
     });
   }
+  const overlap = /^\/overlaps\/(\d+)$/.exec(path);
+  if (overlap) return oneOverlap(mission, BigInt(overlap[1]));
+  const seen = /^\/localMaps\/[0-9a-f]{16}\/keyframes\/(\d+)\/picture$/.exec(path);
+  if (seen) return Number(seen[1]) % 5 === 4 ? { type: 'text/plain', body: '' } : picture(Number(seen[1]));
   if (path === '/trajectory') return trajectory(mission, query.get('frame') === 'local');
   if (path === '/truth') return { type: 'text/plain', body: truth(mission) };
   if (path === '/history') return prefixed(mission.past.map((message) => toBinary(WatchMapResponseSchema, message)));
   const match = /^\/localMaps\/([0-9a-f]{16})\/keyframes\/(\d+)$/.exec(path);
   return match ? keyframe(mission, match[1], Number(match[2])) : undefined;
+}
+
+/** With made-up matches: what is the same lies a little further right in the candidate. */
+function oneOverlap(mission: SimulatedMission, number: bigint): Answer {
+  const found = mission.overlaps.find((one) => one.number === number);
+  if (!found) return undefined;
+  const random = new Random(Number(number) + 5);
+  const matches = Array.from({ length: found.verdict === OverlapVerdict.ACCEPTED ? 160 : 12 }, () => {
+    const [x, y] = [50 + random.below(1000), 60 + random.below(250)];
+    return { queryXPx: x, queryYPx: y, candidateXPx: x + 60 + random.below(20), candidateYPx: y + random.below(12) };
+  });
+  return json(OverlapSchema, { ...found, matches: matches.map((match) => create(OverlapMatchSchema, match)) });
 }
 
 /** Where the first robot really was: beside where it says, as far as it has come. */

@@ -51,7 +51,7 @@ function serve(request: IncomingMessage, response: ServerResponse): void {
   if (match && match[1] && match[1] !== mission.name) return refuse(response, 404, 'There is no such mission.');
   const told = !match ? undefined : match[1] ? answer(mission, match[2] ?? '', url.searchParams) : listMissions([mission]);
   if (!told) return refuse(response, 404, 'There is nothing of this name.');
-  response.writeHead(200, { 'Content-Type': told.type }).end(told.body);
+  response.writeHead(200, { 'Content-Type': told.type, ...told.headers }).end(told.body);
 }
 
 type Part = MessageInitShape<typeof ViewerMessageSchema>['part'];

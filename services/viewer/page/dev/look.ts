@@ -1,6 +1,6 @@
 // Looks at the page in a browser: starts the simulated server, walks through what people do, and
 // keeps pictures in out/look. Fails where the page wrote an error to the console.
-//   --phone: only what a phone shows
+//   --phone: only what a phone shows; --pictures: only keyframes' pictures and overlaps' matches
 import { spawn } from 'node:child_process';
 import { mkdirSync } from 'node:fs';
 import { type Page, chromium } from 'playwright-core';
@@ -11,7 +11,7 @@ const SWIFT = ['--no-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swift
   '--no-first-run', '--disable-background-networking', '--disable-component-update', '--disable-sync'];
 const errors: string[] = [];
 mkdirSync('out/look', { recursive: true });
-const server = spawn(process.execPath, ['out/fake_server.mjs', `--port=${PORT}`, '--merge=30,1e9'], { stdio: ['ignore', 'pipe', 'inherit'] });
+const server = spawn(process.execPath, ['out/fake_server.mjs', `--port=${PORT}`, `--merge=${process.argv.includes('--pictures') ? 6 : 30},1e9`], { stdio: ['ignore', 'pipe', 'inherit'] });
 const isUp = new Promise((done) => server.stdout!.once('data', done));
 const browser = await chromium.launch({ executablePath: process.env.CHROMIUM ?? '/usr/bin/chromium', args: SWIFT });
 
@@ -77,6 +77,47 @@ async function lookAtDetails(page: Page): Promise<void> {
   await page.keyboard.press('r');
 }
 
+/** Keyframes' pictures and overlaps' matches, small and enlarged; `theme` is in the names. */
+async function lookAtPictures(page: Page, theme: string): Promise<void> {
+  const names = await hook<string[]>(page, 'keyframeNames()');
+  const select = (name: string) => page.evaluate((chosen) =>
+    (window as never as { corbslam: { select(n: string): void } }).corbslam.select(chosen), name);
+  await select(names.find((name) => name.endsWith('/40'))!);
+  await page.locator('.seen-figure').waitFor();
+  await shot(page, `20_picture_${theme}`);
+  await page.locator('.enlarge').dispatchEvent('click');
+  await shot(page, `21_picture_enlarged_${theme}`);
+  await page.keyboard.press('Escape');
+  await select(names.find((name) => name.endsWith('/34'))!);
+  await page.getByText('There is no picture of it').waitFor();
+  await shot(page, `22_no_picture_${theme}`);
+  await page.keyboard.press('Escape');
+  for (const verdict of ['yes', 'no']) {
+    await page.locator(`.overlap.${verdict}`).first().dispatchEvent('click');
+    await page.locator('.seen-figure').waitFor();
+    await shot(page, `23_overlap_${verdict}_${theme}`);
+    await page.locator('.enlarge').dispatchEvent('click');
+    await shot(page, `24_overlap_${verdict}_enlarged_${theme}`);
+    await page.keyboard.press('Escape');
+    await page.keyboard.press('Escape');
+  }
+}
+
+async function walkPictures(): Promise<void> {
+  for (const theme of ['light', 'dark'] as const) {
+    const page = await open(1366, 768, theme, '#mission=lab&show=pktor');
+    await until(page, 'window.corbslam.revision > 0');
+    await lookAtPictures(page, theme);
+    await page.close();
+  }
+  const phone = await open(390, 844, 'light', '#mission=lab&show=pktor');
+  await phone.locator('.overlap.yes').first().dispatchEvent('click');
+  await phone.locator('.seen-figure').waitFor();
+  await shot(phone, '25_overlap_phone_light');
+  await phone.locator('.enlarge').dispatchEvent('click');
+  await shot(phone, '26_overlap_enlarged_phone_light');
+}
+
 async function lookAtPast(page: Page): Promise<void> {
   await page.keyboard.press('t');
   await page.selectOption('.toolbar select', 'paper');
@@ -122,8 +163,14 @@ async function walkOnPhone(): Promise<void> {
 
 try {
   await isUp;
-  if (!process.argv.includes('--phone')) await walk();
-  await walkOnPhone();
+  if (process.argv.includes('--pictures')) await walkPictures();
+  else {
+    if (!process.argv.includes('--phone')) {
+      await walk();
+      await walkPictures();
+    }
+    await walkOnPhone();
+  }
 } finally {
   await browser.close();
   server.kill();

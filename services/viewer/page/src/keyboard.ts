@@ -21,6 +21,8 @@ const TOGGLES = {
 
 /** Handles a key; returns whether it meant something. */
 export function handleKey(event: KeyboardEvent, state: ViewState, actions: KeyActions): boolean {
+  // An enlarged picture has the keys: Escape closes it alone.
+  if (document.querySelector('dialog.enlarged[open]')) return false;
   if (event.ctrlKey || event.altKey || event.metaKey || isTyping(event)) return false;
   const key = event.key.toLowerCase();
   if (key in TOGGLES) {

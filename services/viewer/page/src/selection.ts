@@ -1,11 +1,13 @@
 import type { Overlap } from '@gen/corbslam/v1/overlap_pb';
 import type { Keyframe } from '@gen/corbslam/v1/resources_pb';
 import type { MissionPage } from './mission_page';
-import { type KeyframeId, keyframeName } from './model/ids';
+import { Pictures } from './feed/pictures';
+import { type KeyframeId, keyframeName, parseKeyframeName } from './model/ids';
 import { type Sights, highlightWords, sightsOf, splitLandmarks } from './model/sights';
 import { type DetailsPanel, keyframeDetails } from './panels/details';
 import { h, setText } from './panels/dom';
 import { overlapDetails } from './panels/overlaps';
+import { seenOverlap } from './panels/seen_overlap';
 import { pickKeyframe, pickOverlap } from './scene/picking';
 
 /** What the user chose: a keyframe, an overlap, or nothing. */
@@ -15,6 +17,10 @@ export class Selection {
   private readonly highlight = h('p', { class: 'note' });
 
   constructor(private readonly page: MissionPage, private readonly details: DetailsPanel, private readonly onShow: () => void) {}
+
+  private get pictures(): Pictures {
+    return new Pictures(this.page.rest, this.page.mission);
+  }
 
   get isEmpty(): boolean {
     return this.chosen === '';
@@ -60,14 +66,19 @@ export class Selection {
     this.page.sightsChosen(this.sights?.landmarks ?? []);
     setText(this.highlight, 'Which landmarks it sees the store does not tell.');
     this.refresh();
-    this.details.show(keyframeDetails(keyframe, this.page.names, this.sights, this.highlight));
+    const id = parseKeyframeName(keyframe.name);
+    const picture = id ? this.pictures.of(id) : Promise.resolve({ why: '' });
+    this.details.show(keyframeDetails(keyframe, this.page.names, this.sights, this.highlight, picture));
   }
 
   overlap(overlap: Overlap): void {
     this.sights = undefined;
     this.chosen = `overlap ${overlap.number}`;
     this.page.overlapChosen(overlap, undefined);
-    this.details.show(overlapDetails(overlap, (id) => this.page.agentOf(id)));
+    const [query, candidate] = [parseKeyframeName(overlap.query), parseKeyframeName(overlap.candidate)];
+    const seen = query && candidate ? [seenOverlap(this.pictures.ofOverlap(overlap.number, query, candidate))] : [];
+    const [title, ...rest] = overlapDetails(overlap, (id) => this.page.agentOf(id));
+    this.details.show([title, ...seen, ...rest]);
     this.onShow();
   }
 

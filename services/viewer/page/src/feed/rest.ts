@@ -51,6 +51,19 @@ export class Rest {
     return this.json(`${root(mission)}/${keyframeName(id)}?view=full`, KeyframeSchema);
   }
 
+  /** What its camera saw, and how many pixels of its keypoints' places one of the picture is. */
+  async picture(mission: string, id: KeyframeId): Promise<{ blob: Blob; scale: number }> {
+    const response = await this.get(`${root(mission)}/${keyframeName(id)}/picture`);
+    const blob = await response.blob();
+    this.receivedBytes += blob.size;
+    return { blob, scale: Number(response.headers.get('Picture-Scale')) };
+  }
+
+  /** What the mission has under this path. */
+  message<S extends DescMessage>(path: string, mission: string, schema: S): Promise<MessageShape<S>> {
+    return this.json(`${root(mission)}/${path}`, schema);
+  }
+
   /** Its poses alone. */
   keyframePose(mission: string, id: KeyframeId): Promise<Keyframe> {
     return this.json(`${root(mission)}/${keyframeName(id)}`, KeyframeSchema);

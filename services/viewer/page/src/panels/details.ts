@@ -1,10 +1,11 @@
 import type { Keyframe } from '@gen/corbslam/v1/resources_pb';
+import type { PictureOrWhy } from '../feed/pictures';
 import { lastSegment, parseKeyframeName } from '../model/ids';
 import type { MapNames } from '../model/map_names';
 import type { Sights } from '../model/sights';
 import { count } from '../model/words';
 import { h, panel, table } from './dom';
-import { keypointsFigure } from './keypoints';
+import { seenKeyframe } from './seen_keyframe';
 
 /** What was clicked. */
 export class DetailsPanel {
@@ -29,8 +30,9 @@ export class DetailsPanel {
   }
 }
 
-/** `highlight`: says how many of its landmarks the map shows. */
-export function keyframeDetails(keyframe: Keyframe, names: MapNames, sights: Sights | undefined, highlight: HTMLElement): Node[] {
+/** `highlight`: says how many of its landmarks the map shows. `picture`: what its camera saw. */
+export function keyframeDetails(keyframe: Keyframe, names: MapNames, sights: Sights | undefined, highlight: HTMLElement,
+  picture: Promise<PictureOrWhy>): Node[] {
   const id = parseKeyframeName(keyframe.name);
   const parent = parseKeyframeName(keyframe.parent);
   const features = keyframe.payload?.features;
@@ -46,6 +48,6 @@ export function keyframeDetails(keyframe: Keyframe, names: MapNames, sights: Sig
     ['Keypoints', count(keyframe.keypoints)],
     ['… that see a landmark', count(keyframe.observedPoints)],
   ];
-  const figure = features ? [keypointsFigure(features, sights)] : [];
+  const figure = features ? [seenKeyframe(features, sights, picture)] : [];
   return [h('h3', {}, `Keyframe #${id?.index ?? '?'}`), ...figure, highlight, table(rows)];
 }
