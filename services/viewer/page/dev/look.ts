@@ -6,12 +6,13 @@ import { mkdirSync } from 'node:fs';
 import { type Page, chromium } from 'playwright-core';
 
 const PORT = '8091';
-const HOME = `http://localhost:${PORT}/`;
+const BELOW = '/map';
+const HOME = `http://localhost:${PORT}${BELOW}/`;
 const SWIFT = ['--no-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--disable-quic',
   '--no-first-run', '--disable-background-networking', '--disable-component-update', '--disable-sync'];
 const errors: string[] = [];
 mkdirSync('out/look', { recursive: true });
-const server = spawn(process.execPath, ['out/fake_server.mjs', `--port=${PORT}`, '--merge=30,1e9'], { stdio: ['ignore', 'pipe', 'inherit'] });
+const server = spawn(process.execPath, ['out/fake_server.mjs', `--port=${PORT}`, '--merge=30,1e9', '--drives', `--below=${BELOW}`], { stdio: ['ignore', 'pipe', 'inherit'] });
 const isUp = new Promise((done) => server.stdout!.once('data', done));
 const browser = await chromium.launch({ executablePath: process.env.CHROMIUM ?? '/usr/bin/chromium', args: SWIFT });
 

@@ -2,6 +2,7 @@ import type { Overlap } from '@gen/corbslam/v1/overlap_pb';
 import type { Keyframe } from '@gen/corbslam/v1/resources_pb';
 import type { MissionPage } from './mission_page';
 import { type KeyframeId, keyframeName } from './model/ids';
+import { plainWords } from './model/plain_words';
 import { type Sights, highlightWords, sightsOf, splitLandmarks } from './model/sights';
 import { type DetailsPanel, keyframeDetails } from './panels/details';
 import { h, setText } from './panels/dom';
@@ -15,6 +16,11 @@ export class Selection {
   private readonly highlight = h('p', { class: 'note' });
 
   constructor(private readonly page: MissionPage, private readonly details: DetailsPanel, private readonly onShow: () => void) {}
+
+  /** As a link names it; empty: nothing. */
+  get name(): string {
+    return this.chosen;
+  }
 
   get isEmpty(): boolean {
     return this.chosen === '';
@@ -38,13 +44,14 @@ export class Selection {
     this.chosen = name;
     this.sights = undefined;
     this.page.overlapChosen(undefined, id);
+    this.page.keepView();
     this.details.show([h('p', { class: 'quiet' }, 'Asking the map store …')]);
     this.onShow();
     try {
       const keyframe = await this.page.rest.keyframe(this.page.mission, id);
       if (this.chosen === name) this.show(keyframe);
     } catch (error) {
-      if (this.chosen === name) this.details.show([h('p', { role: 'alert' }, error instanceof Error ? error.message : String(error))]);
+      if (this.chosen === name) this.details.show([h('p', { role: 'alert' }, plainWords(error instanceof Error ? error.message : String(error)))]);
     }
   }
 
@@ -65,9 +72,10 @@ export class Selection {
 
   overlap(overlap: Overlap): void {
     this.sights = undefined;
-    this.chosen = `overlap ${overlap.number}`;
+    this.chosen = `overlaps/${overlap.number}`;
     this.page.overlapChosen(overlap, undefined);
-    this.details.show(overlapDetails(overlap, (id) => this.page.agentOf(id)));
+    this.page.keepView();
+    this.details.show(overlapDetails(overlap, (name) => this.page.names.keyframe(name)));
     this.onShow();
   }
 
@@ -75,6 +83,7 @@ export class Selection {
     this.chosen = '';
     this.sights = undefined;
     this.page.overlapChosen(undefined, undefined);
+    this.page.keepView();
     this.details.hide();
   }
 }
