@@ -181,13 +181,14 @@ export class SimulatedMission {
     const isAccepted = verdict === OverlapVerdict.ACCEPTED;
     const number = BigInt(this.overlaps.length + 1);
     const reached = isAccepted ? 9 : verdict;
-    const at = (stage: number, value: number) => (reached >= stage ? value : 0);
+    // The stage that refused it has too little.
+    const at = (stage: number, value: number) => (reached > stage ? value : reached === stage ? Math.floor(value / 9) : 0);
     this.overlaps.push(create(OverlapSchema, {
       query, candidate, verdict, note, number, name: `missions/${this.name}/overlaps/${number}`, fused: isAccepted,
       inliers: at(4, 61), revision: isAccepted ? this.revision + 1n : 0n,
       evidence: {
         sharedWords: 148, wordMatches: at(2, 57), ransacInliers: at(3, 31), guidedMatches: at(4, 88),
-        refinedInliers: at(4, 61), projectedMatches: at(5, 122), consistentKeyframes: at(6, 4), chanceMatches: at(5, 9), visiblePoints: at(5, 260),
+        refinedInliers: at(4, 61), projectedMatches: at(5, 122), consistentKeyframes: at(6, 4), chanceMatches: reached >= 5 ? 9 : 0, visiblePoints: reached >= 5 ? 260 : 0,
       },
     }));
   }

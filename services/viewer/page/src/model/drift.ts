@@ -60,5 +60,5 @@ export function driftWords(drift: Drift | undefined): string {
   if (!drift) return 'not yet';
   const { distanceM, wayM } = drift;
   const distance = `${distanceM.toFixed(distanceM < 10 ? 2 : 1)} m`;
-  return wayM > 0 ? `${distance} after ${count(Math.round(wayM))} m` : distance;
+  return wayM > 0 ? `${distance} in ${count(Math.round(wayM))} m` : distance;
 }

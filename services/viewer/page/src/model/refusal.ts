@@ -11,11 +11,12 @@ export const BARS = {
 /** A count of one stage, for people. */
 export interface StageRow {
   name: string;
-  /** The number, or that the stage was not reached. */
+  /** The number; of a stage that was not reached, that. */
   value: string;
   /** What it had to be at least; empty: there is no bar. */
   bar: string;
   isShort: boolean;
+  isReached: boolean;
 }
 
 const NOT_REACHED = 'not reached';
@@ -45,8 +46,8 @@ export function stageRows(overlap: Overlap): StageRow[] {
   if (!e) return [];
   const last = reached(overlap);
   const row = (stage: number, name: string, value: number, bar = 0): StageRow => {
-    if (stage > last) return { name, value: NOT_REACHED, bar: '', isShort: false };
-    return { name, value: count(value), bar: bar > 0 ? `of ${count(bar)} needed` : '', isShort: value < bar };
+    if (stage > last) return { name, value: NOT_REACHED, bar: '', isShort: false, isReached: false };
+    return { name, value: count(value), bar: bar > 0 ? `of ${count(bar)} needed` : '', isShort: value < bar, isReached: true };
   };
   return [
     row(1, 'Words in common', e.sharedWords),

@@ -41,7 +41,7 @@ export function keyframeDetails(keyframe: Keyframe, names: MapNames, sights: Sig
     ['Robot', lastSegment(keyframe.agent)],
     ['Local map', id ? names.of(id.localMap) : keyframe.name],
     ['Island', `that of ${names.of(lastSegment(keyframe.island))}`],
-    ...(place ? [['Position: right, down, ahead', positionWords(place)] as [string, string], ['Looks', headingWords(place)] as [string, string]] : []),
+    ...(place ? [['Right, down, ahead', positionWords(place)] as [string, string], ['Looks', headingWords(place)] as [string, string]] : []),
     ['Robot’s clock', clockWords(keyframe.timestampNs)],
     ['Place', keyframe.placed ? 'given by fusion' : 'follows its nearest relative'],
     ['Local adjustment', keyframe.settled ? 'settled' : 'still going on'],

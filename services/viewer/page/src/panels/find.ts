@@ -41,6 +41,7 @@ export class FindBox {
 
   private choose(found: Found): void {
     this.close();
+    this.input.blur();
     this.goTo(found);
   }
 

@@ -67,11 +67,12 @@ function reason(overlap: Overlap): string {
 }
 
 function stageValue(value: string, bar: string, isShort: boolean): HTMLElement {
-  return h('span', { class: isShort ? 'short' : value === 'not reached' ? 'quiet' : '' }, value, bar && h('small', {}, ` ${bar}`));
+  return h('span', { class: isShort ? 'short' : '' }, value, bar && h('small', {}, ` ${bar}`));
 }
 
 /** Why an overlap was accepted or not: the verdict and all that was counted. */
 export function overlapDetails(overlap: Overlap, side: (name: string) => string): Node[] {
+  const rows = stageRows(overlap);
   const verdict = h('p', { class: isAccepted(overlap) ? 'verdict yes' : 'verdict no' }, verdictWords(overlap.verdict));
   const state = overlap.revision > 0n ? `Taken in by revision ${count(overlap.revision)}.`
     : overlap.fused ? 'Its sides are in one island by another overlap.' : 'Not part of the map.';
@@ -82,7 +83,8 @@ export function overlapDetails(overlap: Overlap, side: (name: string) => string)
     table([
       ['Asked', side(overlap.query)], ['Candidate', side(overlap.candidate)],
       ...(overlap.inliers > 0 ? [['Point pairs that agree', count(overlap.inliers)] as [string, string]] : []),
-      ...stageRows(overlap).map(({ name, value, bar, isShort }): [string, Node] => [name, stageValue(value, bar, isShort)]),
+      ...rows.filter(({ isReached }) => isReached).map(({ name, value, bar, isShort }): [string, Node] => [name, stageValue(value, bar, isShort)]),
     ]),
+    rows.every(({ isReached }) => isReached) ? '' : h('p', { class: 'quiet' }, 'What else is looked at was not reached.'),
   ].filter((node): node is HTMLElement => typeof node !== 'string');
 }

@@ -15,8 +15,8 @@ interface Kind {
 
 const KINDS: Kind[] = [
   { name: 'Frames tracked', of: (sample) => sample.trackedPerS, say: (value) => `${value.toFixed(1)} /s` },
-  { name: 'Age of the newest frame', of: (sample) => sample.ageS, say: (value) => (value < 1 ? `${Math.round(1000 * value)} ms` : `${value.toFixed(1)} s`) },
-  { name: 'Points of its own map', of: (sample) => sample.points, say: (value) => count(Math.round(value)) },
+  { name: 'Newest frame’s age', of: (sample) => sample.ageS, say: (value) => (value < 1 ? `${Math.round(1000 * value)} ms` : `${value.toFixed(1)} s`) },
+  { name: 'Points of its map', of: (sample) => sample.points, say: (value) => count(Math.round(value)) },
 ];
 
 /** How one robot did over the last minutes. */
