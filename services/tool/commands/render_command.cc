@@ -58,18 +58,25 @@ absl::Status CheckTruth(const std::string& truth, const std::vector<RobotPaths>&
       " ms. Is it what these robots saw, and are its times of the same clock, in seconds?"));
 }
 
-// Aligns the truth of one sequence to the robots that lie in the global frame.
-absl::StatusOr<FusedAccuracy> AlignTruth(StoreReader& store, const std::vector<std::string>& agents,
-                                         const std::string& truth) {
-  if (truth.empty()) return FusedAccuracy{};
-  ASSIGN_OR_RETURN(const SourceSpec source, ParseSourceSpec(truth));
+absl::StatusOr<std::vector<RobotPaths>> ReadPaths(StoreReader& store,
+                                                  const std::vector<std::string>& agents) {
   std::vector<RobotPaths> robots;
   for (const std::string& agent : agents) {
     RobotPaths& paths = robots.emplace_back();
     paths.name = agent;
-    paths.source = source;
-    ASSIGN_OR_RETURN(paths.local, store.ReadTrajectory(agent, v1::TRAJECTORY_FRAME_LOCAL));
     ASSIGN_OR_RETURN(paths.global, store.ReadTrajectory(agent, v1::TRAJECTORY_FRAME_GLOBAL));
+  }
+  return robots;
+}
+
+// Aligns the truth of one sequence to the robots that lie in the global frame.
+absl::StatusOr<FusedAccuracy> AlignTruth(StoreReader& store, std::vector<RobotPaths> robots,
+                                         const std::string& truth) {
+  if (truth.empty()) return FusedAccuracy{};
+  ASSIGN_OR_RETURN(const SourceSpec source, ParseSourceSpec(truth));
+  for (RobotPaths& paths : robots) {
+    paths.source = source;
+    ASSIGN_OR_RETURN(paths.local, store.ReadTrajectory(paths.name, v1::TRAJECTORY_FRAME_LOCAL));
   }
   ASSIGN_OR_RETURN(Accuracy accuracy, ComputeAccuracy(robots, 0, Alignment::kSe3));
   RETURN_IF_ERROR(CheckTruth(truth, robots, accuracy.fused));
@@ -77,8 +84,8 @@ absl::StatusOr<FusedAccuracy> AlignTruth(StoreReader& store, const std::vector<s
 }
 
 absl::Status DrawNow(const ServedMap& map, const std::string& own, const FusedAccuracy& accuracy,
-                     const RenderArguments& arguments) {
-  const MapPicture picture = ComposePicture(map, own, accuracy);
+                     const std::vector<RobotPaths>& robots, const RenderArguments& arguments) {
+  const MapPicture picture = ComposePicture(map, own, accuracy, DrivenOf(robots));
   if (IsSvg(arguments.out)) {
     ASSIGN_OR_RETURN(const std::string svg,
                      RenderMapSvg(picture, SvgLook::kAlone, arguments.picture));
@@ -132,9 +139,9 @@ absl::Status Render(RenderArguments arguments) {
     return absl::NotFoundError("mission " + arguments.mission + " has no keyframes yet");
   }
   ASSIGN_OR_RETURN(const std::string own, ChooseOwnOf(map, arguments));
-  ASSIGN_OR_RETURN(const FusedAccuracy accuracy,
-                   AlignTruth(store, ListAgents(map), arguments.truth));
-  if (arguments.past.at.empty()) RETURN_IF_ERROR(DrawNow(map, own, accuracy, arguments));
+  ASSIGN_OR_RETURN(const std::vector<RobotPaths> paths, ReadPaths(store, ListAgents(map)));
+  ASSIGN_OR_RETURN(const FusedAccuracy accuracy, AlignTruth(store, paths, arguments.truth));
+  if (arguments.past.at.empty()) RETURN_IF_ERROR(DrawNow(map, own, accuracy, paths, arguments));
   if (looks_back) {
     RETURN_IF_ERROR(RenderPast(store, own, accuracy, arguments.past, arguments.out));
   }

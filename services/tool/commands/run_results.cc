@@ -26,8 +26,8 @@ absl::Status WriteTrajectories(const MissionOutcome& outcome, const std::string&
 
 absl::Status WritePicture(const MissionOutcome& outcome, const Accuracy& accuracy,
                           const std::string& own, const std::string& path) {
-  ASSIGN_OR_RETURN(const cv::Mat image,
-                   RenderMap(ComposePicture(outcome.map, own, accuracy.fused)));
+  ASSIGN_OR_RETURN(const cv::Mat image, RenderMap(ComposePicture(outcome.map, own, accuracy.fused,
+                                                                 DrivenOf(outcome.paths))));
   return WriteImage(image, path);
 }
 

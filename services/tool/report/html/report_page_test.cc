@@ -146,6 +146,28 @@ void AddHeld(ReportDetail& detail) {
   }
 }
 
+// Returns what stands between `begin` and the next quotation mark, of each place where `begin` is.
+std::vector<std::string> QuotedBehind(const std::string& html, const std::string& begin) {
+  std::vector<std::string> found;
+  for (size_t at = html.find(begin); at != std::string::npos; at = html.find(begin, at + 1)) {
+    const size_t from = at + begin.size();
+    found.push_back(html.substr(from, html.find('"', from) - from));
+  }
+  return found;
+}
+
+TEST(ToHtmlTest, ContentsLeadToEachPartOfThePage) {
+  const std::vector<std::string> names = {"alpha"};
+  const std::string html = ToHtml(MakeReport(names), MakeDetail(names));
+  std::vector<std::string> linked = QuotedBehind(html, "<a href=\"#");
+  std::vector<std::string> parts = QuotedBehind(html, "<h2 id=\"");
+  EXPECT_GE(linked.size(), 5u);
+  std::sort(linked.begin(), linked.end());
+  std::sort(parts.begin(), parts.end());
+  EXPECT_EQ(linked, parts);
+  EXPECT_LT(html.find("id=\"h-map\""), html.find("id=\"h-accuracy\""));
+}
+
 TEST(ToHtmlTest, ShowsWhatCompanyGave) {
   const std::vector<std::string> names = {"alpha", kHostile};
   const std::string html = ToHtml(MakeCompany(names), MakeDetail(names));

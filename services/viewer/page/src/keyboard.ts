@@ -11,6 +11,8 @@ export interface KeyActions {
   step(by: number): boolean;
   escape(): void;
   help(): void;
+  measure(): void;
+  find(): void;
 }
 
 const COLOURS: ColourMode[] = ['robot', 'island', 'paper', 'height', 'age', 'observations'];
@@ -37,6 +39,8 @@ export function handleKey(event: KeyboardEvent, state: ViewState, actions: KeyAc
   else if (key === 'arrowleft' || key === 'arrowright') return actions.step(key === 'arrowleft' ? -1 : 1);
   else if (key === 'escape') actions.escape();
   else if (key === '?') actions.help();
+  else if (key === 'm') actions.measure();
+  else if (key === '/') actions.find();
   else return false;
   return true;
 }

@@ -3,6 +3,7 @@ import type { Keyframe } from '@gen/corbslam/v1/resources_pb';
 import type { MissionPage } from './mission_page';
 import { Pictures } from './feed/pictures';
 import { type KeyframeId, keyframeName, parseKeyframeName } from './model/ids';
+import { plainWords } from './model/plain_words';
 import { type Sights, highlightWords, sightsOf, splitLandmarks } from './model/sights';
 import { type DetailsPanel, keyframeDetails } from './panels/details';
 import { h, setText } from './panels/dom';
@@ -20,6 +21,11 @@ export class Selection {
 
   private get pictures(): Pictures {
     return new Pictures(this.page.rest, this.page.mission);
+  }
+
+  /** As a link names it; empty: nothing. */
+  get name(): string {
+    return this.chosen;
   }
 
   get isEmpty(): boolean {
@@ -44,13 +50,14 @@ export class Selection {
     this.chosen = name;
     this.sights = undefined;
     this.page.overlapChosen(undefined, id);
+    this.page.keepView();
     this.details.show([h('p', { class: 'quiet' }, 'Asking the map store …')]);
     this.onShow();
     try {
       const keyframe = await this.page.rest.keyframe(this.page.mission, id);
       if (this.chosen === name) this.show(keyframe);
     } catch (error) {
-      if (this.chosen === name) this.details.show([h('p', { role: 'alert' }, error instanceof Error ? error.message : String(error))]);
+      if (this.chosen === name) this.details.show([h('p', { role: 'alert' }, plainWords(error instanceof Error ? error.message : String(error)))]);
     }
   }
 
@@ -73,11 +80,12 @@ export class Selection {
 
   overlap(overlap: Overlap): void {
     this.sights = undefined;
-    this.chosen = `overlap ${overlap.number}`;
+    this.chosen = `overlaps/${overlap.number}`;
     this.page.overlapChosen(overlap, undefined);
+    this.page.keepView();
     const [query, candidate] = [parseKeyframeName(overlap.query), parseKeyframeName(overlap.candidate)];
     const seen = query && candidate ? [seenOverlap(this.pictures.ofOverlap(overlap.number, query, candidate))] : [];
-    const [title, ...rest] = overlapDetails(overlap, (id) => this.page.agentOf(id));
+    const [title, ...rest] = overlapDetails(overlap, (name) => this.page.names.keyframe(name));
     this.details.show([title, ...seen, ...rest]);
     this.onShow();
   }
@@ -86,6 +94,7 @@ export class Selection {
     this.chosen = '';
     this.sights = undefined;
     this.page.overlapChosen(undefined, undefined);
+    this.page.keepView();
     this.details.hide();
   }
 }

@@ -7,6 +7,9 @@ import type { MapChange } from '../model/map_change';
 import { decodeMapChange } from './map_change';
 import { LengthPrefixed } from './length_prefixed';
 
+/** Beside the page, wherever that is: a proxy may have put the viewer below a path of its own. */
+const MISSIONS = 'api/missions';
+
 /** Further overlaps are not asked for. */
 export const MOST_OVERLAPS = 20_000;
 
@@ -28,7 +31,7 @@ export class Rest {
     let pageToken = '';
     do {
       const query = pageToken ? `?pageToken=${encodeURIComponent(pageToken)}` : '';
-      const page = await this.json(`/api/missions${query}`, ListMissionsResponseSchema);
+      const page = await this.json(`${MISSIONS}${query}`, ListMissionsResponseSchema);
       missions.push(...page.missions);
       pageToken = page.nextPageToken;
     } while (pageToken);
@@ -118,7 +121,7 @@ export class Rest {
 }
 
 function root(mission: string): string {
-  return `/api/missions/${encodeURIComponent(mission)}`;
+  return `${MISSIONS}/${encodeURIComponent(mission)}`;
 }
 
 async function reason(response: Response): Promise<string> {

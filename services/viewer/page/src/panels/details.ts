@@ -2,6 +2,8 @@ import type { Keyframe } from '@gen/corbslam/v1/resources_pb';
 import type { PictureOrWhy } from '../feed/pictures';
 import { lastSegment, parseKeyframeName } from '../model/ids';
 import type { MapNames } from '../model/map_names';
+import { clockWords } from '../model/moment';
+import { headingWords, placeOf, positionWords } from '../model/place_words';
 import type { Sights } from '../model/sights';
 import { count } from '../model/words';
 import { h, panel, table } from './dom';
@@ -36,11 +38,13 @@ export function keyframeDetails(keyframe: Keyframe, names: MapNames, sights: Sig
   const id = parseKeyframeName(keyframe.name);
   const parent = parseKeyframeName(keyframe.parent);
   const features = keyframe.payload?.features;
+  const place = placeOf(keyframe.cameraFromIsland);
   const rows: [string, string][] = [
     ['Robot', lastSegment(keyframe.agent)],
     ['Local map', id ? names.of(id.localMap) : keyframe.name],
     ['Island', `that of ${names.of(lastSegment(keyframe.island))}`],
-    ['Robot’s clock', `${(Number(keyframe.timestampNs) / 1e9).toFixed(3)} s`],
+    ...(place ? [['Right, down, ahead', positionWords(place)] as [string, string], ['Looks', headingWords(place)] as [string, string]] : []),
+    ['Robot’s clock', clockWords(keyframe.timestampNs)],
     ['Place', keyframe.placed ? 'given by fusion' : 'follows its nearest relative'],
     ['Local adjustment', keyframe.settled ? 'settled' : 'still going on'],
     ['Revision', keyframe.revision > 0n ? count(keyframe.revision) : 'none yet'],
