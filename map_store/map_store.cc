@@ -44,7 +44,8 @@ MapStore::MapStore(const MapStoreOptions& options, std::shared_ptr<const Vocabul
       vocabulary_(std::move(vocabulary)),
       journal_(std::move(journal)),
       clock_(std::move(clock)),
-      memory_(std::make_unique<MemoryBudget>(options.memory_budget_bytes, &ResidentBytes, clock_)),
+      memory_(std::make_unique<MemoryBudget>(options.memory_budget_bytes, &ResidentBytes, clock_,
+                                             &UsedBytes)),
       memory_returner_(std::make_unique<MemoryReturner>(&GiveBackFreeMemory)),
       executor_(
           std::make_unique<FusionExecutor>(worker, absl::Milliseconds(options.retry_ms), clock_)),

@@ -123,6 +123,9 @@ class MissionStrand {
   absl::Status Append(const JournalRecord& record) ABSL_EXCLUSIVE_LOCKS_REQUIRED(turn_);
   // Returns the position of the last record that was appended; 0: none.
   Journal::Position appended() const { return appended_; }
+  // Returns whether something of the mission's journal was found damaged: nothing is appended to it
+  // any more, so that work for it is in vain.
+  bool IsDamaged() const { return !environment_.journal->Damage(name_).ok(); }
   // Makes all that was appended so far durable. Returns ABORTED, likewise, if the mission is
   // deleted.
   absl::Status Sync() ABSL_LOCKS_EXCLUDED(turn_, mutex_);

@@ -96,6 +96,8 @@ class RocksJournal : public Journal {
   // Opens the database that guards the folder, and finds the missions. The guard keeps other
   // processes out, and programs that would take the folder for an empty one.
   absl::Status OpenGuard();
+  // Keeps what an older program wrote, and says where.
+  absl::Status KeepOlder(uint32_t format);
   // Makes the folder of missions, from what the guard's place holds in a format of before (0:
   // nothing).
   absl::Status MakeFolders(uint32_t format);

@@ -18,6 +18,7 @@
 #include "map_store/rocks/rocks_database.h"
 #include "map_store/rocks/rocks_journal.h"
 #include "map_store/rocks/summary_file.h"
+#include "map_store/rocks/upgrade_copy.h"
 #include "slam/util/lock_holder.h"
 #include "slam/util/program_version.h"
 #include "slam/util/status_macros.h"
@@ -106,15 +107,30 @@ absl::Status RocksJournal::OpenGuard() {
       (absl::IsDataLoss(format.status()) && !folder_.exists())) {
     return absl::Status(format.status().code(), place + std::string(format.status().message()));
   }
-  if (!folder_.exists()) return MakeFolders(format.ok() ? *format : 0);
+  if (!folder_.exists()) {
+    if (format.ok() && *format <= kLastSharedFormat) RETURN_IF_ERROR(KeepOlder(*format));
+    return MakeFolders(format.ok() ? *format : 0);
+  }
   // Once there is a folder of missions, the guard has nothing that could be lost.
   if (!format.ok() || *format <= kLastSharedFormat) return MakeGuard();
   // Programs that read no newer format are kept out before the first mission has one.
-  if (*format != kJournalFormat) return WriteGuard();
+  if (*format != kJournalFormat) {
+    RETURN_IF_ERROR(KeepOlder(*format));
+    return WriteGuard();
+  }
   std::string program;
   const bool is_known = guard_->Get(map_store::ProgramKey(), &program).ok();
   // Nothing depends on it.
   if (!is_known || program != CorbslamVersion()) WriteGuard().IgnoreError();
+  return absl::OkStatus();
+}
+
+absl::Status RocksJournal::KeepOlder(uint32_t format) {
+  RETURN_IF_ERROR(KeepBeforeUpgrade(options_.directory, format));
+  LOG(WARNING) << "journal " << options_.directory << ": it is of format " << format
+               << " and becomes " << kJournalFormat << "; as it was, for the program before this "
+               << "one, it is kept in " << UpgradeCopyPath(options_.directory, format)
+               << ", to be deleted when nobody wants to go back";
   return absl::OkStatus();
 }
 
