@@ -2,7 +2,10 @@
 
 #include <glog/logging.h>
 
+#include <string>
 #include <utility>
+
+#include "absl/strings/str_cat.h"
 
 namespace corbslam::services {
 namespace {
@@ -10,6 +13,22 @@ namespace {
 // Returns true if the robot does not ask again after this status.
 bool IsForGood(const absl::Status& status) {
   return absl::IsAborted(status) || absl::IsPermissionDenied(status);
+}
+
+std::string WhatMappingDoes(const absl::Status& cause) {
+  return IsForGood(cause) ? "; the robot maps on, and does not try again"
+                          : "; the robot maps on, keeps what the store lacks, and tries again";
+}
+
+std::string WhatLocalisingDoes(const absl::Status& cause, bool has_a_map) {
+  std::string words = has_a_map ? "; the robot localises on in what it was told of the map"
+                                : "; the robot only localises, and has no map until a session "
+                                  "stands: it is lost";
+  absl::StrAppend(&words, IsForGood(cause) ? ", and does not try again" : ", and tries again");
+  if (!absl::IsNotFound(cause)) return words;
+  return absl::StrCat(words,
+                      ". Is --mission right? corbslam mission list says which missions there are, "
+                      "and a robot without --localise-only begins one");
 }
 
 }  // namespace
@@ -43,7 +62,7 @@ void UplinkLog::OnOpening() {
 
 void UplinkLog::OnOpened() {
   absl::MutexLock lock(&mutex_);
-  connected_ = true;
+  connected_ = was_ever_connected_ = true;
   opening_ = trouble_ = false;
   if (said_.ok()) {
     LOG(INFO) << who_ << "a session with the map store stands";
@@ -109,9 +128,8 @@ void UplinkLog::WarnIfDue() {
   said_at_ = now;
   LOG(WARNING) << who_ << "no session with the map store since "
                << absl::Trunc(now - without_since_, absl::Seconds(1)) << ": " << cause_
-               << (IsForGood(cause_)
-                       ? "; the robot maps on, and does not try again"
-                       : "; the robot maps on, keeps what the store lacks, and tries again");
+               << (options_.localise_only ? WhatLocalisingDoes(cause_, was_ever_connected_)
+                                          : WhatMappingDoes(cause_));
 }
 
 }  // namespace corbslam::services
