@@ -41,6 +41,8 @@ struct CameraCheck {
   // Of a perturbation on the left of the pose that was asked about, true whatever camera it was.
   std::optional<Matrix6d> covariance;
   size_t inliers = 0;  // Points that agree with the fitted camera.
+  // They are so many more than agree with the frame's own (CameraCheckOptions::max_gain).
+  bool gains = false;
 };
 
 // `agreeing` are those that agree with the frame's own camera at `camera_from_map`: of all cameras
