@@ -32,7 +32,7 @@ bool CameraDoubt::BelievesTracked(const Frame& frame, const std::vector<PointInV
 bool CameraDoubt::Look(const Frame& frame, const std::vector<PointInView>& points) {
   const FrameEvidence evidence(frame, points);
   const CameraCheck check = evidence.CheckCamera();
-  if (check.verdict != CameraCheck::Verdict::kAnother) {
+  if (check.verdict != CameraCheck::Verdict::kAnother && !check.gains) {
     in_a_row_ = 0;
     return true;
   }

@@ -1,7 +1,5 @@
 #include "client_agent/tracking/frame_evidence.h"
 
-#include <optional>
-
 #include "slam/optimisation/pose_covariance.h"
 #include "slam/verification/frame_location.h"
 

@@ -2,6 +2,7 @@
 #ifndef CORBSLAM_CLIENT_AGENT_TRACKING_FRAME_EVIDENCE_H_
 #define CORBSLAM_CLIENT_AGENT_TRACKING_FRAME_EVIDENCE_H_
 
+#include <optional>
 #include <vector>
 
 #include "client_agent/tracking/frame.h"

@@ -167,11 +167,11 @@ CameraCheck CheckCamera(const Keyframe& frame, const std::vector<const MapPoint*
   }
   if (!check.fit.has_value()) return check;
   check.covariance = CovarianceOfAnyCamera(*check.fit, camera_from_map);
-  const bool gains =
+  check.gains =
       static_cast<double>(check.inliers) > options.max_gain * static_cast<double>(agreeing.size());
   if (IsAnotherCamera(*check.fit)) {
     check.verdict = CameraCheck::Verdict::kAnother;
-  } else if (!gains &&
+  } else if (!check.gains &&
              !IsLoose(*check.covariance, MedianDepth(camera_from_map, agreeing), options)) {
     check.verdict = CameraCheck::Verdict::kAgrees;
   }
