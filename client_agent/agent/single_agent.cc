@@ -282,7 +282,8 @@ absl::StatusOr<TrackingResult> SingleAgent::Track(const SensorImages& images) {
 void SingleAgent::AskForPlace(const TrackingResult& result, bool is_placed) {
   // Who wants to be told nothing is not told where it is.
   if (share_mode_ == ShareMode::kNone) return;
-  const bool is_lost = result.why_no_pose == WhyNoPose::kNotRecognised;
+  const bool is_lost = result.why_no_pose == WhyNoPose::kNotRecognised ||
+                       result.why_no_pose == WhyNoPose::kAnotherCamera;
   const bool is_tracked = result.state == TrackingState::kTracking;
   // A lost robot can look where it is told only if it knows where that is in its map.
   if (is_lost ? !is_placed : !is_tracked || is_placed) return;

@@ -26,10 +26,12 @@ absl::StatusOr<std::unique_ptr<RobotObservers>> RobotObservers::Make(const Obser
   return observers;
 }
 
-void RobotObservers::LogSessions(const ServerTarget& store) {
+void RobotObservers::LogSessions(const ServerTarget& store, bool localise_only) {
+  UplinkLogOptions options;
+  options.localise_only = localise_only;
   sessions_ = std::make_unique<UplinkLog>(
       LogFields{.mission = mission_, .agent = name_},
-      [store](const absl::Status& seen) { return ExplainFailure(store, seen); });
+      [store](const absl::Status& seen) { return ExplainFailure(store, seen); }, options);
 }
 
 std::function<absl::Status()> RobotObservers::OfSessions() const {

@@ -33,7 +33,7 @@ class RobotObservers {
                                                               const std::string& agent);
 
   // Makes the sessions with this store be logged. The caller does so before the uplink is watched.
-  void LogSessions(const ServerTarget& store);
+  void LogSessions(const ServerTarget& store, bool localise_only);
   // Returns a function that says why no session stands, or OK while one does; null without
   // LogSessions.
   std::function<absl::Status()> OfSessions() const;

@@ -25,6 +25,7 @@
 #include "services/programs/robot/agent_run.h"
 #include "services/programs/robot/agent_trajectories.h"
 #include "services/programs/robot/held_map_file.h"
+#include "services/programs/robot/map_wait.h"
 #include "services/programs/robot/robot_report.h"
 #include "services/programs/robot/robot_source.h"
 #include "services/programs/robot/source_json.h"
@@ -81,13 +82,19 @@ AgentOptions MakeAgentOptions(const RobotFlags& flags, const UploadChoice& uploa
 }
 
 RobotReport MakeReport(const RobotFlags& flags, const Agent& agent, const RobotSource& source,
-                       const PlayedFrames& played, const Uplink* uplink) {
+                       const PlayedFrames& played, const Uplink* uplink,
+                       const absl::Status& session) {
   RobotReport report = MakeRobotReport(agent);
   report.name = flags.agent;
   report.source = flags.source;
   report.source_description = ToJson(source.description);
-  AddRun(*source.stream, played, CollectWarnings(source.warnings, agent, *source.stream, played),
-         report);
+  const RobotTask task = {.localise_only = flags.localise_only,
+                          .resume = flags.spool.resume,
+                          .mission = flags.mission,
+                          .shares_nearby = ShareOf(flags).mode == ShareMode::kNearby,
+                          .session = session};
+  AddRun(*source.stream, played,
+         CollectWarnings(source.warnings, agent, *source.stream, played, task), report);
   if (uplink != nullptr) {
     report.bytes_up = uplink->bytes_up();
     report.bytes_down = uplink->bytes_down();
@@ -240,7 +247,8 @@ absl::StatusOr<RobotFlags> Surround(const RobotFlags& given, const RobotSource& 
   ASSIGN_OR_RETURN(around.observers,
                    RobotObservers::Make(flags.observe, flags.mission, flags.agent));
   if (around.uplink != nullptr) {
-    around.observers->LogSessions({flags.server, kMapStoreService, flags.security});
+    around.observers->LogSessions({flags.server, kMapStoreService, flags.security},
+                                  flags.localise_only);
   }
   return flags;
 }
@@ -315,6 +323,7 @@ absl::Status Drive(const RobotFlags& flags, const Surroundings& around, const Ro
   ASSIGN_OR_RETURN(const auto metrics, observers.Serve(agent.get(), uplink));
   security.server.rpc_observer = observers.OfCalls();
   ASSIGN_OR_RETURN(const auto server, Serve(flags, security, service));
+  if (flags.localise_only) WaitForMap(*agent, flags.mission, stop);
   PlayedFrames frames;
   const absl::Status played = PlayStream(
       *source.stream, recording != nullptr ? *recording : *watched, flags.pace, stop, frames,
@@ -326,13 +335,15 @@ absl::Status Drive(const RobotFlags& flags, const Surroundings& around, const Ro
       around.rate.get());
   // What became of the recording is in the log: it is no failure of the robot.
   if (recorder != nullptr) recorder->Finish().IgnoreError();
+  const auto of_sessions = observers.OfSessions();
+  const absl::Status session = of_sessions == nullptr ? absl::OkStatus() : of_sessions();
   // A frame that can't be read ends the drive, but what was mapped until then stays.
   const absl::Status finished = agent->Finish(absl::Seconds(flags.finish_s));
   if (flags.stay && played.ok() && finished.ok()) {
     AnnounceFinished();
     stop.WaitForNotification();
   }
-  RobotReport report = MakeReport(flags, *agent, source, frames, uplink);
+  RobotReport report = MakeReport(flags, *agent, source, frames, uplink, session);
   report.settings = around.settings->Report();
   RETURN_IF_ERROR(WriteResults(flags, *agent, calibration, report));
   RETURN_IF_ERROR(AsFailure(played));

@@ -174,6 +174,29 @@ TEST(ConfigTest, InvalidConfigurationsEndWithTwoAndSayAllThatIsWrong) {
   EXPECT_THAT(flag.text, HasSubstr("--threads"));
 }
 
+TEST(ConfigTest, LocalizeNeedsOneCamera) {
+  const std::vector<std::string> asks = {"localize", "--server", "127.0.0.1:1", "--mission",
+                                         "m",        "hall.png"};
+  const auto ask = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> arguments = asks;
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return RunToEnd("corbslam", arguments);
+  };
+  const Ended none = ask({});
+  EXPECT_EQ(none.exit_code, 2);
+  EXPECT_THAT(none.text, AllOf(HasSubstr("--rig FILE"), HasSubstr("--camera \"FX FY CX CY\""),
+                               Not(HasSubstr("Option Group"))));
+  const Ended json = ask({"--json"});
+  EXPECT_EQ(json.exit_code, 2);
+  EXPECT_THAT(json.text, AllOf(HasSubstr("INVALID_ARGUMENT"), HasSubstr("--rig FILE")));
+  const Ended both = ask({"--rig", "rig.yaml", "--camera", "1 2 3 4"});
+  EXPECT_EQ(both.exit_code, 2);
+  EXPECT_THAT(both.text, HasSubstr("give one of them"));
+  const Ended words = ask({"--camera", "500 500 300"});
+  EXPECT_EQ(words.exit_code, 2);
+  EXPECT_THAT(words.text, HasSubstr("must have 4 numbers"));
+}
+
 TEST(ConfigTest, FilesThatFlagsNameAreLookedInto) {
   const test_data::TestCertificates certificates("lab");
   std::vector<std::string> flags = certificates.Flags("store");

@@ -49,8 +49,10 @@ async function listMissions(store) {
 
 async function findPicture(store, mission) {
   if (!args.camera) throw new Error('--picture needs --camera "FX FY CX CY"');
-  const [fx_px, fy_px, cx_px, cy_px] = args.camera.split(" ").map(Number);
-  const picture = { encoded: readFileSync(args.picture), camera: { fx_px, fy_px, cx_px, cy_px } };
+  // Behind the first four k1 k2 p1 p2 k3 of the lens, if it distorts.
+  const [fx_px, fy_px, cx_px, cy_px, ...distortion] = args.camera.split(" ").map(Number);
+  const camera = { fx_px, fy_px, cx_px, cy_px, distortion };
+  const picture = { encoded: readFileSync(args.picture), camera };
   const answer = await promisify(store.Localize.bind(store))({ mission, picture });
   console.log(answer.stage, `${answer.inliers} points agree`);
   if (answer.camera_from_island) console.log("camera_from_island", answer.camera_from_island);

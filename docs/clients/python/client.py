@@ -61,7 +61,9 @@ def find_picture(stub, args):
     request = localize.LocalizeRequest(mission=f"missions/{args.mission}")
     request.picture.encoded = read(args.picture)
     camera = request.picture.camera
-    camera.fx_px, camera.fy_px, camera.cx_px, camera.cy_px = map(float, args.camera.split())
+    numbers = list(map(float, args.camera.split()))
+    camera.fx_px, camera.fy_px, camera.cx_px, camera.cy_px = numbers[:4]
+    camera.distortion.extend(numbers[4:])  # k1 k2 p1 p2 k3 of the lens, if it distorts.
     answer = stub.Localize(request, timeout=60)
     found = answer.stage == localize.LOCATE_STAGE_LOCATED
     place = Transform.of(answer.camera_from_island).inverse().translation if found else ()

@@ -16,6 +16,7 @@ namespace {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 constexpr absl::Duration kPatience = absl::Seconds(20);
 
@@ -120,7 +121,30 @@ TEST_F(UplinkLogTest, SaysAnotherCauseAndRemindsRarely) {
   EXPECT_THAT(lines_.WaitFor(2)[1], HasSubstr("second"));
   Advance(absl::Minutes(1));
   Fail(absl::UnavailableError("x"));
-  EXPECT_THAT(lines_.WaitFor(3)[2], HasSubstr("since 1m20s"));
+  EXPECT_THAT(lines_.WaitFor(3)[2], HasSubstr("for 1m20s"));
+}
+
+// A robot that only localises has no map of its own to go on with.
+TEST_F(UplinkLogTest, OneThatOnlyLocalisesMapsNothingOn) {
+  UplinkLogOptions options;
+  options.localise_only = true;
+  UplinkLog log(
+      {.mission = "labb", .agent = "beta"},
+      [this](const absl::Status& seen) { return Explain(seen); }, options);
+  SetCause(absl::NotFoundError("there is no mission labb"));
+  log.OnOpening();
+  log.OnClosed(absl::NotFoundError("there is no mission labb"));
+  EXPECT_THAT(
+      lines_.WaitFor(1)[0],
+      AllOf(HasSubstr("there is no mission labb"), HasSubstr("only localises"),
+            HasSubstr("it is lost"), HasSubstr("Is --mission right?"), Not(HasSubstr("maps on"))));
+  log.OnOpening();
+  log.OnOpened();
+  lines_.WaitFor(2);
+  SetCause(absl::UnavailableError("Connection refused"));
+  log.OnClosed(absl::UnavailableError("x"));
+  EXPECT_THAT(lines_.WaitFor(3)[2],
+              AllOf(HasSubstr("localises on in what it was told"), Not(HasSubstr("maps on"))));
 }
 
 TEST_F(UplinkLogTest, SaysThatAFencedRobotAsksAgainRarely) {
