@@ -11,6 +11,12 @@
 namespace corbslam::services {
 namespace {
 
+// Returns how long something has lasted, in whole seconds.
+std::string Span(absl::Duration span) {
+  const absl::Duration whole = absl::Trunc(span, absl::Seconds(1));
+  return whole > absl::ZeroDuration() ? absl::FormatDuration(whole) : "less than 1s";
+}
+
 // Returns what the robot does about a session that can't be had, or ended so.
 const char* WhetherItAsksAgain(const absl::Status& cause) {
   if (SaysMissionDeleted(cause)) return ", and does not try again";
