@@ -191,10 +191,15 @@ absl::StatusOr<std::optional<LocalisedKept>> MapStore::NoteLocalised(
   return session.mission->localised().Note(session_id, session.agent, localised);
 }
 
-void MapStore::CloseSession(uint64_t session_id) {
+absl::Status MapStore::NoteReport(uint64_t session_id, const AgentReport& report) {
+  ASSIGN_OR_RETURN(const Session session, FindSession(session_id));
+  return session.mission->sessions().NoteReport(session_id, session.agent, report);
+}
+
+void MapStore::CloseSession(uint64_t session_id, bool on_purpose) {
   const absl::StatusOr<Session> session = FindSession(session_id);
   if (!session.ok()) return;
-  session->mission->sessions().Close(session_id, session->agent);
+  session->mission->sessions().Close(session_id, session->agent, on_purpose);
   LeaveMission(session_id);
 }
 

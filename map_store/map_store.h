@@ -109,7 +109,8 @@ class MapStore {
   // What is acknowledged is durable, as far as the journal is.
   absl::StatusOr<Acknowledgement> Apply(uint64_t session_id, const MapUpdateBatch& batch,
                                         const BatchTransfer* measured = nullptr);
-  void CloseSession(uint64_t session_id);
+  // `on_purpose`: the agent ended it itself, with all that it had told; false: the line broke.
+  void CloseSession(uint64_t session_id, bool on_purpose = false);
   // Counts bytes of batches that came in the session. Returns how long the agent's stream is not to
   // be read, so that it sends no more a second than its limit (UplinkLimit), but for a burst.
   absl::Duration PaceUplink(uint64_t session_id, uint64_t bytes);
@@ -124,6 +125,9 @@ class MapStore {
   // kept. Returns PERMISSION_DENIED if the session is of another agent, else as Apply.
   absl::StatusOr<std::optional<LocalisedKept>> NoteLocalised(uint64_t session_id,
                                                              const LocalisedFrames& localised);
+  // Keeps what an agent says of itself, in memory and until it says something else. Returns as
+  // Apply.
+  absl::Status NoteReport(uint64_t session_id, const AgentReport& report);
   // Has the agent tell exactly where its points are (MapUpdateBatch::points_follow). Returns
   // NOT_FOUND if there is no such agent, FAILED_PRECONDITION if it is not connected.
   absl::Status AskForExactPlaces(absl::string_view mission, const std::string& agent);

@@ -139,6 +139,7 @@ void StoreLink::Step() {
   LetGoOfClosed();
   if (WritesAll()) SpillDue(/*now=*/true);
   SendUnsent();
+  SendReport();
   SpillDue(/*now=*/true);
 }
 
@@ -150,6 +151,7 @@ void StoreLink::Run() {
     LetGoOfClosed();
     if (WritesAll()) SpillDue(/*now=*/false);
     SendUnsent();
+    SendReport();
     // A robot that ends may be killed before all is acknowledged.
     IsFinishing() ? static_cast<void>(queue_.SpillAll()) : SpillDue(/*now=*/false);
   }

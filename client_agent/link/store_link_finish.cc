@@ -9,6 +9,8 @@ namespace corbslam::client_agent {
 
 absl::Status StoreLink::Finish(absl::Duration timeout) {
   if (uplink_ == nullptr) return absl::OkStatus();
+  // The thread may never come to it.
+  SendReport();
   if (options_.localise_only) {
     localised_.ResetPatience();
     SendLocalised(/*all=*/true);

@@ -310,6 +310,7 @@ void AddCapabilities(const Capabilities& capabilities, Message* proto) {
   if (capabilities.coded_features) proto->add_capabilities(v1::CAPABILITY_CODED_FEATURES);
   if (capabilities.localise_only) proto->add_capabilities(v1::CAPABILITY_LOCALISE_ONLY);
   if (capabilities.keeps_localised) proto->add_capabilities(v1::CAPABILITY_LOCALISED_KEPT);
+  if (capabilities.takes_reports) proto->add_capabilities(v1::CAPABILITY_AGENT_REPORTS);
 }
 
 // Ignores capabilities that it does not know: they are of a newer version.
@@ -321,6 +322,7 @@ Capabilities ReadCapabilities(const Message& proto) {
     capabilities.coded_features |= capability == v1::CAPABILITY_CODED_FEATURES;
     capabilities.localise_only |= capability == v1::CAPABILITY_LOCALISE_ONLY;
     capabilities.keeps_localised |= capability == v1::CAPABILITY_LOCALISED_KEPT;
+    capabilities.takes_reports |= capability == v1::CAPABILITY_AGENT_REPORTS;
   }
   return capabilities;
 }

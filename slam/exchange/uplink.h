@@ -10,6 +10,7 @@
 
 #include "absl/status/status.h"
 #include "slam/camera/recorded_camera.h"
+#include "slam/exchange/agent_report.h"
 #include "slam/exchange/map_update.h"
 #include "slam/exchange/shared_update.h"
 #include "slam/geometry/rigid3.h"
@@ -26,6 +27,8 @@ struct Capabilities {
   bool localise_only = false;
   // A store that has it keeps what LocalisedFrames say of an agent's trajectory.
   bool keeps_localised = false;
+  // A store that has it takes Uplink::SendReport.
+  bool takes_reports = false;
 };
 
 // What of the global layer an agent is told.
@@ -142,6 +145,9 @@ class Uplink {
   // Does the same with what an agent says that changes nothing. The default is for an uplink that
   // carries batches only.
   virtual bool SendLocalised(const LocalisedFrames& /*localised*/) { return false; }
+  // Does the same with what an agent says of itself, of which only the newest counts. The default
+  // is for an uplink that carries none.
+  virtual bool SendReport(const AgentReport& /*report*/) { return false; }
   // Reads nothing more from the store until ResumeReading, but for what is being read: the listener
   // has no room. Acknowledgements wait, too. May be called by the listener. A transport that brings
   // only what its owner asks for needs neither.

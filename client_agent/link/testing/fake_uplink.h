@@ -40,6 +40,10 @@ class FakeUplink : public Uplink {
     if (acknowledge) listener_->OnAcknowledged({batch.local_map, batches.size()});
     return true;
   }
+  bool SendReport(const AgentReport& report) override {
+    if (open) reports.push_back(report);
+    return open;
+  }
   void Break(const absl::Status& reason) {
     open = false;
     listener_->OnSessionClosed(reason);
@@ -69,6 +73,7 @@ class FakeUplink : public Uplink {
   bool paused = false;
   std::vector<SessionRequest> requests;
   std::map<LocalMapId, std::vector<MapUpdateBatch>> stored;
+  std::vector<AgentReport> reports;
 
  protected:
   void Keep(const LocalisedKept& kept) { listener_->OnLocalisedKept(kept); }

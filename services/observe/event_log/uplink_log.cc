@@ -4,12 +4,19 @@
 
 #include <utility>
 
+#include "absl/strings/str_cat.h"
+
 namespace corbslam::services {
 namespace {
 
 // Returns true if the robot does not ask again after this status.
 bool IsForGood(const absl::Status& status) {
   return absl::IsAborted(status) || absl::IsPermissionDenied(status);
+}
+
+std::string InWords(absl::Duration duration) {
+  if (duration < absl::Seconds(1)) return "less than a second";
+  return absl::FormatDuration(absl::Trunc(duration, absl::Seconds(1)));
 }
 
 }  // namespace
@@ -45,20 +52,33 @@ void UplinkLog::OnOpened() {
   absl::MutexLock lock(&mutex_);
   connected_ = true;
   opening_ = trouble_ = false;
-  if (said_.ok()) {
-    LOG(INFO) << who_ << "a session with the map store stands";
-  } else {
+  opened_at_ = options_.clock();
+  if (std::exchange(warned_, false)) {
     LOG(WARNING) << who_ << "a session with the map store stands again, after "
-                 << absl::Trunc(options_.clock() - without_since_, absl::Seconds(1)) << " without";
+                 << InWords(opened_at_ - without_since_) << " without";
+  } else if (short_lived_ == 0) {
+    LOG(INFO) << who_ << "a session with the map store stands";
   }
-  seen_ = cause_ = said_ = absl::OkStatus();
+  seen_ = cause_ = absl::OkStatus();
   explained_at_ = absl::InfinitePast();
+}
+
+void UplinkLog::NoteLength(absl::Duration stood) {
+  if (stood < options_.lasting) {
+    ++short_lived_;
+    return;
+  }
+  short_lived_ = 0;
+  said_ = absl::OkStatus();
   reminder_.Reset();
 }
 
 void UplinkLog::OnClosed(const absl::Status& reason) {
   absl::MutexLock lock(&mutex_);
-  if (connected_) without_since_ = options_.clock();
+  if (connected_) {
+    without_since_ = options_.clock();
+    NoteLength(without_since_ - opened_at_);
+  }
   connected_ = opening_ = false;
   seen_ = reason;
   trouble_ = true;
@@ -88,6 +108,12 @@ std::optional<absl::Status> UplinkLog::WaitForTrouble() {
   }
 }
 
+std::string UplinkLog::DescribeShortLived() const {
+  if (short_lived_ < 2) return "";
+  return absl::StrCat("; ", short_lived_, " sessions in a row ended within ",
+                      InWords(options_.lasting));
+}
+
 bool UplinkLog::NeedsExplanation() const {
   return explained_ != seen_ || options_.clock() - explained_at_ >= options_.explain_again;
 }
@@ -107,8 +133,12 @@ void UplinkLog::WarnIfDue() {
   if (!reminder_.IsDue(now) && !is_new) return;
   said_ = cause_;
   said_at_ = now;
-  LOG(WARNING) << who_ << "no session with the map store since "
-               << absl::Trunc(now - without_since_, absl::Seconds(1)) << ": " << cause_
+  warned_ = true;
+  const absl::Duration without = now - without_since_;
+  LOG(WARNING) << who_ << "no session with the map store "
+               << (without < absl::Seconds(1) ? "any more"
+                                              : absl::StrCat("since ", InWords(without)))
+               << ": " << cause_ << DescribeShortLived()
                << (IsForGood(cause_)
                        ? "; the robot maps on, and does not try again"
                        : "; the robot maps on, keeps what the store lacks, and tries again");

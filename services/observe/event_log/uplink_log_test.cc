@@ -14,7 +14,11 @@ namespace corbslam::services {
 namespace {
 
 using ::testing::AllOf;
+using ::testing::AnyOf;
+using ::testing::Contains;
+using ::testing::Each;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 constexpr absl::Duration kPatience = absl::Seconds(20);
 
@@ -128,6 +132,24 @@ TEST_F(UplinkLogTest, SaysThatAFencedRobotDoesNotTryAgain) {
   log_.OnClosed(absl::AbortedError("a newer session"));
   EXPECT_THAT(lines_.WaitFor(2)[1],
               AllOf(HasSubstr("a newer session"), HasSubstr("does not try again")));
+}
+
+// A store grants a session each four seconds, and ends it at once.
+TEST_F(UplinkLogTest, SessionsThatDoNotLastAreToldRarely) {
+  SetCause(absl::UnavailableError("the disk is full"));
+  for (int i = 0; i < 20; ++i) {
+    log_.OnOpening();
+    log_.OnOpened();
+    log_.OnClosed(absl::UnavailableError("x"));
+    // The cause is found by the log's own thread.
+    absl::SleepFor(absl::Milliseconds(20));
+    Advance(absl::Seconds(4));
+  }
+  const std::vector<std::string> lines = lines_.WaitFor(3);
+  EXPECT_LE(lines.size(), 14u);
+  EXPECT_THAT(lines, Each(Not(AnyOf(HasSubstr("since 0"), HasSubstr("after 0")))));
+  EXPECT_THAT(lines, Contains(HasSubstr("no session with the map store any more")));
+  EXPECT_THAT(lines, Contains(HasSubstr("sessions in a row ended within 15s")));
 }
 
 TEST_F(UplinkLogTest, IsNotConnectedBeforeTheFirstSession) {
