@@ -87,6 +87,11 @@ TEST_F(EventsTest, RobotsComeBeginMapsGetLostAndGo) {
   events = Take();
   ASSERT_EQ(events.size(), 1u);
   EXPECT_EQ(std::get<MissionEvent::AgentLeft>(events[0].what).agent, "b");
+  EXPECT_FALSE(std::get<MissionEvent::AgentLeft>(events[0].what).on_purpose);
+  store_.CloseSession(a_.session(), /*on_purpose=*/true);
+  const auto left = Of<MissionEvent::AgentLeft>(Take());
+  ASSERT_EQ(left.size(), 1u);
+  EXPECT_TRUE(left[0].on_purpose);
 }
 
 TEST_F(EventsTest, WhoseNewerSessionTakesItsPlaceHasNotLeft) {

@@ -223,10 +223,15 @@ absl::Status MapStore::KeepPicture(uint64_t session_id, const KeyframePicture& p
   return session.mission->pictures().Keep(session_id, session.agent, picture);
 }
 
-void MapStore::CloseSession(uint64_t session_id) {
+absl::Status MapStore::NoteReport(uint64_t session_id, const AgentReport& report) {
+  ASSIGN_OR_RETURN(const Session session, FindSession(session_id));
+  return session.mission->sessions().NoteReport(session_id, session.agent, report);
+}
+
+void MapStore::CloseSession(uint64_t session_id, bool on_purpose) {
   const absl::StatusOr<Session> session = FindSession(session_id);
   if (!session.ok()) return;
-  session->mission->sessions().Close(session_id, session->agent);
+  session->mission->sessions().Close(session_id, session->agent, on_purpose);
   LeaveMission(session_id);
 }
 

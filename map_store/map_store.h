@@ -116,7 +116,8 @@ class MapStore {
   // What is acknowledged is durable, as far as the journal is.
   absl::StatusOr<Acknowledgement> Apply(uint64_t session_id, const MapUpdateBatch& batch,
                                         const BatchTransfer* measured = nullptr);
-  void CloseSession(uint64_t session_id);
+  // `on_purpose`: the agent ended it itself, with all that it had told; false: the line broke.
+  void CloseSession(uint64_t session_id, bool on_purpose = false);
   // Counts bytes of batches that came in the session. Returns how long the agent's stream is not to
   // be read, so that it sends no more a second than its limit (UplinkLimit), but for a burst.
   absl::Duration PaceUplink(uint64_t session_id, uint64_t bytes);
@@ -136,6 +137,9 @@ class MapStore {
   // PERMISSION_DENIED if the local map is another agent's, or the session changes nothing; else as
   // Apply.
   absl::Status KeepPicture(uint64_t session_id, const KeyframePicture& picture);
+  // Keeps what an agent says of itself, in memory and until it says something else. Returns as
+  // Apply.
+  absl::Status NoteReport(uint64_t session_id, const AgentReport& report);
   // Has the agent tell exactly where its points are (MapUpdateBatch::points_follow). Returns
   // NOT_FOUND if there is no such agent, FAILED_PRECONDITION if it is not connected.
   absl::Status AskForExactPlaces(absl::string_view mission, const std::string& agent);

@@ -12,6 +12,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "absl/time/time.h"
+#include "client_agent/agent/activity_watch.h"
 #include "client_agent/agent/agent_events.h"
 #include "client_agent/agent/agent_orders.h"
 #include "client_agent/agent/place_inquiry.h"
@@ -79,6 +80,10 @@ struct AgentOptions {
   // Where the link to the map store notes what happens; null: nowhere. What frames change, whoever
   // gives frames notes (AgentEvents::NoteFrame).
   std::shared_ptr<AgentEvents> events;
+
+  // What the link tells the map store of the robot itself, where that takes it; null: nothing.
+  // Whoever gives frames notes them there.
+  std::shared_ptr<const ActivityWatch> activity;
 
   absl::Status Validate() const;
 };

@@ -41,17 +41,46 @@ void AgentEvents::NoteFrame(const TrackingResult& result, uint64_t global_epoch)
     if (result.state == TrackingState::kTracking) last_tracked_ = result.local_map;
     if (kind.has_value()) Add(*kind, result.local_map);
     if (global_moved) Add(Kind::kGlobalFrameMoved, result.local_map);
+    if (kind == Kind::kLocalMapBegun) {
+      begun_.insert(result.local_map);
+      if (merged_early_ == result.local_map) {
+        Add(Kind::kMerged, result.local_map);
+        merged_early_.reset();
+      }
+    }
     has_news = kind.has_value() || global_moved;
   }
   if (has_news) CallListeners();
 }
 
+bool AgentEvents::Begins(LinkEvent event, LocalMapId local_map) {
+  if (event == LinkEvent::kMissionDeleted || begun_.contains(local_map)) return true;
+  merged_early_ = event == LinkEvent::kMerged ? std::optional(local_map) : std::nullopt;
+  return false;
+}
+
 void AgentEvents::NoteLink(LinkEvent event, LocalMapId local_map) {
   {
     absl::MutexLock lock(&mutex_);
+    if (!Begins(event, local_map)) return;
     Add(KindOf(event), local_map);
   }
   CallListeners();
+}
+
+void AgentEvents::NoteEnd() {
+  {
+    absl::MutexLock lock(&mutex_);
+    if (ended_.has_value()) return;
+    Add(Kind::kEnded, newest_.local_map);
+    ended_ = last_number_;
+  }
+  CallListeners();
+}
+
+std::optional<uint64_t> AgentEvents::ended() const {
+  absl::MutexLock lock(&mutex_);
+  return ended_;
 }
 
 void AgentEvents::Add(Kind kind, LocalMapId local_map) {

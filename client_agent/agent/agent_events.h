@@ -8,6 +8,7 @@
 #include <functional>
 #include <map>
 #include <optional>
+#include <set>
 #include <utility>
 
 #include "absl/base/thread_annotations.h"
@@ -30,6 +31,7 @@ struct AgentEvent {
     kMerged,            // These three are LinkEvents.
     kSplit,
     kMissionDeleted,
+    kEnded,  // No frame comes any more.
   };
   uint64_t number = 0;       // From 1 on, without gaps.
   absl::Time time;           // Of the robot's clock, when it was noted.
@@ -53,11 +55,18 @@ class AgentEvents {
   // Notes a frame, and what it changes. `global_epoch` counts the changes of the global frame's
   // place so far.
   void NoteFrame(const TrackingResult& result, uint64_t global_epoch);
+  // Notes what a link heard. That a local map is merged before it has begun, with its first pose,
+  // is an event once it has.
   void NoteLink(LinkEvent event, LocalMapId local_map);
+  // Notes that no frame comes any more. What a link hears afterwards is noted all the same.
+  void NoteEnd();
 
   // Returns the oldest event kept whose number is greater; nullopt if there is none. A number that
   // none has yet is of another process: the oldest of all is returned.
   std::optional<AgentEvent> After(uint64_t number) const;
+
+  // Returns the number of the event that says so; nullopt while frames may come.
+  std::optional<uint64_t> ended() const;
 
   // Returns a token for Remove. Once that returns, no call is under way and none follows.
   uint64_t AddListener(std::function<void()> listener);
@@ -69,6 +78,8 @@ class AgentEvents {
   std::optional<Kind> Judge(const TrackingResult& result) const
       ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void Add(Kind kind, LocalMapId local_map) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  // Returns false for what is no event, or none yet.
+  bool Begins(LinkEvent event, LocalMapId local_map) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void CallListeners() ABSL_LOCKS_EXCLUDED(mutex_);
 
   const std::function<absl::Time()> clock_;
@@ -79,6 +90,10 @@ class AgentEvents {
   TrackingResult newest_ ABSL_GUARDED_BY(mutex_);
   // The local map of the last frame that had a pose.
   LocalMapId last_tracked_ ABSL_GUARDED_BY(mutex_);
+  // Local maps that had a pose, and one that is merged though it had none.
+  std::set<LocalMapId> begun_ ABSL_GUARDED_BY(mutex_);
+  std::optional<LocalMapId> merged_early_ ABSL_GUARDED_BY(mutex_);
+  std::optional<uint64_t> ended_ ABSL_GUARDED_BY(mutex_);
   uint64_t global_epoch_ ABSL_GUARDED_BY(mutex_) = 0;
 
   // Taken without the other one.

@@ -86,7 +86,8 @@ TEST_F(AgentEventsTest, TheGlobalFrameMovesWhilePosesGoOn) {
 }
 
 TEST_F(AgentEventsTest, KeepsTheNewestThousandAndASlowReaderSkips) {
-  for (size_t i = 0; i < AgentEvents::kMostKept + 20; ++i) {
+  Frame(TrackingState::kTracking, 1);
+  for (size_t i = 1; i < AgentEvents::kMostKept + 20; ++i) {
     events_.NoteLink(LinkEvent::kMerged, kMap);
   }
   const std::vector<AgentEvent> all = All();
@@ -97,6 +98,30 @@ TEST_F(AgentEventsTest, KeepsTheNewestThousandAndASlowReaderSkips) {
   EXPECT_EQ(events_.After(500)->number, 501u);
   EXPECT_FALSE(events_.After(all.back().number).has_value());
   EXPECT_EQ(events_.After(1'000'000)->number, 21u) << "a number of the process before";
+}
+
+// A robot that only localises is told of the global frame before its first frame comes.
+TEST_F(AgentEventsTest, ALocalMapBeginsBeforeItIsMerged) {
+  events_.NoteLink(LinkEvent::kMerged, kMap);
+  Frame(TrackingState::kNotInitialised, 0);
+  EXPECT_THAT(Kinds(), IsEmpty());
+  Frame(TrackingState::kTracking, 1, 1);
+  EXPECT_THAT(Kinds(), ElementsAre(Kind::kLocalMapBegun, Kind::kGlobalFrameMoved, Kind::kMerged));
+  EXPECT_EQ(All().back().local_map, kMap);
+  // What was taken back before it began was never so for anybody.
+  events_.NoteLink(LinkEvent::kMerged, {2});
+  events_.NoteLink(LinkEvent::kSplit, {2});
+  Frame(TrackingState::kTracking, 2, 1, {2});
+  EXPECT_THAT(Kinds(3), ElementsAre(Kind::kLocalMapBegun));
+}
+
+TEST_F(AgentEventsTest, TheEndIsSaidOnce) {
+  Frame(TrackingState::kTracking, 1);
+  EXPECT_FALSE(events_.ended().has_value());
+  events_.NoteEnd();
+  events_.NoteEnd();
+  EXPECT_EQ(events_.ended(), 2u);
+  EXPECT_THAT(Kinds(), ElementsAre(Kind::kLocalMapBegun, Kind::kEnded));
 }
 
 TEST_F(AgentEventsTest, ListenersHearAndMayAsk) {

@@ -48,6 +48,9 @@ StoreLinkOptions MakeStoreLinkOptions(const AgentOptions& options,
       events->NoteLink(event, local_map);
     };
   }
+  if (options.activity != nullptr) {
+    link.report = [activity = options.activity] { return activity->Report(); };
+  }
   return link;
 }
 

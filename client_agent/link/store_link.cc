@@ -149,6 +149,7 @@ void StoreLink::Step() {
   LetGoOfClosed();
   if (WritesAll()) SpillDue(/*now=*/true);
   SendUnsent();
+  SendReport();
   SendPictures();
   SpillDue(/*now=*/true);
 }
@@ -161,6 +162,7 @@ void StoreLink::Run() {
     LetGoOfClosed();
     if (WritesAll()) SpillDue(/*now=*/false);
     SendUnsent();
+    SendReport();
     SendPictures();
     // A robot that ends may be killed before all is acknowledged.
     IsFinishing() ? static_cast<void>(queue_.SpillAll()) : SpillDue(/*now=*/false);

@@ -34,6 +34,8 @@
 
 namespace corbslam::client_agent {
 
+constexpr absl::Duration kReportEvery = absl::Seconds(4);
+
 struct StoreLinkOptions {
   std::string mission;
   std::string agent;
@@ -79,6 +81,9 @@ struct StoreLinkOptions {
   bool resumable = false;
   uint64_t seed = 1;           // Seed of the back-off's jitter.
   LinkEventListener on_event;  // Null: nobody listens.
+  // Returns what the robot says of itself, which goes to a store that takes it whenever the
+  // activity changes, and every kReportEvery; null: nothing does.
+  std::function<AgentReport()> report;
   std::function<absl::Time()> clock = &absl::Now;
 };
 
@@ -221,6 +226,8 @@ class StoreLink : private UplinkListener {
   void SendPictures();
   // Gives pictures that may be sent now a moment to go: nobody will send them later.
   void AwaitPictures(absl::Duration timeout) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  // Sends what the robot says of itself, if that is due.
+  void SendReport();
   void BeginLocalised(const Capabilities& store) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   // Gives up local maps. Those of this process get no more batches.
   void GiveUp(const std::vector<LostLocalMap>& lost) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
@@ -276,6 +283,11 @@ class StoreLink : private UplinkListener {
   bool store_moves_points_ ABSL_GUARDED_BY(mutex_) = true;
   bool told_not_kept_ ABSL_GUARDED_BY(mutex_) = false;
   bool reopen_ ABSL_GUARDED_BY(mutex_) = false;
+  // Of this session: whether its store takes reports, what the last one said, and when the next one
+  // is due.
+  bool store_takes_reports_ ABSL_GUARDED_BY(mutex_) = false;
+  std::optional<AgentActivity> reported_ ABSL_GUARDED_BY(mutex_);
+  absl::Time next_report_ ABSL_GUARDED_BY(mutex_) = absl::InfinitePast();
   HeldBackWatch held_back_ ABSL_GUARDED_BY(mutex_);
   // Under a budget, counts whose turn it is among the local maps that are told.
   size_t turn_ ABSL_GUARDED_BY(mutex_) = 0;

@@ -14,6 +14,8 @@ constexpr absl::Duration kMostForPictures = absl::Seconds(2);
 
 absl::Status StoreLink::Finish(absl::Duration timeout) {
   if (uplink_ == nullptr) return absl::OkStatus();
+  // The thread may never come to it.
+  SendReport();
   if (options_.localise_only) {
     localised_.ResetPatience();
     SendLocalised(/*all=*/true);

@@ -66,6 +66,8 @@ void StoreLink::OnSessionOpened(const SessionGrant& grant) {
   NoteCapabilities(grant.capabilities);
   if (options_.localise_only) BeginLocalised(grant.capabilities);
   pictures_.BeginSession(grant.capabilities.keyframe_pictures);
+  store_takes_reports_ = grant.capabilities.takes_reports;
+  reported_.reset();
   GiveUp(queue_.Resume(grant));
   session_ = Session::kOpen;
   closed_ = refusal_ = absl::OkStatus();
@@ -129,6 +131,21 @@ void StoreLink::NoteRefusal(const absl::Status& reason) {
   opened_ = absl::InfiniteFuture();
   next_attempt_ = options_.clock() + refused_backoff_.Next();
   wake_ = true;
+}
+
+void StoreLink::SendReport() {
+  if (options_.report == nullptr) return;
+  const AgentReport report = options_.report();
+  const absl::Time now = options_.clock();
+  {
+    absl::MutexLock lock(&mutex_);
+    if (session_ != Session::kOpen || !store_takes_reports_) return;
+    if (reported_ == report.activity && now < next_report_) return;
+  }
+  if (!uplink_->SendReport(report)) return;
+  absl::MutexLock lock(&mutex_);
+  reported_ = report.activity;
+  next_report_ = now + kReportEvery;
 }
 
 void StoreLink::GiveUp(const std::vector<LostLocalMap>& lost) {

@@ -2,11 +2,13 @@
 
 #include <glog/logging.h>
 
+#include <algorithm>
 #include <opencv2/core.hpp>
 #include <utility>
 #include <variant>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
 #include "absl/time/clock.h"
 #include "client_agent/source/source_description.h"
 #include "slam/util/status_macros.h"
@@ -101,20 +103,37 @@ absl::StatusOr<NextFrame> LiveStream::Next(absl::Time deadline) {
     if (absl::IsOutOfRange(pair.status())) return StreamEnd();
     return pair.status();
   }
-  if (const auto told = rate_.Tell(absl::Now(), pairing_.counts().frames); told.has_value()) {
-    LOG(WARNING) << options_.name << ": " << *told;
+  TellRate();
+  if (!pair->has_value()) {
+    if (const absl::Status paired = CheckPaired(); !paired.ok()) {
+      ended_ = true;
+      return paired;
+    }
+    return NoFrameYet();
   }
-  if (!pair->has_value()) return NoFrameYet();
   absl::StatusOr<StreamFrame> frame = FrameOf(**pair);
   if (!frame.ok()) return LeaveOut(**pair, frame.status());
   wrong_in_a_row_ = 0;
   return *std::move(frame);
 }
 
+void LiveStream::TellRate() {
+  const CameraCounts counts = pairing_.counts();
+  const uint64_t pictures = counts.pictures[0] + counts.pictures[1];
+  if (const auto told = rate_.Tell(absl::Now(), counts.frames); told.has_value()) {
+    const bool come = rate_.is_stopped() && pictures > pictures_at_frame_ + kMostWrong;
+    LOG(WARNING) << options_.name << ": " << *told
+                 << (come ? absl::StrCat(", though pictures come: ", left_out().last) : "");
+  }
+  if (counts.frames == frames_) return;
+  frames_ = counts.frames;
+  pictures_at_frame_ = pictures;
+}
+
 absl::StatusOr<StreamFrame> LiveStream::FrameOf(const LivePair& pair) const {
   RETURN_IF_ERROR(CheckPictures(pair));
   StreamFrame frame;
-  frame.frame = {pair.number, pair.first.timestamp_ns, 0};
+  frame.frame = {pair.number, pair.first.timestamp_ns, pair.drive};
   frame.came = pair.came;
   frame.images.timestamp_ns = pair.first.timestamp_ns;
   frame.images.grey = pair.first.image;
@@ -126,6 +145,16 @@ absl::StatusOr<StreamFrame> LiveStream::FrameOf(const LivePair& pair) const {
   return frame;
 }
 
+absl::Status LiveStream::CheckPaired() const {
+  const CameraCounts counts = pairing_.counts();
+  if (counts.frames > 0 || std::min(counts.pictures[0], counts.pictures[1]) < kMostAlone) {
+    return absl::OkStatus();
+  }
+  return absl::InvalidArgumentError(absl::StrCat(
+      options_.name, ": ", counts.pictures[0], " and ", counts.pictures[1],
+      " pictures came of the two cameras, and no two of one time", AdvicePairs(counts)));
+}
+
 absl::StatusOr<NextFrame> LiveStream::LeaveOut(const LivePair& pair, const absl::Status& why) {
   ++wrong_.count;
   wrong_.last = absl::StrCat(options_.name, ": frame ", pair.number, ": ", why.message());
@@ -133,6 +162,18 @@ absl::StatusOr<NextFrame> LiveStream::LeaveOut(const LivePair& pair, const absl:
   ended_ = true;
   return absl::InvalidArgumentError(
       absl::StrCat(wrong_.last, ": give the rig of this camera (--rig), or set its format"));
+}
+
+std::string LiveStream::AdvicePairs(const CameraCounts& counts) const {
+  if (counts.nearest_unpaired_ns == 0) return "";
+  return absl::StrFormat(
+      "; the nearest are %.1f ms apart, a frame's may be %.1f ms: do the cameras run freely? "
+      "Trigger "
+      "them together; where they are and only their stamps differ, say by how much (time_offset_s "
+      "in "
+      "the rig, ?pair-within-ms)",
+      1e-6 * static_cast<double>(counts.nearest_unpaired_ns),
+      1e-6 * static_cast<double>(options_.pair_within_ns));
 }
 
 absl::Status LiveStream::CheckPictures(const LivePair& pair) const {
@@ -146,11 +187,18 @@ absl::Status LiveStream::CheckPictures(const LivePair& pair) const {
 LeftOutFrames LiveStream::left_out() const {
   LeftOutFrames left_out = wrong_;
   const CameraCounts counts = pairing_.counts();
-  left_out.count += counts.unpaired + counts.late;
+  left_out.count += counts.unpaired + counts.late + counts.ahead;
   if (left_out.last.empty() && left_out.count > 0) {
     left_out.last = absl::StrCat(options_.name, ": ", counts.unpaired,
                                  " pictures had no counterpart in time, and ", counts.late,
                                  " came behind a newer one");
+    if (counts.unpaired > counts.frames) absl::StrAppend(&left_out.last, AdvicePairs(counts));
+    if (counts.ahead > 0) {
+      absl::StrAppend(
+          &left_out.last, ", and ", counts.ahead,
+          " were stamped more than a minute ahead of it: does the camera's driver stamp "
+          "them by several clocks?");
+    }
   }
   return left_out;
 }

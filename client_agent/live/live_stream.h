@@ -39,8 +39,9 @@ struct LiveOptions {
 };
 
 // Frames are the newest there are. Pictures of another size or type than the rig's are left out;
-// when kMostWrong of them come in a row, the stream ends with what was wanted and what came. A rate
-// that falls is logged.
+// when kMostWrong of them come in a row, the stream ends with what was wanted and what came;
+// likewise where kMostAlone pictures of each side came and no two of them are a frame. A rate that
+// falls is logged.
 class LiveStream : public FrameStream {
  public:
   // Returns what Open would refuse of the rig and the options, without a camera.
@@ -66,6 +67,12 @@ class LiveStream : public FrameStream {
   absl::Status CheckPictures(const LivePair& pair) const;
   // Returns a checked pair as a frame, its depth prepared.
   absl::StatusOr<StreamFrame> FrameOf(const LivePair& pair) const;
+  // Logs a rate that changes, and that no frame comes though pictures do.
+  void TellRate();
+  // Returns what helps where pictures have no counterpart; empty where nothing is known.
+  std::string AdvicePairs(const CameraCounts& counts) const;
+  // Returns an error where both sides give pictures that are never of one time.
+  absl::Status CheckPaired() const;
   absl::StatusOr<NextFrame> LeaveOut(const LivePair& pair, const absl::Status& why);
 
   const LiveOptions options_;
@@ -75,6 +82,9 @@ class LiveStream : public FrameStream {
   PicturePairing pairing_;
   RateWatch rate_;
   SourceFindings findings_;
+  // Frames that had come when it was looked at, and the pictures of both sides by then.
+  uint64_t frames_ = 0;
+  uint64_t pictures_at_frame_ = 0;
   LeftOutFrames wrong_;
   size_t wrong_in_a_row_ = 0;
   bool ended_ = false;
@@ -82,6 +92,7 @@ class LiveStream : public FrameStream {
 };
 
 constexpr size_t kMostWrong = 10;
+constexpr uint64_t kMostAlone = 50;
 
 }  // namespace corbslam::client_agent
 

@@ -11,6 +11,7 @@
 namespace corbslam::client_agent {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 
 constexpr int64_t kFrame_ns = 50'000'000;
@@ -87,6 +88,50 @@ TEST_F(LiveStreamTest, SaysHowManyFramesARobotMissed) {
   EXPECT_EQ(std::get<StreamFrame>(*next).frame.number, 5u);
   EXPECT_EQ(stream_->overtaken(), 5u);
   EXPECT_EQ(stream_->left_out().count, 0u);
+}
+
+TEST_F(LiveStreamTest, AnotherClockThatStaysIsAnotherDrive) {
+  Open(RectifiedPair());
+  for (int i = 0; i < 3; ++i) Push(1000 + i, Grey(1), Grey(1));
+  EXPECT_EQ(std::get<StreamFrame>(*stream_->Next(absl::InfinitePast())).frame.drive, 0);
+  for (int i = 0; i < 10; ++i) Push(i, Grey(2), Grey(2));
+  const auto next = stream_->Next(absl::InfinitePast());
+  const auto& frame = std::get<StreamFrame>(*next);
+  EXPECT_EQ(frame.frame.drive, 1);
+  EXPECT_EQ(frame.frame.timestamp_ns, 9 * kFrame_ns);
+  EXPECT_THAT(stream_->left_out().last, HasSubstr("came behind a newer one"));
+}
+
+// Both cameras take a picture each 50 ms, 20 ms after each other.
+TEST_F(LiveStreamTest, CamerasThatRunFreelyEndItWithWhatHelps) {
+  Open(RectifiedPair());
+  absl::StatusOr<NextFrame> next = NoFrameYet();
+  int pictures = 0;
+  while (next.ok() && pictures < 200) {
+    const int64_t time_ns = ++pictures * kFrame_ns;
+    pairing_->Push(LiveSide::kFirst, {time_ns, Grey(1)});
+    pairing_->Push(LiveSide::kSecond, {time_ns + 20'000'000, Grey(1)});
+    next = stream_->Next(absl::InfinitePast());
+  }
+  EXPECT_TRUE(absl::IsInvalidArgument(next.status())) << next.status();
+  EXPECT_THAT(std::string(next.status().message()),
+              AllOf(HasSubstr("no two of one time; the nearest are 20.0 ms apart, a frame's may be "
+                              "1.0 ms: do the cameras run freely?"),
+                    HasSubstr("time_offset_s")));
+  EXPECT_EQ(pictures, 50);
+  EXPECT_THAT(stream_->left_out().last, HasSubstr("do the cameras run freely?"));
+}
+
+// One camera is slow to start: the other waits for it.
+TEST_F(LiveStreamTest, ACameraThatGivesNothingYetIsWaitedFor) {
+  Open(RectifiedPair());
+  for (int i = 1; i < 200; ++i) {
+    pairing_->Push(LiveSide::kFirst, {i * kFrame_ns, Grey(1)});
+    ASSERT_TRUE(stream_->Next(absl::InfinitePast()).ok());
+  }
+  Push(200, Grey(1), Grey(1));
+  const auto next = stream_->Next(absl::InfinitePast());
+  EXPECT_TRUE(next.ok() && std::holds_alternative<StreamFrame>(*next));
 }
 
 TEST_F(LiveStreamTest, PicturesOfAnotherSizeEndItWithWhatWasWanted) {

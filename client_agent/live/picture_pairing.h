@@ -13,6 +13,7 @@
 #include "absl/status/statusor.h"
 #include "absl/synchronization/mutex.h"
 #include "absl/time/time.h"
+#include "client_agent/live/stamp_watch.h"
 #include "client_agent/source/frame_stream.h"
 
 namespace corbslam::client_agent {
@@ -26,6 +27,7 @@ struct LivePicture {
 // camera gives one alone.
 struct LivePair {
   size_t number = 0;  // Counts the frames that the camera gave, taken or not, from 0.
+  int drive = 0;      // As SourceFrame's: grows where times go on by another clock.
   LivePicture first;
   LivePicture second;
   std::chrono::steady_clock::time_point came;  // When the later of them came.
@@ -42,7 +44,8 @@ class PicturePairing {
   PicturePairing(bool both, int64_t within_ns, int64_t second_offset_ns = 0)
       : both_(both), within_ns_(within_ns), second_offset_ns_(second_offset_ns) {}
 
-  // Pictures of one side must come in the order of their times; others are counted and dropped.
+  // Pictures of one side must come in the order of their times; others are counted and dropped, as
+  // are those that another clock stamped (StampWatch). Where that clock stays, a new drive begins.
   void Push(LiveSide side, LivePicture picture) ABSL_LOCKS_EXCLUDED(mutex_);
   // Says that no more will come: OK at a recording's end, else why.
   void End(absl::Status status) ABSL_LOCKS_EXCLUDED(mutex_);
@@ -55,7 +58,12 @@ class PicturePairing {
   bool IsAnswerable() const ABSL_SHARED_LOCKS_REQUIRED(mutex_) {
     return newest_.has_value() || ended_.has_value();
   }
+  // Returns whether the picture is to be taken.
+  bool Takes(LiveSide side, int64_t timestamp_ns) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void Publish(LivePicture first, LivePicture second) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  // Drops the oldest picture of a side, which is `apart_ns` from the other side's oldest.
+  void DropUnpaired(std::deque<LivePicture>& waiting, int64_t apart_ns)
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   // Pairs the oldest waiting pictures, as far as both sides have some.
   void PairUp() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
@@ -64,7 +72,8 @@ class PicturePairing {
   const int64_t second_offset_ns_;
   mutable absl::Mutex mutex_;
   std::deque<LivePicture> waiting_[2] ABSL_GUARDED_BY(mutex_);
-  std::optional<int64_t> newest_ns_[2] ABSL_GUARDED_BY(mutex_);
+  StampWatch stamps_[2] ABSL_GUARDED_BY(mutex_);
+  int drive_ ABSL_GUARDED_BY(mutex_) = 0;
   std::optional<LivePair> newest_ ABSL_GUARDED_BY(mutex_);
   std::optional<absl::Status> ended_ ABSL_GUARDED_BY(mutex_);
   int64_t apart_sum_ns_ ABSL_GUARDED_BY(mutex_) = 0;

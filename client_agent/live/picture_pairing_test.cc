@@ -85,6 +85,61 @@ TEST(PicturePairingTest, TimesThatDoNotGrowAreDropped) {
   EXPECT_EQ(pairing.counts().frames, 3u);
 }
 
+constexpr int64_t kYears_ms = int64_t{1'700'000'000} * 1000;
+
+void PushPair(PicturePairing& pairing, int64_t time_ms) {
+  pairing.Push(LiveSide::kFirst, At(time_ms));
+  pairing.Push(LiveSide::kSecond, At(time_ms));
+}
+
+// One picture's stamp is of another clock, of one side or both.
+TEST(PicturePairingTest, AStampOfAnotherClockCostsOneFrame) {
+  PicturePairing pairing(true, 5 * kMs);
+  PushPair(pairing, 100'000);
+  PushPair(pairing, kYears_ms);
+  PushPair(pairing, 100'050);
+  pairing.Push(LiveSide::kFirst, At(kYears_ms));
+  pairing.Push(LiveSide::kSecond, At(100'100));
+  PushPair(pairing, 100'150);
+  PushPair(pairing, 50);
+  PushPair(pairing, 100'200);
+  const CameraCounts counts = pairing.counts();
+  EXPECT_EQ(counts.frames, 4u);
+  EXPECT_EQ(counts.ahead, 3u);
+  EXPECT_EQ(counts.late, 2u);
+  EXPECT_EQ(TakeNow(pairing)->drive, 0);
+}
+
+TEST(PicturePairingTest, TimesOfAnotherClockThatStayBeginADrive) {
+  for (const int64_t begin_ms : {int64_t{50}, kYears_ms}) {
+    PicturePairing pairing(true, 5 * kMs);
+    PushPair(pairing, 100'000);
+    EXPECT_EQ(TakeNow(pairing)->drive, 0);
+    for (int i = 0; i < 10; ++i) PushPair(pairing, begin_ms + i);
+    const auto pair = TakeNow(pairing);
+    ASSERT_TRUE(pair.has_value());
+    EXPECT_EQ(pair->drive, 1);
+    EXPECT_EQ(pair->first.timestamp_ns, (begin_ms + 9) * kMs);
+  }
+}
+
+// The right camera's clock is set some pictures after the left one's.
+TEST(PicturePairingTest, OneSidesClockMayFollowTheOthersLater) {
+  PicturePairing pairing(true, 5 * kMs);
+  for (int i = 0; i < 3; ++i) PushPair(pairing, 100'000 + 50 * i);
+  while (TakeNow(pairing).has_value()) {
+  }
+  for (int i = 3; i < 40; ++i) {
+    pairing.Push(LiveSide::kFirst, At(50 * i));
+    pairing.Push(LiveSide::kSecond, At(i < 12 ? 100'000 + 50 * i : 50 * i));
+  }
+  const auto pair = TakeNow(pairing);
+  ASSERT_TRUE(pair.has_value());
+  EXPECT_GE(pair->drive, 1);
+  EXPECT_EQ(pair->first.timestamp_ns, 50 * 39 * kMs);
+  EXPECT_EQ(pair->second.timestamp_ns, pair->first.timestamp_ns);
+}
+
 TEST(PicturePairingTest, ASideThatStoppedTakesNoMemory) {
   PicturePairing pairing(true, kMs);
   for (int64_t i = 0; i < 1000; ++i) pairing.Push(LiveSide::kFirst, At(i * 10));

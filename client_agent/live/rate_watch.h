@@ -25,6 +25,8 @@ class RateWatch {
   std::optional<std::string> Tell(absl::Time now, uint64_t frames);
 
   std::optional<double> usual_interval_s() const;
+  // Returns whether no frame came in the last window.
+  bool is_stopped() const { return state_ == State::kStopped; }
 
  private:
   enum class State { kUsual, kFallen, kStopped };

@@ -18,6 +18,7 @@ using corbslam::push_client::kPosesKept;
 using corbslam::push_client::Lock;
 using corbslam::push_client::MakeHello;
 using corbslam::push_client::MakeMemory;
+using corbslam::push_client::Now_ns;
 using corbslam::push_client::SendFrame;
 using corbslam::push_client::SendHello;
 namespace wire = corbslam::push_wire;
@@ -138,6 +139,13 @@ corbslam_push_status corbslam_push_commit(corbslam_push* connection, uint32_t in
     return Fail(c.error, CORBSLAM_PUSH_INVALID,
                 "timestamp_ns is %lld, the frame before has %lld: times must grow, up to 2^62",
                 static_cast<long long>(timestamp_ns), static_cast<long long>(c.newest_ns));
+  }
+  const int64_t now_ns = Now_ns();
+  if (timestamp_ns > now_ns && timestamp_ns - now_ns > wire::kMostAhead_ns) {
+    return Fail(c.error, CORBSLAM_PUSH_INVALID,
+                "timestamp_ns is %lld, which is more than a minute ahead of CLOCK_MONOTONIC, %lld: "
+                "is it of another clock?",
+                static_cast<long long>(timestamp_ns), static_cast<long long>(now_ns));
   }
   const corbslam_push_status status = SendFrame(c, index, timestamp_ns);
   if (status != CORBSLAM_PUSH_OK) return status;

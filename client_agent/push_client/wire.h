@@ -20,6 +20,8 @@ constexpr uint32_t kMostSlots = 64;
 constexpr uint32_t kMostRigBytes = 64 * 1024;
 constexpr uint32_t kMostTextBytes = 2048;
 constexpr uint32_t kNameBytes = 64;
+// A frame's time is at most so far ahead of CLOCK_MONOTONIC: beyond, another clock made it.
+constexpr int64_t kMostAhead_ns = int64_t{60} * 1'000'000'000;
 
 // From the driver: kHello once, then kFrame. From the robot: kWelcome or kRefused, then the rest.
 enum Kind : uint32_t {

@@ -36,7 +36,13 @@ struct CameraCounts {
   uint64_t frames = 0;     // Those that came whole, taken or not.
   uint64_t overtaken = 0;  // Frames that a newer one replaced before they were taken.
   uint64_t unpaired = 0;   // Pictures without a counterpart in time.
+  // Of each side, pictures that came whole or not; and how near to each other two pictures without
+  // counterpart were at best, 0 where there were none of both sides.
+  uint64_t pictures[2] = {0, 0};
+  int64_t nearest_unpaired_ns = 0;
   uint64_t late = 0;       // Pictures that came behind a newer one, or had its very time.
+  // Pictures that were stamped further ahead of the one before than time had passed.
+  uint64_t ahead = 0;
   // How much later the second picture of a frame was taken than the first: mean with its sign, and
   // the largest either way.
   int64_t mean_apart_ns = 0;

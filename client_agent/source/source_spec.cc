@@ -233,6 +233,10 @@ absl::StatusOr<SourceSpec> ParseSourceSpec(absl::string_view text) {
   SourceSpec spec;
   spec.directory = std::string(directory_and_options.first);
   if (spec.directory.empty()) {
+    // A kind of camera says what is to be named.
+    if (ParseKind(layout_and_rest.first, spec).ok() && spec.settings != nullptr) {
+      RETURN_IF_ERROR(spec.settings->Validate());
+    }
     return absl::InvalidArgumentError(absl::StrCat("source '", text, "' names no directory"));
   }
   while (spec.directory.size() > 1 && spec.directory.back() == '/') spec.directory.pop_back();

@@ -13,22 +13,48 @@
 #include "slam/util/status_macros.h"
 
 namespace corbslam::client_agent {
+namespace {
+
+// Returns whether nothing right can come of the pair.
+bool IsHopeless(const SourceFinding& finding) {
+  const bool is_same = finding.code == "pair-same-picture" && finding.level == FindingLevel::kError;
+  return is_same || finding.code == "pair-exchanged" || finding.code == "pair-late";
+}
+
+}  // namespace
 
 JudgedStream::JudgedStream(std::unique_ptr<FrameStream> stream, const JudgedStreamOptions& options)
     : stream_(std::move(stream)),
       options_(options),
-      judges_(std::holds_alternative<StereoCalibration>(stream_->calibration())) {}
+      judges_(std::holds_alternative<StereoCalibration>(stream_->calibration())) {
+  if (judges_) late_.emplace(stream_->calibration());
+}
 
 absl::StatusOr<NextFrame> JudgedStream::Next(absl::Time deadline) {
   if (ended_) return StreamEnd();
   if (behind_.has_value()) {
     absl::StatusOr<NextFrame> next = *std::move(behind_);
     behind_.reset();
-    return next;
+    return Watch(std::move(next));
   }
-  if (!judges_) return stream_->Next(deadline);
+  if (!judges_) return Watch(stream_->Next(deadline));
   const absl::Time until = held_.has_value() ? std::min(deadline, held_until_) : deadline;
   return Hold(stream_->Next(until), absl::Now());
+}
+
+absl::StatusOr<NextFrame> JudgedStream::Watch(absl::StatusOr<NextFrame> next) {
+  if (!late_.has_value() || !next.ok()) return next;
+  const absl::Time now = absl::Now();
+  if (const auto* frame = std::get_if<StreamFrame>(&*next)) late_->Offer(*frame, now);
+  std::optional<SourceFinding> found =
+      late_->Take(/*waits=*/std::holds_alternative<StreamEnd>(*next), now);
+  if (!found.has_value()) return next;
+  late_.reset();
+  if (absl::Status wrong = Tell(*std::move(found)); !wrong.ok()) {
+    ended_ = true;
+    return wrong;
+  }
+  return next;
 }
 
 absl::StatusOr<NextFrame> JudgedStream::Hold(absl::StatusOr<NextFrame> next, absl::Time now) {
@@ -43,12 +69,13 @@ absl::StatusOr<NextFrame> JudgedStream::Hold(absl::StatusOr<NextFrame> next, abs
     sample_.push_back({frame->frame.number, frame->images});
     if (held_.has_value()) ++skipped_;
     held_ = std::move(*frame);
-    if (sample_.size() == kFrames) {
+    if (sample_.size() == wanted_) {
       if (absl::Status wrong = Judge(); !wrong.ok()) {
         ended_ = true;
         return wrong;
       }
-      return Release();
+      if (wanted_ == kFrames || !judges_) return Release();
+      held_until_ = absl::Now() + kMostHeld;
     }
   }
   if (!held_.has_value() || now < held_until_) return NoFrameYet();
@@ -59,19 +86,30 @@ absl::Status JudgedStream::Judge() {
   StereoJudgement judgement = JudgeSample(stream_->calibration(), sample_);
   sample_.clear();
   // Dark or covered pictures are no error of a camera's: somebody may turn on the light.
-  judges_ = judgement.pairs.size() < kFrames && ++tries_ < kMostTries;
+  const bool is_hopeless = std::ranges::any_of(judgement.findings, IsHopeless);
+  judges_ = !is_hopeless && judgement.pairs.size() < kFrames && ++tries_ < kMostTries;
   if (judges_) return absl::OkStatus();
-  for (SourceFinding& finding : judgement.findings) {
-    const std::string text = absl::StrCat(finding.text, " [", finding.code, "]");
-    const bool is_exchanged = finding.code == "pair-exchanged";
-    if (options_.strict || (is_exchanged && !options_.trust_calibration)) {
-      return absl::InvalidArgumentError(
-          absl::StrCat(text, options_.strict ? "" : ". If they are not, say ?trust-calibration"));
-    }
-    LOG(WARNING) << text;
-    finding.level = FindingLevel::kWarning;
-    findings_.push_back(std::move(finding));
+  if (wanted_ == kFrames && MayBeLate(judgement)) {
+    wanted_ = kFramesOfSecondLook;
+    judges_ = true;
+    return absl::OkStatus();
   }
+  for (SourceFinding& finding : judgement.findings) {
+    if (finding.code == "pair-late") late_.reset();
+    RETURN_IF_ERROR(Tell(std::move(finding)));
+  }
+  return absl::OkStatus();
+}
+
+absl::Status JudgedStream::Tell(SourceFinding finding) {
+  const std::string text = absl::StrCat(finding.text, " [", finding.code, "]");
+  if (options_.strict || (IsHopeless(finding) && !options_.trust_calibration)) {
+    return absl::InvalidArgumentError(
+        absl::StrCat(text, options_.strict ? "" : ". If that is not so, say ?trust-calibration"));
+  }
+  LOG(WARNING) << text;
+  finding.level = FindingLevel::kWarning;
+  findings_.push_back(std::move(finding));
   return absl::OkStatus();
 }
 

@@ -8,12 +8,13 @@
 
 #include "absl/time/time.h"
 #include "client_agent/source/frame_stream.h"
+#include "client_agent/source_checks/late_watch.h"
 #include "client_agent/source_checks/sample.h"
 
 namespace corbslam::client_agent {
 
 struct JudgedStreamOptions {
-  // A pair that is found exchanged is taken, with a warning.
+  // A pair of which nothing right can come is taken, with a warning.
   bool trust_calibration = false;
   // Every finding is refused.
   bool strict = false;
@@ -22,14 +23,18 @@ struct JudgedStreamOptions {
 // Gives the frames of a camera once three of them that could be judged were: those before are
 // counted as overtaken, for the newest one wins. A camera that gives a frame only when the one
 // before was used is not kept waiting for longer than kMostHeld; its frames are judged in passing.
-// Where nothing can be judged (a dark start) the next frames are, kMostTries times.
+// Where nothing can be judged (a dark start) the next frames are, kMostTries times; and where a
+// late camera may be what is wrong, which three frames do not show, the next kFramesOfSecondLook.
+// In passing LateWatch looks on.
 //
-// What is found is logged. An exchanged pair ends the stream with INVALID_ARGUMENT; other errors of
-// a recorded pair are warnings here, for a second of a camera shows less than a recording does.
+// What is found is logged. A pair that is exchanged, a frame late or twice the same picture ends
+// the stream with INVALID_ARGUMENT; other errors of a recorded pair are warnings here, for a second
+// of a camera shows less than a recording does.
 class JudgedStream : public FrameStream {
  public:
   static constexpr absl::Duration kMostHeld = absl::Seconds(1);
   static constexpr size_t kFrames = 3;
+  static constexpr size_t kFramesOfSecondLook = 8;
   static constexpr size_t kMostTries = 10;
 
   JudgedStream(std::unique_ptr<FrameStream> stream, const JudgedStreamOptions& options);
@@ -49,6 +54,10 @@ class JudgedStream : public FrameStream {
   absl::StatusOr<NextFrame> Hold(absl::StatusOr<NextFrame> next, absl::Time now);
   // Judges the sample. Returns what ends the stream.
   absl::Status Judge();
+  // Logs a finding, or returns it where it ends the stream.
+  absl::Status Tell(SourceFinding finding);
+  // Returns what comes, or what a late camera makes of it.
+  absl::StatusOr<NextFrame> Watch(absl::StatusOr<NextFrame> next);
   // Returns the newest frame there is.
   absl::StatusOr<NextFrame> Release();
 
@@ -56,6 +65,7 @@ class JudgedStream : public FrameStream {
   const JudgedStreamOptions options_;
   bool judges_;  // False once all is judged.
   size_t tries_ = 0;
+  size_t wanted_ = kFrames;  // Of the sample.
   uint64_t skipped_ = 0;
   Sample sample_;
   std::optional<StreamFrame> held_;
@@ -64,6 +74,8 @@ class JudgedStream : public FrameStream {
   std::optional<absl::StatusOr<NextFrame>> behind_;
   bool ended_ = false;
   SourceFindings findings_;
+  // Of a pair, until it is found late.
+  std::optional<LateWatch> late_;
 };
 
 }  // namespace corbslam::client_agent

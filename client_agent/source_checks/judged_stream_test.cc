@@ -105,6 +105,29 @@ TEST(JudgedStreamTest, ItIsTakenWhereItIsTrusted) {
   EXPECT_EQ(stream.findings()[0].level, FindingLevel::kWarning);
 }
 
+// Three frames do not show it: the stream begins, and ends when eight in a row do.
+TEST(JudgedStreamTest, ALatePairEndsTheStreamByItsName) {
+  absl::Status end;
+  JudgedStream stream(Scene("late", 1, 20), {});
+  Play(stream, end);
+  EXPECT_TRUE(absl::IsInvalidArgument(end)) << end;
+  EXPECT_THAT(end.message(), HasSubstr("the right camera is a frame or more behind"));
+  EXPECT_THAT(end.message(), HasSubstr("[pair-late]"));
+  EXPECT_TRUE(std::holds_alternative<StreamEnd>(*stream.Next(absl::InfiniteFuture())));
+  JudgedStream trusted(Scene("late", 1, 20), {.trust_calibration = true});
+  EXPECT_FALSE(Play(trusted, end).empty());
+  EXPECT_TRUE(end.ok()) << end;
+  ASSERT_EQ(trusted.findings().size(), 1u);
+  EXPECT_EQ(trusted.findings()[0].code, "pair-late");
+}
+
+TEST(JudgedStreamTest, TheSameCameraTwiceGivesNoFrame) {
+  absl::Status end;
+  JudgedStream stream(Scene("same"), {});
+  EXPECT_THAT(Play(stream, end), IsEmpty());
+  EXPECT_THAT(end.message(), HasSubstr("[pair-same-picture]"));
+}
+
 TEST(JudgedStreamTest, OtherFindingsAreWarningsUnlessSomebodyIsStrict) {
   absl::Status end;
   JudgedStream stream(Scene("rows", 6), {});

@@ -84,6 +84,10 @@ absl::StatusOr<LiveSample> TakeLiveSample(FrameStream& stream, absl::Duration du
     if (!next.ok() || std::holds_alternative<StreamEnd>(*next)) break;
     auto* const frame = std::get_if<StreamFrame>(&*next);
     if (frame == nullptr) continue;
+    if (!frames.empty() && frames.back().drive != frame->frame.drive) {
+      frames.clear();
+      ++sample.clocks;
+    }
     frames.push_back(frame->frame);
     keeper.Offer(std::move(*frame), sample.frames);
   }
@@ -135,6 +139,13 @@ SourceFindings CheckLiveSample(const LiveSample& sample, std::optional<double> e
                                         sample.gaps, sample.taken, 1000 * sample.longest_s));
   }
   if (!sample.counts.has_value()) return findings;
+  if (sample.clocks > 1 || sample.counts->ahead > 0) {
+    warn("camera-clock",
+         absl::StrFormat("its times went by %d clocks one after the other, and %d pictures were "
+                         "stamped more than a minute ahead of the one before: a robot begins a new "
+                         "local map with each. Stamp all pictures by CLOCK_MONOTONIC",
+                         sample.clocks, sample.counts->ahead));
+  }
   const uint64_t unpaired = sample.counts->unpaired;
   if (Share(unpaired, unpaired + 2 * sample.counts->frames) > kMostUnpaired) {
     warn("pair-unpaired",

@@ -18,10 +18,11 @@ namespace corbslam::client_agent {
 
 struct LiveSample {
   Sample frames;
-  size_t taken = 0;      // Frames that were taken from the stream, in the sample or not.
-  double rate_hz = 0;    // Of all frames that came, by their own times.
-  double seconds = 0;    // From the first frame taken to the last.
-  size_t gaps = 0;       // Frames that came later than half an interval after they should.
+  size_t taken = 0;    // Frames that were taken from the stream, in the sample or not.
+  double rate_hz = 0;  // Of all frames that came, by their own times.
+  double seconds = 0;  // From the first frame taken to the last.
+  size_t clocks = 1;  // By which its times went, one after the other; the measures are of the last.
+  size_t gaps = 0;    // Frames that came later than half an interval after they should.
   double longest_s = 0;  // Longest time between two frames that followed each other.
   std::optional<CameraCounts> counts;
   LeftOutFrames left_out;
@@ -37,7 +38,8 @@ absl::StatusOr<LiveSample> TakeLiveSample(FrameStream& stream, absl::Duration du
 // Returns names and values for people: rate, gaps, frames that were missed, times apart.
 std::vector<std::pair<std::string, std::string>> DescribeInWords(const LiveSample& sample);
 
-// Finds a rate far below `expected_hz`, gaps, pictures without a counterpart, a camera that failed.
+// Finds a rate far below `expected_hz`, gaps, times of several clocks, pictures without a
+// counterpart, a camera that failed.
 SourceFindings CheckLiveSample(const LiveSample& sample, std::optional<double> expected_hz);
 
 }  // namespace corbslam::client_agent

@@ -25,7 +25,7 @@ class ListedStream : public FrameStream {
       return StreamEnd();
     }
     StreamFrame frame;
-    frame.frame = {frames_[at_].first, frames_[at_].second * 1'000'000, 0};
+    frame.frame = {frames_[at_].first, frames_[at_].second * 1'000'000, at_ < clock_until ? 0 : 1};
     ++at_;
     return frame;
   }
@@ -33,6 +33,7 @@ class ListedStream : public FrameStream {
   std::optional<CameraCounts> camera_counts() const override { return counts; }
 
   CameraCounts counts;
+  size_t clock_until = 1000;  // From this frame on times go by another clock.
   absl::Status end;
 
  private:
@@ -65,6 +66,18 @@ TEST(LiveSampleTest, MeasuresRateAndGapsByTheFramesOwnTimes) {
   EXPECT_THAT(CheckLiveSample(*sample, 20), IsEmpty());
   const auto lines = DescribeInWords(*sample);
   EXPECT_EQ(lines[0].second, "37 taken in 2.0 s, 19.31 frames/s came");
+}
+
+TEST(LiveSampleTest, TellsOfTimesByAnotherClock) {
+  ListedStream stream({{0, 9000}, {1, 9050}, {2, 100}, {3, 150}, {4, 200}});
+  stream.clock_until = 2;
+  const auto sample = TakeLiveSample(stream, absl::Seconds(20), kOnePlace);
+  ASSERT_TRUE(sample.ok()) << sample.status();
+  EXPECT_NEAR(sample->rate_hz, 20, 1e-9);
+  const SourceFindings findings = CheckLiveSample(*sample, std::nullopt);
+  ASSERT_EQ(findings.size(), 1u);
+  EXPECT_EQ(findings[0].code, "camera-clock");
+  EXPECT_THAT(findings[0].text, HasSubstr("by 2 clocks"));
 }
 
 TEST(LiveSampleTest, TellsWhatIsWrongWithTheCamera) {

@@ -204,6 +204,15 @@ StereoJudgement JudgeStereoPair(const StereoCalibration& calibration, const Samp
   return judgement;
 }
 
+bool MayBeLate(const StereoJudgement& judgement) {
+  const bool would_explain =
+      std::any_of(judgement.findings.begin(), judgement.findings.end(), [](const auto& finding) {
+        return finding.code == "pair-rows-apart" || finding.code == "pair-disparity-signs";
+      });
+  return would_explain && !(MedianOf(judgement.pairs, RowError) > kMostRowError_px &&
+                            IsOffsetSteady(judgement.pairs));
+}
+
 SourceFindings CheckStereoPair(const StereoCalibration& calibration, const Sample& sample) {
   return JudgeStereoPair(calibration, sample).findings;
 }

@@ -22,6 +22,10 @@ struct StereoJudgement {
 // to judge. Pure; any thread.
 StereoJudgement JudgeStereoPair(const StereoCalibration& calibration, const Sample& sample);
 
+// Returns whether a late camera would explain what was found, and more frames in a row are needed
+// to say whether it is one: rows or signs are wrong, and not by the same in all frames.
+bool MayBeLate(const StereoJudgement& judgement);
+
 // Returns the findings alone.
 SourceFindings CheckStereoPair(const StereoCalibration& calibration, const Sample& sample);
 

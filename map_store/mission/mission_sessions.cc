@@ -1,5 +1,6 @@
 #include "map_store/mission/mission_sessions.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -71,7 +72,8 @@ absl::StatusOr<MissionSessions::Opened> MissionSessions::Enter(uint64_t session_
       .coded_features = true,
       .localise_only = true,
       .keeps_localised = true,
-      .keyframe_pictures = strand_.options().max_picture_bytes_per_mission > 0};
+      .keyframe_pictures = strand_.options().max_picture_bytes_per_mission > 0,
+      .takes_reports = true};
   for (const LocalMapId& id : request.local_maps) {
     LocalMapState* local_map = state.FindLocalMap(id);
     if (local_map != nullptr) ExpireParked(now, strand_.options(), *local_map);
@@ -79,13 +81,20 @@ absl::StatusOr<MissionSessions::Opened> MissionSessions::Enter(uint64_t session_
   }
   AgentState& agent = state.agents[request.agent];
   opened.fenced = std::exchange(agent.session, session_id);
+  Told& told = told_[request.agent];
+  told.left_on_purpose = false;
+  if (agent.instance != request.instance) {
+    // What another process said of itself is not this one's.
+    absl::MutexLock noting(&told.report_mutex);
+    told.report.reset();
+  }
   agent.instance = request.instance;
   agent.session_begin = now;
   agent.peer = request.peer;
   agent.localise_only = request.localise_only;
   agent.localised.reset();
   agent.localised_lost_ns = -1;
-  opened.told = &told_[request.agent];
+  opened.told = &told;
   ++state.version;
   return opened;
 }
@@ -103,7 +112,7 @@ absl::StatusOr<SessionGrant> MissionSessions::Open(uint64_t session_id,
   }
   // The acknowledged batches must be durable, as the robot forgets them.
   if (const absl::Status durable = strand_.Sync(); !durable.ok()) {
-    Leave(session_id, request.agent, /*has_joined=*/opened.fenced != 0);
+    Leave(session_id, request.agent, /*has_joined=*/opened.fenced != 0, /*on_purpose=*/false);
     return durable;
   }
   listeners_.CallLast(opened.fenced);
@@ -133,7 +142,8 @@ void MissionSessions::NoteJoined(uint64_t session_id, const std::string& agent) 
   events_.Tell();
 }
 
-void MissionSessions::Leave(uint64_t session_id, const std::string& agent, bool has_joined) {
+void MissionSessions::Leave(uint64_t session_id, const std::string& agent, bool has_joined,
+                            bool on_purpose) {
   {
     absl::MutexLock coming(&coming_);
     bool was_here = false;
@@ -143,16 +153,17 @@ void MissionSessions::Leave(uint64_t session_id, const std::string& agent, bool 
       const auto it = agents.find(agent);
       was_here = it != agents.end() && it->second.session == session_id;
       if (was_here) it->second.session = 0;
+      if (was_here) told_[agent].left_on_purpose = on_purpose;
     }
     if (was_here && has_joined) {
-      events_.Note(strand_.Revision(), MissionEvent::AgentLeft{agent});
+      events_.Note(strand_.Revision(), MissionEvent::AgentLeft{agent, on_purpose});
     }
   }
   events_.Tell();
 }
 
-void MissionSessions::Close(uint64_t session_id, const std::string& agent) {
-  Leave(session_id, agent, /*has_joined=*/true);
+void MissionSessions::Close(uint64_t session_id, const std::string& agent, bool on_purpose) {
+  Leave(session_id, agent, /*has_joined=*/true, on_purpose);
   listeners_.SetOfSession(session_id, nullptr);
   strand_.environment().wake_fusion();
 }
@@ -171,6 +182,17 @@ absl::StatusOr<std::optional<SharedUpdate>> MissionSessions::NextShared(uint64_t
   told->complete_at_version = told->share.complete_at_version;
   if (update.ok() && update->has_value()) ++told->updates;
   return update;
+}
+
+absl::Status MissionSessions::NoteReport(uint64_t session_id, const std::string& agent,
+                                         const AgentReport& report) {
+  absl::ReaderMutexLock lock(&strand_.mutex());
+  RETURN_IF_ERROR(CheckSession(strand_, session_id, agent));
+  Told& told = told_.at(agent);
+  absl::MutexLock noting(&told.report_mutex);
+  told.report = report;
+  told.report_came = strand_.environment().clock();
+  return absl::OkStatus();
 }
 
 void MissionSessions::DescribeTold(std::vector<AgentInfo>& agents) const {
@@ -197,7 +219,17 @@ const Island* FindToldIsland(const MissionState& state, const AgentInfo& agent) 
 
 void MissionSessions::DescribeTold(AgentInfo& agent) const {
   const auto told = told_.find(agent.name);
-  if (told == told_.end() || !agent.connected) return;
+  if (told == told_.end()) return;
+  agent.left_on_purpose = !agent.connected && told->second.left_on_purpose;
+  {
+    absl::MutexLock reading(&told->second.report_mutex);
+    agent.report = told->second.report;
+    if (agent.report.has_value()) {
+      agent.report_age =
+          std::max(strand_.environment().clock() - told->second.report_came, absl::ZeroDuration());
+    }
+  }
+  if (!agent.connected) return;
   agent.shared_updates = told->second.updates;
   const MissionState& state = strand_.state();
   const Island* island = FindToldIsland(state, agent);

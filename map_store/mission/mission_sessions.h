@@ -35,7 +35,11 @@ class MissionSessions {
 
   // Opens a session and fences an older one of the agent, unless another process holds that.
   absl::StatusOr<SessionGrant> Open(uint64_t session_id, const SessionRequest& request);
-  void Close(uint64_t session_id, const std::string& agent);
+  // `on_purpose`: the agent ended it itself.
+  void Close(uint64_t session_id, const std::string& agent, bool on_purpose);
+  // Keeps what a session's agent says of itself until it says something else; nothing is recorded.
+  // Returns what CheckSession does.
+  absl::Status NoteReport(uint64_t session_id, const std::string& agent, const AgentReport& report);
 
   absl::StatusOr<std::optional<SharedUpdate>> NextShared(uint64_t session_id,
                                                          const std::string& agent,
@@ -44,7 +48,8 @@ class MissionSessions {
   absl::Status AskForExactPlaces(const std::string& agent);
   bool TakeExactPlacesWanted(const std::string& agent);
 
-  // Says of those agents that are connected what their sessions were told.
+  // Says what agents reported and how they left, and of those that are connected what their
+  // sessions were told.
   void DescribeTold(std::vector<AgentInfo>& agents) const;
 
   Listeners& listeners() { return listeners_; }
@@ -64,6 +69,11 @@ class MissionSessions {
     std::atomic<uint64_t> updates = 0;
     std::atomic<bool> wants_nothing = false;
     std::atomic<uint64_t> complete_at_version = 0;
+    // What the agent last said of itself, and when; and how its last session ended.
+    mutable absl::Mutex report_mutex;
+    std::optional<AgentReport> report ABSL_GUARDED_BY(report_mutex);
+    absl::Time report_came ABSL_GUARDED_BY(report_mutex);
+    std::atomic<bool> left_on_purpose = false;
   };
   struct Opened {
     SessionGrant grant;
@@ -79,7 +89,7 @@ class MissionSessions {
   void NoteJoined(uint64_t session_id, const std::string& agent) ABSL_LOCKS_EXCLUDED(coming_);
   // Ends the session, if it is still the agent's, and notes that the agent has left, if it was
   // said to have joined.
-  void Leave(uint64_t session_id, const std::string& agent, bool has_joined)
+  void Leave(uint64_t session_id, const std::string& agent, bool has_joined, bool on_purpose)
       ABSL_LOCKS_EXCLUDED(coming_);
   // Returns null if the agent never opened a session.
   Told* FindTold(const std::string& agent);

@@ -12,6 +12,7 @@
 #include "absl/time/time.h"
 #include "map_store/state/mission_profile.h"
 #include "map_store/state/sights_table.h"
+#include "slam/exchange/agent_report.h"
 #include "slam/exchange/overlap.h"
 #include "slam/geometry/rigid3.h"
 #include "slam/map/keyframe.h"
@@ -98,6 +99,11 @@ struct AgentInfo {
   // Its session changes nothing; `last_pose` is then what it said of itself.
   bool localise_only = false;
   std::optional<LastPose> last_pose;
+  // What it last said of itself, and how long ago; nullopt: nothing since the mission was loaded.
+  std::optional<AgentReport> report;
+  absl::Duration report_age;
+  // It is not connected, and ended its last session itself.
+  bool left_on_purpose = false;
 };
 
 struct LocalMapInfo {

@@ -23,6 +23,7 @@ struct MissionEvent {
   // An agent's session ended, and no other one took its place.
   struct AgentLeft {
     std::string agent;
+    bool on_purpose = false;  // It ended the session itself; false: the line broke.
   };
   // The first batch of a local map came.
   struct LocalMapBegun {

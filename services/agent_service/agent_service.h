@@ -2,6 +2,7 @@
 #ifndef CORBSLAM_SERVICES_AGENT_SERVICE_AGENT_SERVICE_H_
 #define CORBSLAM_SERVICES_AGENT_SERVICE_AGENT_SERVICE_H_
 
+#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <map>
@@ -12,6 +13,7 @@
 #include "absl/base/thread_annotations.h"
 #include "absl/status/status.h"
 #include "absl/synchronization/mutex.h"
+#include "client_agent/agent/activity_watch.h"
 #include "client_agent/agent/agent.h"
 #include "client_agent/agent/agent_events.h"
 #include "client_agent/agent/agent_orders.h"
@@ -36,6 +38,11 @@ struct AgentServiceOptions {
   std::shared_ptr<client_agent::AgentOrders> orders = nullptr;
   // What WatchEvents tells, and where frames are noted; null: WatchEvents is UNIMPLEMENTED.
   std::shared_ptr<client_agent::AgentEvents> events = nullptr;
+  // Where frames are noted for what the robot is doing; null: its tracking alone says that.
+  std::shared_ptr<const client_agent::ActivityWatch> activity = nullptr;
+  bool localise_only = false;  // As AgentOptions::localise_only.
+  // What the frames' times count.
+  v1::AgentClock clock = v1::AGENT_CLOCK_RECORDED;
 };
 
 // Answers calls about one agent. `agent` and `uplink` (null: no map store) are not owned and must
@@ -46,8 +53,12 @@ class AgentService : public v1::Agent::CallbackService {
                const AgentServiceOptions& options)
       : agent_(*agent), uplink_(uplink), options_(options), pool_(1) {}
 
-  // Tells watchers of a frame; `dropped` counts the frames so far that came too fast.
-  void OnFrame(const client_agent::TrackingResult& result, uint64_t dropped);
+  // Tells watchers of a frame; `dropped` counts the frames so far that came too fast, and `came` is
+  // when this one did.
+  void OnFrame(const client_agent::TrackingResult& result, uint64_t dropped,
+               PoseBoard::Moment came = std::chrono::steady_clock::now());
+  // Tells them that no frame comes any more, which ends their streams.
+  void OnEnd();
 
   grpc::ServerWriteReactor<v1::WatchPoseResponse>* WatchPose(
       grpc::CallbackServerContext* context, const v1::WatchPoseRequest* request) override;

@@ -1,4 +1,5 @@
 #include "services/agent_service/agent_service.h"
+#include "services/convert/agent_report.h"
 #include "services/convert/geometry.h"
 #include "services/convert/resource_names.h"
 #include "services/server/unary.h"
@@ -9,6 +10,7 @@ using client_agent::AgentStatus;
 using client_agent::HeldBack;
 using client_agent::kUpdateKinds;
 using client_agent::ToString;
+using client_agent::TrackingState;
 using client_agent::UploadStatus;
 
 namespace {
@@ -23,6 +25,28 @@ void WriteUpload(const UploadStatus& upload, v1::AgentStatus* response) {
   response->set_outbox_code(upload.room.raw_code());
   response->set_lost_local_maps(static_cast<uint32_t>(upload.lost_local_maps));
   response->set_loss_code(upload.loss.raw_code());
+}
+
+// Returns what tracking alone says.
+AgentActivity ActivityOf(TrackingState state) {
+  switch (state) {
+    case TrackingState::kNotInitialised:
+      break;
+    case TrackingState::kTracking:
+      return AgentActivity::kTracking;
+    case TrackingState::kLost:
+      return AgentActivity::kLost;
+  }
+  return AgentActivity::kInitialising;
+}
+
+void WriteActivity(const AgentServiceOptions& options, const AgentStatus& status,
+                   v1::AgentStatus* response) {
+  response->set_localise_only(options.localise_only);
+  AgentReport report{.activity = ActivityOf(status.state)};
+  if (options.activity != nullptr) report = options.activity->Report();
+  response->set_activity(ToProto(report.activity));
+  response->set_newest_frame_age_s(report.newest_frame_age_s);
 }
 
 void WriteHeldBack(const HeldBack& held, v1::AgentStatus* response) {
@@ -69,6 +93,7 @@ grpc::ServerUnaryReactor* AgentService::GetStatus(grpc::CallbackServerContext* c
     response->set_shared_updates(status.shared_updates);
     if (uplink_ != nullptr) response->set_bytes_up(uplink_->bytes_up());
     if (uplink_ != nullptr) response->set_bytes_down(uplink_->bytes_down());
+    WriteActivity(options_, status, response);
     WriteUpload(status.upload, response);
     WriteHeldBack(status.upload.held_back, response);
     if (options_.session != nullptr) WriteSession(options_.session(), response);

@@ -2,6 +2,7 @@
 #ifndef CORBSLAM_SERVICES_AGENT_SERVICE_POSE_BOARD_H_
 #define CORBSLAM_SERVICES_AGENT_SERVICE_POSE_BOARD_H_
 
+#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <map>
@@ -21,19 +22,22 @@ namespace corbslam::services {
 class PoseBoard {
  public:
   using Reader = std::function<void(const PostedPose&)>;
+  using Moment = std::chrono::steady_clock::time_point;
 
   // Returns how often global_from_local has changed so far.
   uint64_t Post(const client_agent::TrackingResult& result,
-                const std::optional<Similarity3d>& global_from_local, uint64_t dropped) {
+                const std::optional<Similarity3d>& global_from_local, Moment came,
+                uint64_t dropped) {
     absl::MutexLock lock(&mutex_);
     PostedPose pose = newest_.value_or(PostedPose());
     pose.follows_a_pose = pose.result.state == client_agent::TrackingState::kTracking;
     if (!AreEqual(pose.global_from_local, global_from_local)) ++pose.global_epoch;
     pose.result = result;
+    pose.came = came;
     pose.global_from_local = global_from_local;
     newest_ = std::move(pose);
     dropped_ = dropped;
-    for (const auto& [token, reader] : readers_) reader(*newest_);
+    for (const auto& [token, readers] : readers_) readers.on_pose(*newest_);
     return newest_->global_epoch;
   }
   uint64_t dropped() const {
@@ -41,12 +45,20 @@ class PoseBoard {
     return dropped_;
   }
 
-  // Adds a reader, which hears the newest pose at once, if there is one. Returns a token for
-  // Remove.
-  uint64_t Add(Reader reader) {
+  // Says that no pose follows.
+  void End() {
     absl::MutexLock lock(&mutex_);
-    if (newest_) reader(*newest_);
-    readers_.emplace(++last_token_, std::move(reader));
+    ended_ = true;
+    for (const auto& [token, readers] : readers_) readers.on_end();
+  }
+
+  // Adds a reader, which hears the newest pose at once, if there is one, and the end where no pose
+  // follows. Returns a token for Remove.
+  uint64_t Add(Reader on_pose, std::function<void()> on_end) {
+    absl::MutexLock lock(&mutex_);
+    if (newest_) on_pose(*newest_);
+    if (ended_) on_end();
+    readers_.emplace(++last_token_, Readers{std::move(on_pose), std::move(on_end)});
     return last_token_;
   }
   // Removes a reader: once this returns, no call is under way and none follows.
@@ -56,6 +68,10 @@ class PoseBoard {
   }
 
  private:
+  struct Readers {
+    Reader on_pose;
+    std::function<void()> on_end;
+  };
   static bool AreEqual(const std::optional<Similarity3d>& a, const std::optional<Similarity3d>& b) {
     if (!a.has_value() || !b.has_value()) return a.has_value() == b.has_value();
     return a->scale == b->scale && a->translation == b->translation &&
@@ -66,7 +82,8 @@ class PoseBoard {
   std::optional<PostedPose> newest_ ABSL_GUARDED_BY(mutex_);
   uint64_t dropped_ ABSL_GUARDED_BY(mutex_) = 0;
   uint64_t last_token_ ABSL_GUARDED_BY(mutex_) = 0;
-  std::map<uint64_t, Reader> readers_ ABSL_GUARDED_BY(mutex_);
+  bool ended_ ABSL_GUARDED_BY(mutex_) = false;
+  std::map<uint64_t, Readers> readers_ ABSL_GUARDED_BY(mutex_);
 };
 
 }  // namespace corbslam::services

@@ -2,6 +2,7 @@
 #ifndef CORBSLAM_SERVICES_AGENT_SERVICE_POSTED_POSE_H_
 #define CORBSLAM_SERVICES_AGENT_SERVICE_POSTED_POSE_H_
 
+#include <chrono>
 #include <cstdint>
 #include <optional>
 
@@ -16,6 +17,7 @@ struct PostedPose {
   client_agent::TrackingResult result;
   std::optional<Similarity3d> global_from_local = std::nullopt;
   uint64_t global_epoch = 0;
+  std::chrono::steady_clock::time_point came = {};  // When the frame did.
   // The frame before had a pose, too.
   bool follows_a_pose = false;
 };

@@ -16,7 +16,7 @@ namespace corbslam::services {
 enum class PullJob { kNone, kPull, kFinish };
 
 // Makes and writes a message whenever somebody called Want and the one before is written, until the
-// caller goes. Owns itself.
+// caller goes or all was told. Owns itself.
 template <typename Response>
 class PulledStream : public grpc::ServerWriteReactor<Response>, private StreamTask<PullJob> {
  public:
@@ -41,6 +41,11 @@ class PulledStream : public grpc::ServerWriteReactor<Response>, private StreamTa
   void Want() {
     Note([this]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { wanted_ = true; });
   }
+  // Says that no message follows those that are wanted: the stream ends in good order. May be
+  // called as Want.
+  void End() {
+    Note([this]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { ended_ = true; });
+  }
   // Makes the next message; returns false if there is none now. Called on the pool, without locks.
   virtual bool Make(Response& response) = 0;
   // Once it returns, nobody calls Want any more.
@@ -50,7 +55,8 @@ class PulledStream : public grpc::ServerWriteReactor<Response>, private StreamTa
   PullJob NextJob() const override ABSL_SHARED_LOCKS_REQUIRED(mutex_) {
     if (busy_) return PullJob::kNone;
     if (cancelled_) return PullJob::kFinish;
-    return wanted_ ? PullJob::kPull : PullJob::kNone;
+    if (wanted_) return PullJob::kPull;
+    return ended_ ? PullJob::kFinish : PullJob::kNone;
   }
   void BeginJob(PullJob job) override ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
     if (job != PullJob::kPull) return;
@@ -59,11 +65,16 @@ class PulledStream : public grpc::ServerWriteReactor<Response>, private StreamTa
   }
   void DoJob(PullJob job) override {
     // The reactor may be gone once Finish is called.
-    if (job == PullJob::kFinish) return this->Finish(grpc::Status::CANCELLED);
+    if (job == PullJob::kFinish) return this->Finish(How());
     written_.Clear();
     if (Make(written_)) return this->StartWrite(&written_);
     absl::MutexLock lock(&mutex_);
     busy_ = false;
+  }
+
+  grpc::Status How() const {
+    absl::MutexLock lock(&mutex_);
+    return cancelled_ ? grpc::Status::CANCELLED : grpc::Status::OK;
   }
 
   // gRPC reads this message while busy_ is set.
@@ -71,6 +82,7 @@ class PulledStream : public grpc::ServerWriteReactor<Response>, private StreamTa
   bool wanted_ ABSL_GUARDED_BY(mutex_) = false;
   bool busy_ ABSL_GUARDED_BY(mutex_) = false;
   bool cancelled_ ABSL_GUARDED_BY(mutex_) = false;
+  bool ended_ ABSL_GUARDED_BY(mutex_) = false;
 };
 
 // Refuses a call with a status.

@@ -31,6 +31,8 @@ v1::AgentEventKind ToProto(AgentEvent::Kind kind) {
       return v1::AGENT_EVENT_KIND_SPLIT;
     case AgentEvent::Kind::kMissionDeleted:
       return v1::AGENT_EVENT_KIND_MISSION_DELETED;
+    case AgentEvent::Kind::kEnded:
+      return v1::AGENT_EVENT_KIND_ENDED;
   }
   return v1::AGENT_EVENT_KIND_UNSPECIFIED;
 }
@@ -55,6 +57,12 @@ class WatchEventsReactor : public PulledStream<v1::AgentEvent> {
 
  private:
   bool Make(v1::AgentEvent& response) override {
+    const std::optional<uint64_t> ended = events_->ended();
+    // The end is the last that is told.
+    if (ended.has_value() && known_ == *ended) {
+      End();
+      return false;
+    }
     const std::optional<AgentEvent> event = events_->After(known_);
     if (!event.has_value()) return false;
     known_ = event->number;

@@ -25,7 +25,7 @@ class WatchMapReactor : public PulledStream<v1::WatchAgentMapResponse> {
   WatchMapReactor(TaskPool& pool, PoseBoard& board, const client_agent::Agent& agent,
                   const NearMapLimits& limits, absl::Duration interval)
       : PulledStream(pool), board_(board), agent_(agent), limits_(limits), interval_(interval) {
-    token_ = board_.Add([this](const PostedPose&) { OnFrame(); });
+    token_ = board_.Add([this](const PostedPose&) { OnFrame(); }, [this] { End(); });
   }
 
  private:

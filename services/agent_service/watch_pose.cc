@@ -1,4 +1,5 @@
 #include <atomic>
+#include <chrono>
 #include <cstdlib>
 #include <optional>
 #include <utility>
@@ -24,13 +25,15 @@ class WatchPoseReactor : public grpc::ServerWriteReactor<v1::WatchPoseResponse> 
  public:
   // Frames nearer in the agent's own time than `interval_ns` are left out. `camera_from_wanted`
   // turns the camera's poses into those of `poses_of`; nullopt: they are the same.
-  WatchPoseReactor(PoseBoard& board, int64_t interval_ns, PosesOf poses_of,
+  WatchPoseReactor(PoseBoard& board, v1::AgentClock clock, int64_t interval_ns, PosesOf poses_of,
                    const std::optional<Rigid3d>& camera_from_wanted)
       : board_(board),
+        clock_(clock),
         interval_ns_(interval_ns),
         poses_of_(poses_of),
         camera_from_wanted_(camera_from_wanted) {
-    const uint64_t token = board_.Add([this](const PostedPose& pose) { OnPose(pose); });
+    const uint64_t token =
+        board_.Add([this](const PostedPose& pose) { OnPose(pose); }, [this] { OnEnd(); });
     token_.store(token);
   }
 
@@ -62,27 +65,49 @@ class WatchPoseReactor : public grpc::ServerWriteReactor<v1::WatchPoseResponse> 
       const int64_t step_ns = std::abs(pose.result.timestamp_ns - last_ns_.value_or(0));
       if (last_ns_ && step_ns < interval_ns_) return;
       next_ = ToProto(pose, poses_of_, camera_from_wanted_);
+      next_->set_clock(clock_);
+      next_came_ = pose.came;
+    }
+    Advance();
+  }
+  void OnEnd() {
+    {
+      absl::MutexLock lock(&mutex_);
+      ended_ = true;
     }
     Advance();
   }
 
   void Advance() {
-    bool finish = false;
+    std::optional<grpc::Status> end;
     {
       absl::MutexLock lock(&mutex_);
-      if (writing_ || finished_ || (!cancelled_ && !next_)) return;
-      finish = finished_ = cancelled_;
-      if (!finish) {
-        writing_ = true;
-        written_ = *std::exchange(next_, std::nullopt);
-        last_ns_ = written_.timestamp_ns();
+      if (writing_ || finished_) return;
+      if (cancelled_) {
+        end = grpc::Status::CANCELLED;
+      } else if (next_) {
+        BeginWrite();
+      } else if (ended_) {
+        end = grpc::Status::OK;
+      } else {
+        return;
       }
+      finished_ = end.has_value();
     }
-    if (finish) return Finish(grpc::Status::CANCELLED);
+    if (end.has_value()) return Finish(*end);
     StartWrite(&written_);
   }
 
+  void BeginWrite() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
+    writing_ = true;
+    written_ = *std::exchange(next_, std::nullopt);
+    last_ns_ = written_.timestamp_ns();
+    const std::chrono::duration<double> age = std::chrono::steady_clock::now() - next_came_;
+    written_.set_age_s(age.count());
+  }
+
   PoseBoard& board_;
+  const v1::AgentClock clock_;
   const int64_t interval_ns_;
   const PosesOf poses_of_;
   const std::optional<Rigid3d> camera_from_wanted_;
@@ -92,17 +117,24 @@ class WatchPoseReactor : public grpc::ServerWriteReactor<v1::WatchPoseResponse> 
 
   absl::Mutex mutex_;
   std::optional<v1::WatchPoseResponse> next_ ABSL_GUARDED_BY(mutex_);
+  PoseBoard::Moment next_came_ ABSL_GUARDED_BY(mutex_);
   std::optional<int64_t> last_ns_ ABSL_GUARDED_BY(mutex_);
   bool writing_ ABSL_GUARDED_BY(mutex_) = false;
   bool cancelled_ ABSL_GUARDED_BY(mutex_) = false;
+  bool ended_ ABSL_GUARDED_BY(mutex_) = false;  // No pose follows.
   bool finished_ ABSL_GUARDED_BY(mutex_) = false;
 };
 
 }  // namespace
 
-void AgentService::OnFrame(const TrackingResult& result, uint64_t dropped) {
-  const uint64_t global_epoch = poses_.Post(result, agent_.GlobalFromLocal(), dropped);
+void AgentService::OnFrame(const TrackingResult& result, uint64_t dropped, PoseBoard::Moment came) {
+  const uint64_t global_epoch = poses_.Post(result, agent_.GlobalFromLocal(), came, dropped);
   if (options_.events != nullptr) options_.events->NoteFrame(result, global_epoch);
+}
+
+void AgentService::OnEnd() {
+  if (options_.events != nullptr) options_.events->NoteEnd();
+  poses_.End();
 }
 
 grpc::ServerWriteReactor<v1::WatchPoseResponse>* AgentService::WatchPose(
@@ -119,7 +151,7 @@ grpc::ServerWriteReactor<v1::WatchPoseResponse>* AgentService::WatchPose(
   if (!camera_from_wanted.ok())
     return new RefusedStream<v1::WatchPoseResponse>(camera_from_wanted.status());
   const int64_t interval_ns = rate_hz == 0 ? 0 : static_cast<int64_t>(1e9 / rate_hz);
-  return new WatchPoseReactor(poses_, interval_ns, *poses_of, *camera_from_wanted);
+  return new WatchPoseReactor(poses_, options_.clock, interval_ns, *poses_of, *camera_from_wanted);
 }
 
 }  // namespace corbslam::services

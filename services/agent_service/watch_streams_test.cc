@@ -136,19 +136,74 @@ TEST_F(WatchStreamsTest, EventsComeAsTheyWereAndAsTheyCome) {
 }
 
 TEST_F(WatchStreamsTest, EventsGoOnAfterANumber) {
+  Track();
   for (const LinkEvent event : {LinkEvent::kMerged, LinkEvent::kSplit, LinkEvent::kMerged}) {
     events_->NoteLink(event, kOwn);
   }
   grpc::ClientContext context;
   v1::WatchAgentEventsRequest request;
-  request.set_after_number(1);
+  request.set_after_number(2);
   const auto stream = stub_->WatchEvents(&context, request);
   v1::AgentEvent event;
   ASSERT_TRUE(stream->Read(&event));
-  EXPECT_EQ(event.number(), 2u);
+  EXPECT_EQ(event.number(), 3u);
   EXPECT_EQ(event.kind(), v1::AGENT_EVENT_KIND_SPLIT);
   ASSERT_TRUE(stream->Read(&event));
   EXPECT_EQ(event.kind(), v1::AGENT_EVENT_KIND_MERGED);
+}
+
+TEST_F(WatchStreamsTest, StreamsEndInGoodOrderWhereTheRobotsDriveDoes) {
+  Track();
+  grpc::ClientContext events_context;
+  const auto events = stub_->WatchEvents(&events_context, {});
+  grpc::ClientContext poses_context;
+  const auto poses = stub_->WatchPose(&poses_context, {});
+  grpc::ClientContext map_context;
+  const auto map = stub_->WatchMap(&map_context, {});
+  v1::WatchPoseResponse pose;
+  ASSERT_TRUE(poses->Read(&pose));
+  service_.OnEnd();
+  v1::AgentEvent event;
+  while (events->Read(&event)) {
+  }
+  EXPECT_EQ(event.kind(), v1::AGENT_EVENT_KIND_ENDED);
+  EXPECT_TRUE(events->Finish().ok());
+  EXPECT_FALSE(poses->Read(&pose));
+  EXPECT_TRUE(poses->Finish().ok());
+  v1::WatchAgentMapResponse near;
+  while (map->Read(&near)) {
+  }
+  EXPECT_TRUE(map->Finish().ok());
+
+  // Whoever comes later is told the same.
+  grpc::ClientContext late_context;
+  const auto late = stub_->WatchPose(&late_context, {});
+  ASSERT_TRUE(late->Read(&pose));
+  EXPECT_EQ(pose.timestamp_ns(), 1);
+  EXPECT_FALSE(late->Read(&pose));
+  EXPECT_TRUE(late->Finish().ok());
+  v1::WatchAgentEventsRequest request;
+  request.set_after_number(event.number());
+  events_->NoteLink(LinkEvent::kMerged, kOwn);
+  grpc::ClientContext again_context;
+  const auto again = stub_->WatchEvents(&again_context, request);
+  EXPECT_FALSE(again->Read(&event));
+  EXPECT_TRUE(again->Finish().ok());
+}
+
+TEST_F(WatchStreamsTest, APoseSaysItsClockAndHowOldItIs) {
+  TrackingResult result;
+  result.timestamp_ns = 1;
+  service_.OnFrame(result, 0, std::chrono::steady_clock::now() - std::chrono::seconds(3));
+  grpc::ClientContext context;
+  const auto stream = stub_->WatchPose(&context, {});
+  v1::WatchPoseResponse pose;
+  ASSERT_TRUE(stream->Read(&pose));
+  EXPECT_GE(pose.age_s(), 3);
+  EXPECT_LT(pose.age_s(), 60);
+  EXPECT_EQ(pose.clock(), v1::AGENT_CLOCK_RECORDED);
+  context.TryCancel();
+  stream->Finish();
 }
 
 TEST_F(WatchStreamsTest, TheMapAroundThePoseComesWithAFrame) {

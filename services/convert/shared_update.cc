@@ -311,6 +311,7 @@ void AddCapabilities(const Capabilities& capabilities, Message* proto) {
   if (capabilities.localise_only) proto->add_capabilities(v1::CAPABILITY_LOCALISE_ONLY);
   if (capabilities.keeps_localised) proto->add_capabilities(v1::CAPABILITY_LOCALISED_KEPT);
   if (capabilities.keyframe_pictures) proto->add_capabilities(v1::CAPABILITY_KEYFRAME_PICTURES);
+  if (capabilities.takes_reports) proto->add_capabilities(v1::CAPABILITY_AGENT_REPORTS);
 }
 
 // Ignores capabilities that it does not know: they are of a newer version.
@@ -323,6 +324,7 @@ Capabilities ReadCapabilities(const Message& proto) {
     capabilities.localise_only |= capability == v1::CAPABILITY_LOCALISE_ONLY;
     capabilities.keeps_localised |= capability == v1::CAPABILITY_LOCALISED_KEPT;
     capabilities.keyframe_pictures |= capability == v1::CAPABILITY_KEYFRAME_PICTURES;
+    capabilities.takes_reports |= capability == v1::CAPABILITY_AGENT_REPORTS;
   }
   return capabilities;
 }

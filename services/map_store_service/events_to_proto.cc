@@ -24,6 +24,7 @@ class WhatWriter {
   }
   void operator()(const MissionEvent::AgentLeft& event) const {
     proto_.mutable_agent_left()->set_agent(AgentName(mission_, event.agent));
+    proto_.mutable_agent_left()->set_on_purpose(event.on_purpose);
   }
   void operator()(const MissionEvent::LocalMapBegun& event) const {
     auto* begun = proto_.mutable_local_map_begun();

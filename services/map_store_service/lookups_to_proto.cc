@@ -7,6 +7,7 @@
 #include <set>
 #include <utility>
 
+#include "services/convert/agent_report.h"
 #include "services/convert/geometry.h"
 #include "services/convert/overlap.h"
 #include "services/convert/resource_names.h"
@@ -87,6 +88,11 @@ void ToProto(absl::string_view mission, const AgentInfo& info, v1::MissionAgent*
   proto->set_shared_updates(info.shared_updates);
   proto->set_localise_only(info.localise_only);
   if (info.last_pose.has_value()) ToProto(mission, *info.last_pose, proto->mutable_last_pose());
+  if (info.report.has_value()) {
+    ToProto(*info.report, proto->mutable_report());
+    proto->set_report_age_s(absl::ToDoubleSeconds(info.report_age));
+  }
+  proto->set_left_on_purpose(info.left_on_purpose);
 }
 
 void ToProto(absl::string_view mission, const LocalMapInfo& info, v1::LocalMap* proto) {

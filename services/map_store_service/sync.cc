@@ -7,6 +7,7 @@
 #include "absl/time/time.h"
 #include "map_store/ingest/quota.h"
 #include "map_store/view/asleep_words.h"
+#include "services/convert/agent_report.h"
 #include "services/convert/keyframe_picture.h"
 #include "services/convert/limits.h"
 #include "services/convert/localised_frames.h"
@@ -145,14 +146,14 @@ void SyncReactor::WriteReply() {
 
 absl::Status SyncReactor::Leave() {
   if (session_id_) store_.SetSharedListener(*session_id_, nullptr);
-  if (session_id_) store_.CloseSession(*session_id_);
-  // The ticket is given back before the agent hears of the end: it may come again at once.
-  ticket_.reset();
   absl::Status status;
   {
     absl::MutexLock lock(&mutex_);
     status = end_.value_or(cancelled_ ? absl::CancelledError(kBroken) : absl::OkStatus());
   }
+  if (session_id_) store_.CloseSession(*session_id_, /*on_purpose=*/status.ok());
+  // The ticket is given back before the agent hears of the end: it may come again at once.
+  ticket_.reset();
   if (session_id_) {
     for (SyncObserver* observer : observers_) observer->OnClosed(who_, status);
   }
@@ -249,6 +250,7 @@ absl::Status SyncReactor::Handle(const v1::SyncRequest& request) {
   if (request.has_picture()) {
     return store_.KeepPicture(*session_id_, FromProto(request.picture()));
   }
+  if (request.has_report()) return NoteReport(request.report());
   return absl::InvalidArgumentError("a message has no part that is known");
 }
 
@@ -347,6 +349,11 @@ absl::Status SyncReactor::NoteLocalised(const v1::LocalisedFrames& localised) {
   }
   if (moves_what_is_shared_) OnShareable();
   return absl::OkStatus();
+}
+
+absl::Status SyncReactor::NoteReport(const v1::AgentReport& report) {
+  ASSIGN_OR_RETURN(const AgentReport said, FromProto(report));
+  return store_.NoteReport(*session_id_, said);
 }
 
 bool SyncReactor::MayShare() {

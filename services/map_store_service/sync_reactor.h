@@ -80,6 +80,7 @@ class SyncReactor : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteB
   absl::Status Open(const v1::OpenSession& open);
   absl::Status Apply(const v1::MapUpdateBatch& part);
   absl::Status NoteLocalised(const v1::LocalisedFrames& localised);
+  absl::Status NoteReport(const v1::AgentReport& report);
   absl::StatusOr<Acknowledgement> ApplyWhole(const MapUpdateBatch& batch);
   void Share();
   // Returns false if the link's budget is spent; a timer then wakes the stream when it is not any

@@ -32,6 +32,8 @@ class ObservedUplink : public Uplink, private UplinkListener {
     return uplink_.SendLocalised(localised);
   }
 
+  bool SendReport(const AgentReport& report) override { return uplink_.SendReport(report); }
+
   void PauseReading() override { uplink_.PauseReading(); }
   void ResumeReading() override { uplink_.ResumeReading(); }
   void Close() override { uplink_.Close(); }

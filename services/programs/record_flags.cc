@@ -39,6 +39,9 @@ RecordingHead HeadOf(const RunToRecord& run, const FrameStream& stream) {
   head.flags.pace = WordOf(run.pace);
   head.flags.joined = run.joined;
   head.flags.vocabulary = run.vocabulary;
+  head.flags.localise_only = run.agent.localise_only;
+  head.flags.resumes = run.agent.resume;
+  head.flags.max_map_bytes = run.agent.max_map_bytes;
   head.calibration = stream.calibration();
   return head;
 }

@@ -39,6 +39,12 @@ std::function<absl::Status()> RobotObservers::OfSessions() const {
   return [this] { return sessions_->status(); };
 }
 
+void RobotObservers::WatchActivity(std::shared_ptr<const client_agent::ActivityWatch> activity,
+                                   bool localise_only) {
+  activity_ = std::move(activity);
+  localise_only_ = localise_only;
+}
+
 Uplink* RobotObservers::Watch(Uplink* uplink) {
   std::vector<UplinkObserver*> observers;
   if (sessions_ != nullptr) observers.push_back(sessions_.get());
@@ -63,6 +69,8 @@ std::unique_ptr<RobotMinutes> RobotObservers::LogEachMinute(const Agent* agent) 
   RobotMinutesOptions options;
   options.who = {.mission = sessions_ != nullptr ? mission_ : "", .agent = name_};
   options.session = OfSessions();
+  options.activity = activity_;
+  options.localise_only = localise_only_;
   return std::make_unique<RobotMinutes>(agent, &tally_, options);
 }
 
@@ -81,10 +89,11 @@ absl::StatusOr<std::unique_ptr<MetricsEndpoint>> RobotObservers::Serve(const Age
   if (metrics_ == nullptr) return nullptr;
   ASSIGN_OR_RETURN(
       auto endpoint,
-      MetricsEndpoint::Start(flags_.metrics_listen,
-                             {std::make_shared<ProcessCollector>("client_agent"),
-                              std::make_shared<SecurityCollector>(), metrics_->registry,
-                              std::make_shared<RobotCollector>(agent, uplink, mission_, name_)}));
+      MetricsEndpoint::Start(
+          flags_.metrics_listen,
+          {std::make_shared<ProcessCollector>("client_agent"),
+           std::make_shared<SecurityCollector>(), metrics_->registry,
+           std::make_shared<RobotCollector>(agent, uplink, activity_, mission_, name_)}));
   AnnounceMetrics(endpoint->address());
   return endpoint;
 }

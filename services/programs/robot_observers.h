@@ -38,6 +38,10 @@ class RobotObservers {
   // LogSessions.
   std::function<absl::Status()> OfSessions() const;
 
+  // Makes log and metrics say what the robot is doing.
+  void WatchActivity(std::shared_ptr<const client_agent::ActivityWatch> activity,
+                     bool localise_only);
+
   // Each returns what it is given (null too), or a watched form of it, which the observers own.
   Uplink* Watch(Uplink* uplink);
   client_agent::Agent* Watch(client_agent::Agent* agent);
@@ -68,6 +72,8 @@ class RobotObservers {
   const std::string mission_;
   const std::string name_;
   FrameTally tally_;
+  std::shared_ptr<const client_agent::ActivityWatch> activity_;
+  bool localise_only_ = false;
   std::unique_ptr<Metrics> metrics_;
   std::unique_ptr<TraceFile> trace_file_;
   std::unique_ptr<RobotTrace> trace_;

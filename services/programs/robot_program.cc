@@ -43,17 +43,23 @@
 
 namespace corbslam::services {
 
+using client_agent::ActivityWatch;
 using client_agent::Agent;
 using client_agent::AgentOptions;
 using client_agent::AgentOrders;
+using client_agent::FrameStream;
 using client_agent::RegisterLiveSources;
 using client_agent::Spool;
 using client_agent::TrackingResult;
 
 namespace {
 
+// Streams end within it, where their readers read.
+constexpr absl::Duration kGoodbye = absl::Seconds(1);
+
 AgentOptions MakeAgentOptions(const RobotFlags& flags, const UploadChoice& upload,
-                              const SensorCalibration& calibration) {
+                              const SensorCalibration& calibration,
+                              const std::shared_ptr<const ActivityWatch>& activity) {
   AgentOptions options;
   options.mission = flags.mission;
   options.name = flags.agent;
@@ -77,6 +83,7 @@ AgentOptions MakeAgentOptions(const RobotFlags& flags, const UploadChoice& uploa
   // The trajectory is asked for at the end, or by other programs at any time.
   options.keep_trajectory = !flags.trajectory.empty() || !flags.listen.empty();
   options.events = std::make_shared<client_agent::AgentEvents>();
+  options.activity = activity;
   options.sensor.orb.features = FeaturesOf(flags);
   return options;
 }
@@ -190,6 +197,7 @@ absl::Status AsFailure(const absl::Status& status) {
 struct Surroundings {
   std::shared_ptr<AgentOrders> orders = std::make_shared<AgentOrders>();
   std::shared_ptr<FrameRateLimit> rate = std::make_shared<FrameRateLimit>();
+  std::shared_ptr<ActivityWatch> activity = std::make_shared<ActivityWatch>();
   std::shared_ptr<grpc::Channel> channel;  // Null without --server, and so is the uplink.
   std::unique_ptr<LiveSettings> settings;
   std::unique_ptr<Uplink> uplink;
@@ -246,6 +254,7 @@ absl::StatusOr<RobotFlags> Surround(const RobotFlags& given, const RobotSource& 
   around.uplink = MakeUplink(flags, around.channel, *around.settings);
   ASSIGN_OR_RETURN(around.observers,
                    RobotObservers::Make(flags.observe, flags.mission, flags.agent));
+  around.observers->WatchActivity(around.activity, flags.localise_only);
   if (around.uplink != nullptr) {
     around.observers->LogSessions({flags.server, kMapStoreService, flags.security},
                                   flags.localise_only);
@@ -265,7 +274,7 @@ void LogMemoryBudget(const RobotFlags& flags, uint64_t max_map_bytes) {
 absl::StatusOr<AgentOptions> SurroundedOptions(const RobotFlags& flags, const Surroundings& around,
                                                const SensorCalibration& calibration) {
   ASSIGN_OR_RETURN(const UploadChoice upload, ParseUpload(flags));
-  AgentOptions options = MakeAgentOptions(flags, upload, calibration);
+  AgentOptions options = MakeAgentOptions(flags, upload, calibration, around.activity);
   if (around.uplink != nullptr || !flags.listen.empty()) options.orders = around.orders;
   if (around.uplink != nullptr) around.observers->LogEvents(options.events);
   if (around.channel != nullptr) {
@@ -276,13 +285,22 @@ absl::StatusOr<AgentOptions> SurroundedOptions(const RobotFlags& flags, const Su
 }
 
 AgentServiceOptions ServiceOptions(const RobotFlags& flags, const Surroundings& around,
-                                   const RecordedCamera& recorded, const AgentOptions& options) {
+                                   const RecordedCamera& recorded, const AgentOptions& options,
+                                   v1::AgentClock clock) {
   return {.mission = around.uplink != nullptr ? flags.mission : "",
           .agent = flags.agent,
           .recorded_camera = recorded,
           .session = around.observers->OfSessions(),
           .orders = options.orders,
-          .events = options.events};
+          .events = options.events,
+          .activity = around.activity,
+          .localise_only = flags.localise_only,
+          .clock = clock};
+}
+
+// A camera's frames are stamped by the machine's monotonic clock (docs/live.md).
+v1::AgentClock ClockOf(const FrameStream& stream) {
+  return stream.camera_counts().has_value() ? v1::AGENT_CLOCK_MONOTONIC : v1::AGENT_CLOCK_RECORDED;
 }
 
 // Serves other programs on the robot; returns null without --listen.
@@ -319,7 +337,8 @@ absl::Status Drive(const RobotFlags& flags, const Surroundings& around, const Ro
   const auto recording =
       recorder != nullptr ? recorder->Watch(watched, options.orders.get()) : nullptr;
   const auto minutes = observers.LogEachMinute(agent.get());
-  AgentService service(agent.get(), uplink, ServiceOptions(flags, around, recorded, options));
+  AgentService service(agent.get(), uplink,
+                       ServiceOptions(flags, around, recorded, options, ClockOf(*source.stream)));
   ASSIGN_OR_RETURN(const auto metrics, observers.Serve(agent.get(), uplink));
   security.server.rpc_observer = observers.OfCalls();
   ASSIGN_OR_RETURN(const auto server, Serve(flags, security, service));
@@ -327,12 +346,15 @@ absl::Status Drive(const RobotFlags& flags, const Surroundings& around, const Ro
   PlayedFrames frames;
   const absl::Status played = PlayStream(
       *source.stream, recording != nullptr ? *recording : *watched, flags.pace, stop, frames,
-      [&](const TrackingResult& result, uint64_t dropped) {
-        observers.SetDropped(dropped);
-        if (recorder != nullptr) recorder->OnResult(result, dropped);
-        if (server != nullptr) service.OnFrame(result, dropped);
+      [&](const TrackingResult& result, const FrameMoment& moment) {
+        observers.SetDropped(moment.dropped);
+        around.activity->NoteFrame(result, moment.came, moment.dropped);
+        if (recorder != nullptr) recorder->OnResult(result, moment.dropped);
+        service.OnFrame(result, moment.dropped, moment.came);
       },
       around.rate.get());
+  around.activity->NoteEnd();
+  service.OnEnd();
   // What became of the recording is in the log: it is no failure of the robot.
   if (recorder != nullptr) recorder->Finish().IgnoreError();
   const auto of_sessions = observers.OfSessions();
@@ -343,6 +365,8 @@ absl::Status Drive(const RobotFlags& flags, const Surroundings& around, const Ro
     AnnounceFinished();
     stop.WaitForNotification();
   }
+  // Whoever watches hears the end.
+  if (server != nullptr) server->Shutdown(kGoodbye);
   RobotReport report = MakeReport(flags, *agent, source, frames, uplink, session);
   report.settings = around.settings->Report();
   RETURN_IF_ERROR(WriteResults(flags, *agent, calibration, report));

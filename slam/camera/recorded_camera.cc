@@ -124,8 +124,11 @@ absl::StatusOr<std::optional<Rigid3d>> CameraFromWanted(
   if (wanted == PosesOf::kBody) {
     if (!recorded.has_value() || !recorded->body_from_recorded.has_value()) {
       return absl::FailedPreconditionError(
-          "poses of the body are not known: no calibration says where the camera sits on it (in "
-          "EuRoC's layout T_BS of cam0/sensor.yaml does); ask for those of the camera");
+          "poses of the body are not known: no calibration says where the camera sits on it. Say "
+          "it "
+          "by body_from_camera in the rig file (--rig, docs/rig.md; a EuRoC recording has it as "
+          "T_BS "
+          "in cam0/sensor.yaml) and start the robot anew, or ask for poses of the camera");
     }
     camera_from_wanted = camera_from_wanted * recorded->body_from_recorded->Inverse();
   }

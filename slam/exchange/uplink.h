@@ -11,6 +11,7 @@
 
 #include "absl/status/status.h"
 #include "slam/camera/recorded_camera.h"
+#include "slam/exchange/agent_report.h"
 #include "slam/exchange/map_update.h"
 #include "slam/exchange/shared_update.h"
 #include "slam/geometry/rigid3.h"
@@ -29,6 +30,8 @@ struct Capabilities {
   bool keeps_localised = false;
   // A store that has it takes keyframes' pictures (Uplink::SendPicture).
   bool keyframe_pictures = false;
+  // A store that has it takes Uplink::SendReport.
+  bool takes_reports = false;
 };
 
 // What of the global layer an agent is told.
@@ -166,6 +169,9 @@ class Uplink {
   virtual bool SendLocalised(const LocalisedFrames& /*localised*/) { return false; }
   // Does the same with a picture, which nobody answers: one that was taken may still be lost.
   virtual bool SendPicture(const KeyframePicture& /*picture*/) { return false; }
+  // Does the same with what an agent says of itself, of which only the newest counts. The default
+  // is for an uplink that carries none.
+  virtual bool SendReport(const AgentReport& /*report*/) { return false; }
   // Reads nothing more from the store until ResumeReading, but for what is being read: the listener
   // has no room. Acknowledgements wait, too. May be called by the listener. A transport that brings
   // only what its owner asks for needs neither.

@@ -177,7 +177,7 @@ INSTANTIATE_TEST_SUITE_P(
                  Level::kFail, "pair-same-picture"},
         Stranger{"rows_apart", ChangeRight([](const cv::Mat& image) { return Moved(image, 0, 6); }),
                  Level::kFail, "pair-rows-apart"},
-        Stranger{"right_late", MakeRightLate, Level::kWarn, "pair-late"},
+        Stranger{"right_late", MakeRightLate, Level::kFail, "pair-late"},
         Stranger{"right_of_another_size", ChangeRight([](const cv::Mat& image) {
                    return cv::Mat(image, cv::Rect(0, 0, image.cols - 8, image.rows)).clone();
                  }),

@@ -48,6 +48,10 @@ class FakeUplink : public Uplink {
     pictures.push_back(picture);
     return true;
   }
+  bool SendReport(const AgentReport& report) override {
+    if (open) reports.push_back(report);
+    return open;
+  }
   void Break(const absl::Status& reason) {
     open = false;
     listener_->OnSessionClosed(reason);
@@ -81,6 +85,7 @@ class FakeUplink : public Uplink {
   bool paused = false;
   std::vector<SessionRequest> requests;
   std::map<LocalMapId, std::vector<MapUpdateBatch>> stored;
+  std::vector<AgentReport> reports;
 
  protected:
   void Keep(const LocalisedKept& kept) { listener_->OnLocalisedKept(kept); }

@@ -96,10 +96,11 @@ class GstCamera : public LiveCamera {
     GstMessage* message = gst_bus_pop_filtered(bus, GST_MESSAGE_ERROR);
     gst_object_unref(bus);
     if (message == nullptr) {
-      return absl::UnavailableError(
+      return absl::UnavailableError(absl::StrCat(
           "the pipeline does not start, and none of its elements says why: does it ask for a "
           "format, a size or a framerate that its source does not have? (gst-launch-1.0 -v tries "
-          "it)");
+          "it)",
+          HintFor(options_.first)));
     }
     const absl::Status status = absl::UnavailableError(WordsOf(options_, message));
     gst_message_unref(message);

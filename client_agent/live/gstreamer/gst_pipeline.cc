@@ -82,6 +82,51 @@ constexpr std::pair<absl::string_view, absl::string_view> kPackages[] = {
     {"v4l2src", "gstreamer1.0-plugins-good"}, {"jpegdec", "gstreamer1.0-plugins-good"},
     {"rtspsrc", "gstreamer1.0-plugins-good"}, {"avdec_h264", "gstreamer1.0-libav"}};
 
+// Returns what gst-launch-1.0 calls such elements.
+std::string KindOf(GstElement* element) {
+  GstElementFactory* const factory = gst_element_get_factory(element);
+  return factory != nullptr ? GST_OBJECT_NAME(factory) : GST_OBJECT_NAME(element);
+}
+
+// Returns the name of a sink that the user's own pipeline has; empty if it has none, or can't be
+// understood by itself.
+std::string SinkOf(const std::string& text) {
+  if (text.empty()) return "";
+  GError* error = nullptr;
+  const ElementPtr parsed(
+      gst_parse_launch_full(text.c_str(), nullptr, GST_PARSE_FLAG_FATAL_ERRORS, &error));
+  if (error != nullptr) g_error_free(error);
+  if (error != nullptr || parsed == nullptr) return "";
+  if (!GST_IS_BIN(parsed.get())) {
+    const bool is_sink = GST_OBJECT_FLAG_IS_SET(parsed.get(), GST_ELEMENT_FLAG_SINK);
+    return is_sink ? KindOf(parsed.get()) : "";
+  }
+  GstIterator* const sinks = gst_bin_iterate_sinks(GST_BIN(parsed.get()));
+  GValue item = G_VALUE_INIT;
+  std::string name;
+  while (name.empty() && gst_iterator_next(sinks, &item) == GST_ITERATOR_OK) {
+    GstElement* const sink = GST_ELEMENT(g_value_get_object(&item));
+    if (GST_OBJECT_FLAG_IS_SET(sink, GST_ELEMENT_FLAG_SINK)) name = KindOf(sink);
+    g_value_reset(&item);
+  }
+  if (G_IS_VALUE(&item)) g_value_unset(&item);
+  gst_iterator_free(sinks);
+  return name;
+}
+
+// Where to look when a device can't be opened.
+constexpr std::pair<absl::string_view, absl::string_view> kHints[] = {
+    {"aravissrc",
+     "Is a camera there? arv-tool-0.8 lists those that answer: one at the network needs an address "
+     "of "
+     "this machine's network, one at USB the rights of udev's rules, and neither another program "
+     "that "
+     "has it"},
+    {"v4l2src",
+     "v4l2-ctl --list-devices lists the cameras; who runs the robot must be of the group video, "
+     "and no "
+     "other program may have it"}};
+
 absl::Status BadPipeline(absl::string_view why) {
   for (const auto& [element, package] : kPackages) {
     if (!absl::StrContains(why, absl::StrCat("\"", element, "\""))) continue;
@@ -167,6 +212,13 @@ absl::StatusOr<ElementPtr> ParsePipeline(const GstCameraOptions& options) {
   }
   const std::string why = error != nullptr ? error->message : "no reason is given";
   if (error != nullptr) g_error_free(error);
+  for (const std::string& text : {options.first, options.second}) {
+    const std::string sink = SinkOf(text);
+    if (sink.empty()) continue;
+    return absl::InvalidArgumentError(
+        absl::StrCat("the pipeline ends in a sink, ", sink,
+                     ": leave it out. The robot takes the pictures from the element before it"));
+  }
   return BadPipeline(why);
 }
 
@@ -176,6 +228,13 @@ std::string NameOfSide(const GstCameraOptions& options, LiveSide side) {
     return options.second_is_depth ? "the picture's pipeline" : "the left pipeline";
   }
   return options.second_is_depth ? "the depth pipeline" : "the right pipeline";
+}
+
+std::string HintFor(absl::string_view pipelines) {
+  for (const auto& [element, hint] : kHints) {
+    if (absl::StrContains(pipelines, element)) return absl::StrCat(". ", hint);
+  }
+  return "";
 }
 
 std::string WordsOf(const GstCameraOptions& options, GstMessage* message) {
@@ -192,6 +251,9 @@ std::string WordsOf(const GstCameraOptions& options, GstMessage* message) {
       absl::StrCat(side.has_value() ? absl::StrCat(NameOfSide(options, *side), ": ") : "",
                    GST_OBJECT_NAME(message->src), ": ", error->message,
                    detail != nullptr ? absl::StrCat(" (", detail, ")") : "");
+  if (GST_MESSAGE_TYPE(message) == GST_MESSAGE_ERROR && GST_IS_ELEMENT(message->src)) {
+    absl::StrAppend(&words, HintFor(KindOf(GST_ELEMENT(message->src))));
+  }
   g_error_free(error);
   g_free(detail);
   return words;

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "absl/status/statusor.h"
+#include "absl/strings/string_view.h"
 #include "client_agent/live/gstreamer/gst_camera.h"
 #include "client_agent/live/picture_pairing.h"
 
@@ -32,6 +33,10 @@ const char* SinkName(LiveSide side);
 // Returns "the left pipeline", "the depth pipeline" and so on; of one that holds both halves "the
 // pipeline".
 std::string NameOfSide(const GstCameraOptions& options, LiveSide side);
+
+// Returns where to look when a device of these pipelines can't be opened, as another sentence;
+// empty where they have none that is known.
+std::string HintFor(absl::string_view pipelines);
 
 // Returns what an error or a warning of the bus says, with its element and, of two pipelines, the
 // one that it is in.

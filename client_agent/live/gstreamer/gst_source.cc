@@ -1,13 +1,17 @@
 #include "client_agent/live/gstreamer/gst_source.h"
 
+#include <algorithm>
+#include <filesystem>
 #include <memory>
 #include <string>
+#include <system_error>
 #include <utility>
 #include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_replace.h"
 #include "absl/strings/str_split.h"
+#include "absl/strings/strip.h"
 #include "client_agent/live/gstreamer/device_pipelines.h"
 #include "client_agent/live/gstreamer/gst_camera.h"
 #include "client_agent/live/live_options.h"
@@ -49,7 +53,7 @@ class GstSettings : public KindSettings {
     return changed;
   }
   absl::Status Validate() const override {
-    if (place_.empty()) return absl::InvalidArgumentError(kind_ + ": names no camera");
+    RETURN_IF_ERROR(CheckNamed());
     const bool one_picture = !options_.layout.empty();
     const size_t cameras = Cameras().size();
     if (cameras > 2) {
@@ -57,9 +61,11 @@ class GstSettings : public KindSettings {
           absl::StrCat(kind_, ":", place_, ": names ", cameras, " cameras, a frame has two"));
     }
     const bool has_second = cameras == 2;
-    if (has_second && NamesDevices() && Cameras()[0] == Cameras()[1]) {
+    if (has_second && NamesDevices() && DeviceOf(Cameras()[0]) == DeviceOf(Cameras()[1])) {
       return absl::InvalidArgumentError(
-          absl::StrCat(kind_, ":", place_, ": names the same camera twice"));
+          absl::StrCat(kind_, ":", place_,
+                       ": names the same camera twice: a pair is of two cameras, or of one "
+                       "whose picture holds both halves (?layout=side-by-side)"));
     }
     if (one_picture != has_second) return absl::OkStatus();
     return absl::InvalidArgumentError(absl::StrCat(
@@ -119,6 +125,30 @@ class GstSettings : public KindSettings {
     return options;
   }
   bool NamesDevices() const { return kind_ != "gst"; }
+  // Returns an error where a camera or pipeline has no name.
+  absl::Status CheckNamed() const {
+    const std::vector<std::string> cameras = Cameras();
+    const auto is_blank = [](const std::string& text) {
+      return absl::StripAsciiWhitespace(text).empty();
+    };
+    if (std::none_of(cameras.begin(), cameras.end(), is_blank)) return absl::OkStatus();
+    const absl::string_view wanted =
+        kind_ == "gst"
+            ? "a pipeline as gst-launch-1.0 takes it, without its sink, or two with || between them"
+        : kind_ == "v4l2"
+            ? "devices, as v4l2:/dev/video0,/dev/video1 (v4l2-ctl --list-devices)"
+            : "cameras, as aravis:LEFT,RIGHT, or aravis:any (arv-tool-0.8 lists them)";
+    return absl::InvalidArgumentError(
+        absl::StrCat(kind_, ":", place_, ": names no ",
+                     is_blank(cameras[0]) ? (cameras.size() > 1 ? "first " : "") : "second ",
+                     "camera: give ", wanted));
+  }
+  // Returns the device behind a name: links of /dev/v4l lead to one.
+  std::string DeviceOf(const std::string& name) const {
+    std::error_code error;
+    const std::filesystem::path path = std::filesystem::weakly_canonical(name, error);
+    return kind_ == "v4l2" && !error ? path.string() : name;
+  }
   // The devices, or the pipelines.
   std::vector<std::string> Cameras() const {
     if (NamesDevices()) return absl::StrSplit(place_, ',');

@@ -2,10 +2,10 @@
 
 #include <glog/logging.h>
 
+#include <chrono>
 #include <utility>
 
 #include "absl/synchronization/notification.h"
-#include "absl/time/clock.h"
 #include "client_agent/live/openni2/lasting_thread.h"
 
 namespace corbslam::client_agent {
@@ -13,6 +13,11 @@ namespace {
 
 constexpr absl::Duration kBetweenStarts = absl::Seconds(1);
 constexpr absl::Duration kWait = absl::Milliseconds(300);
+
+// Returns CLOCK_MONOTONIC, which never jumps.
+int64_t Now_ns() {
+  return std::chrono::nanoseconds(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
 
 class OpenNiCamera : public LiveCamera {
  public:
@@ -57,7 +62,7 @@ class OpenNiCamera : public LiveCamera {
       if (!picture.ok()) return picture.status();
       if (!picture->has_value()) continue;
       const int64_t stamp_ns = 1000 * (*picture)->stamp_us;
-      if (!zero_ns.has_value()) zero_ns = absl::GetCurrentTimeNanos() - stamp_ns;
+      if (!zero_ns.has_value()) zero_ns = Now_ns() - stamp_ns;
       pairing_->Push((*picture)->side, {*zero_ns + stamp_ns, std::move((*picture)->image)});
     }
     return absl::OkStatus();

@@ -5,10 +5,12 @@
 #include <sys/eventfd.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
+#include "client_agent/push_client/wire.h"
 #include "client_agent/source/rig/rig_file.h"
 #include "slam/camera/recorded_camera.h"
 #include "slam/util/status_macros.h"
@@ -24,6 +26,11 @@ void Wake(const UniqueFd& fd) {
   const uint64_t one = 1;
   // It fails only where somebody is to be woken already.
   if (write(fd.get(), &one, sizeof(one)) < 0) return;
+}
+
+// Returns CLOCK_MONOTONIC.
+int64_t Now_ns() {
+  return std::chrono::nanoseconds(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
 void Calm(const UniqueFd& fd) {
@@ -97,6 +104,7 @@ void PushCamera::Step() {
                    << (absl::IsUnavailable(served) ? " went away: " : " was refused: ")
                    << served.message() << "; waiting for one at " << options_.path;
       driver_.reset();
+      newest_ns_ = -1;
     }
   }
   if (waiting[1].revents != 0) AcceptOne();
@@ -153,9 +161,16 @@ absl::Status PushCamera::UseDriversRig(const PushHello& hello) {
 
 absl::Status PushCamera::OnFrame(int64_t timestamp_ns, cv::Mat first, cv::Mat second) {
   if (timestamp_ns <= newest_ns_) {
+    return absl::InvalidArgumentError(absl::StrCat("timestamp_ns is ", timestamp_ns,
+                                                   ", the frame before has ", newest_ns_,
+                                                   ": times must grow (CLOCK_MONOTONIC)"));
+  }
+  if (const int64_t now_ns = Now_ns();
+      timestamp_ns > now_ns && timestamp_ns - now_ns > push_wire::kMostAhead_ns) {
     return absl::InvalidArgumentError(
-        absl::StrCat("timestamp_ns is ", timestamp_ns, ", the frame before has ", newest_ns_,
-                     ": times must grow, from driver to driver too (CLOCK_MONOTONIC)"));
+        absl::StrCat("timestamp_ns is ", timestamp_ns,
+                     ", which is more than a minute ahead of CLOCK_MONOTONIC, ", now_ns,
+                     ": is it of another clock?"));
   }
   newest_ns_ = timestamp_ns;
   // A driver that said the rig and went before the robot began.

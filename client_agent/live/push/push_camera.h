@@ -28,8 +28,9 @@ struct PushCameraOptions {
 };
 
 // Listens for drivers, one at a time. What a driver says wrongly is told to it and ends its
-// connection; a driver that goes is waited for, or for another one. Poses go back to the driver as
-// of the (left) camera as it records. Pairs that come have one time, so that they need no pairing.
+// connection; a driver that goes is waited for, or for another one, whose times may begin anew.
+// Poses go back to the driver as of the (left) camera as it records. Pairs that come have one time,
+// so that they need no pairing.
 class PushCamera : public LiveCamera, private PushHost, private PoseListener {
  public:
   // Listens from now on; errors are UnixListener::Listen's. A rig is to be possible.
@@ -68,7 +69,7 @@ class PushCamera : public LiveCamera, private PushHost, private PoseListener {
   std::optional<Rig> rig_;
   bool rig_is_told_ = false;  // A driver's rig that is not used was logged.
   std::optional<Rigid3d> camera_from_recorded_;
-  int64_t newest_ns_ = -1;  // Over all drivers.
+  int64_t newest_ns_ = -1;  // Of the driver; the pairing knows what came of those before.
   PicturePairing* pairing_ = nullptr;
   absl::Notification stop_;
   std::thread thread_;

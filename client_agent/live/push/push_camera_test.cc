@@ -201,11 +201,12 @@ TEST_F(PushCameraTest, RefusesAHelloByItsFieldAndWaitsForTheNext) {
 
 TEST_F(PushCameraTest, RefusesFramesByTheirField) {
   Start();
-  // Of each driver the first frame is taken; times go on from driver to driver.
+  // Of each driver the first frame is taken.
   const std::vector<std::pair<push_wire::Frame, std::string>> table = {
       {GoodFrame(2, 20), "slot is 2, must be below 2"},
       {GoodFrame(0, 2), "timestamp_ns is 2, the frame before has 2"},
-      {GoodFrame(0, 1), "timestamp_ns is 1, the frame before has 3"}};
+      {GoodFrame(0, 1), "timestamp_ns is 1, the frame before has 3"},
+      {GoodFrame(0, int64_t{1} << 61), "is more than a minute ahead of CLOCK_MONOTONIC"}};
   int64_t time_ns = 0;
   for (const auto& [frame, says] : table) {
     RawDriver driver(path_);
@@ -216,7 +217,30 @@ TEST_F(PushCameraTest, RefusesFramesByTheirField) {
     driver.Send(Bytes(frame));
     EXPECT_THAT(driver.Refusal(), HasSubstr(says));
   }
-  EXPECT_EQ(pairing_.counts().frames, 3u);
+  EXPECT_EQ(pairing_.counts().frames, 4u);
+}
+
+// Its times are of a clock that begins anew, as a camera's own may.
+TEST_F(PushCameraTest, TheNextDriversTimesMayBeginAnew) {
+  Start();
+  const auto drive = [this](int64_t begin_ns) {
+    RawDriver driver(path_);
+    driver.SendHello(GoodHello(), Memory(16384, F_SEAL_SHRINK));
+    ASSERT_TRUE(driver.IsWelcome());
+    for (int64_t i = 0; i < 8; ++i) {
+      driver.Send(Bytes(GoodFrame(0, begin_ns + i)));
+      ASSERT_EQ(driver.FreedSlots(), 1u);
+    }
+  };
+  drive(5'000'000);
+  drive(1);
+  const CameraCounts counts = pairing_.counts();
+  EXPECT_GE(counts.frames, 8u + 4u);
+  EXPECT_GT(counts.late, 0u) << "they are told";
+  const auto newest = pairing_.Take(absl::Now());
+  ASSERT_TRUE(newest.ok() && newest->has_value());
+  EXPECT_EQ((*newest)->first.timestamp_ns, 8);
+  EXPECT_EQ((*newest)->drive, 1);
 }
 
 TEST_F(PushCameraTest, TellsASecondDriverOfTheFirst) {

@@ -270,6 +270,24 @@ TEST_F(PushStreamTest, SaysWhyADriverIsRefused) {
   driver.Commit(*slot, 6);
 }
 
+// One frame is stamped by CLOCK_REALTIME: it is refused, and no later one is.
+TEST_F(PushStreamTest, AFrameOfAnotherClockIsRefusedAlone) {
+  OpenWithRig();
+  PushConnection driver(Options());
+  Push(driver, 1, 5);
+  EXPECT_EQ(Next().frame.timestamp_ns, 5);
+  const auto slot = driver.Begin(kPatience_ms);
+  try {
+    driver.Commit(*slot, absl::GetCurrentTimeNanos());
+    ADD_FAILURE() << "it is decades ahead";
+  } catch (const PushError& error) {
+    EXPECT_EQ(error.status(), CORBSLAM_PUSH_INVALID);
+    EXPECT_THAT(error.what(), HasSubstr("more than a minute ahead of CLOCK_MONOTONIC"));
+  }
+  driver.Commit(*slot, 6);
+  EXPECT_EQ(Next().frame.timestamp_ns, 6);
+}
+
 TEST_F(PushStreamTest, WaitsForARigThatIsOne) {
   auto opening = std::async(std::launch::async, [this] { return Open(); });
   EXPECT_THAT(WhyNot(Options()), HasSubstr("refused: rig: the hello says none"));

@@ -104,8 +104,8 @@ CORBSLAM_PUSH_API corbslam_push_status corbslam_push_begin(corbslam_push* connec
                                                            corbslam_push_slot* slot);
 
 /* Gives a taken slot to the robot. timestamp_ns is when both pictures were exposed, on a clock that
- * never goes back (CLOCK_MONOTONIC), from 0 to 2^62. INVALID where it is not above the one before:
- * the slot stays the caller's. */
+ * never goes back (CLOCK_MONOTONIC), from 0 to 2^62. INVALID where it is not above the one before,
+ * or more than a minute ahead of CLOCK_MONOTONIC: the slot stays the caller's. */
 CORBSLAM_PUSH_API corbslam_push_status corbslam_push_commit(corbslam_push* connection,
                                                             uint32_t index, int64_t timestamp_ns);
 

@@ -67,6 +67,11 @@ class RemoteUplink : public Uplink {
     return session != nullptr && session->SendPicture(picture);
   }
 
+  bool SendReport(const AgentReport& report) override {
+    const std::shared_ptr<SyncSession> session = Current();
+    return session != nullptr && session->SendReport(report);
+  }
+
   void PauseReading() override {
     if (const std::shared_ptr<SyncSession> session = Current()) session->PauseReading();
   }

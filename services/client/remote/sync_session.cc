@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "services/convert/agent_report.h"
 #include "services/convert/keyframe_picture.h"
 #include "services/convert/limits.h"
 #include "services/convert/localised_frames.h"
@@ -14,6 +15,9 @@ namespace {
 
 // Bytes that gRPC puts before each message.
 constexpr size_t kFrameBytes = 5;
+
+// So much that is unsent goes before the good-bye: a report, and no batch of a slow link.
+constexpr size_t kLittle_bytes = 4096;
 
 }  // namespace
 
@@ -79,6 +83,18 @@ bool SyncSession::SendPicture(const KeyframePicture& picture) {
   return true;
 }
 
+bool SyncSession::SendReport(const AgentReport& report) {
+  {
+    absl::MutexLock lock(&mutex_);
+    if (!HasRoom()) return false;
+    v1::SyncRequest request;
+    ToProto(report, request.mutable_report());
+    Push(std::move(request));
+  }
+  WriteNext();
+  return true;
+}
+
 uint64_t SyncSession::bytes_waiting() const {
   absl::MutexLock lock(&mutex_);
   if (broken_ || queue_.empty()) return 0;
@@ -117,7 +133,10 @@ bool SyncSession::Leave() {
   ResumeReading();
   {
     absl::MutexLock lock(&mutex_);
-    if (!granted_ || broken_ || writing_ || !queue_.empty()) return false;
+    if (!granted_ || broken_ || queued_bytes_ > kLittle_bytes) return false;
+    leaves_soon_ = true;
+    // OnWriteDone closes the side.
+    if (writing_ || !queue_.empty()) return true;
     // This keeps the call alive until OnWritesDoneDone.
     writing_ = leaving_ = true;
   }
@@ -176,6 +195,7 @@ bool SyncSession::IsSilenced() const {
 
 void SyncSession::OnWriteDone(bool ok) {
   bool release = false;
+  bool leaves = false;
   {
     absl::MutexLock lock(&mutex_);
     queued_bytes_ -= queue_.front().ByteSizeLong() + kFrameBytes;
@@ -183,8 +203,11 @@ void SyncSession::OnWriteDone(bool ok) {
     writing_ = false;
     broken_ |= !ok;
     release = TakeHold();
+    leaves = leaves_soon_ && !broken_ && queue_.empty();
+    if (leaves) writing_ = leaving_ = true;
   }
   if (release) return RemoveHold();
+  if (leaves) return StartWritesDone();
   WriteNext();
 }
 

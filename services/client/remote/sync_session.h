@@ -49,14 +49,16 @@ class SyncSession : private grpc::ClientBidiReactor<v1::SyncRequest, v1::SyncRes
   bool SendLocalised(const LocalisedFrames& localised);
   // Does what Uplink::SendPicture does.
   bool SendPicture(const KeyframePicture& picture);
+  // Does what Uplink::SendReport does.
+  bool SendReport(const AgentReport& report);
   // Returns what Uplink::bytes_waiting does; 0 once the call has broken.
   uint64_t bytes_waiting() const;
   // These do what those of Uplink do.
   void PauseReading();
   void ResumeReading();
   // Closes the sending side, so that the store ends the call in good order. The listener hears
-  // nothing more, though a call of it may still run. Returns false if no session stands or
-  // something is unsent; then only Cancel ends the call.
+  // nothing more, though a call of it may still run. What is unsent goes first if it is little.
+  // Returns false if no session stands or more is unsent; then only Cancel ends the call.
   bool Leave();
   // Ends the call soon; the listener hears nothing more, as after Leave.
   void Cancel();
@@ -70,7 +72,7 @@ class SyncSession : private grpc::ClientBidiReactor<v1::SyncRequest, v1::SyncRes
   absl::Status Handle(const v1::SyncResponse& response);
   absl::Status HandleShared(const v1::SharedUpdate& part);
   bool HasRoom() const ABSL_SHARED_LOCKS_REQUIRED(mutex_) {
-    return granted_ && !broken_ && !leaving_ && queued_bytes_ <= max_queued_bytes_;
+    return granted_ && !broken_ && !leaving_ && !leaves_soon_ && queued_bytes_ <= max_queued_bytes_;
   }
   void Push(v1::SyncRequest request) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   // Returns the message to write next; null if one is being written or there is none.
@@ -104,7 +106,9 @@ class SyncSession : private grpc::ClientBidiReactor<v1::SyncRequest, v1::SyncRes
   // True while a message is written, or the end of all messages.
   bool writing_ ABSL_GUARDED_BY(mutex_) = false;
   bool leaving_ ABSL_GUARDED_BY(mutex_) = false;  // True: no more writes begin.
-  bool broken_ ABSL_GUARDED_BY(mutex_) = false;   // True: no more reads or writes.
+  // True: no more messages are taken, and the sending side closes when all are written.
+  bool leaves_soon_ ABSL_GUARDED_BY(mutex_) = false;
+  bool broken_ ABSL_GUARDED_BY(mutex_) = false;  // True: no more reads or writes.
   bool held_ ABSL_GUARDED_BY(mutex_) = true;
   bool paused_ ABSL_GUARDED_BY(mutex_) = false;
   // True if a read waits for ResumeReading; a hold of its own keeps the call alive for it.

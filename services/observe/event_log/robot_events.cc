@@ -26,6 +26,7 @@ std::optional<std::string> DescribeEvent(const AgentEvent& event) {
     case AgentEvent::Kind::kRelocalised:
     case AgentEvent::Kind::kMapCorrected:
     case AgentEvent::Kind::kGlobalFrameMoved:
+    case AgentEvent::Kind::kEnded:
       break;
   }
   return std::nullopt;

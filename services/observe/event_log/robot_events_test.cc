@@ -36,11 +36,11 @@ TEST(RobotEventLogTest, FusionsDoingsAreLinesAndFramesAreNone) {
   const auto events = std::make_shared<AgentEvents>();
   {
     const RobotEventLog log(events, {.mission = "lab", .agent = "alpha"});
-    events->NoteLink(LinkEvent::kMerged, kMap);
     TrackingResult result;
     result.state = TrackingState::kTracking;
     result.local_map = kMap;
     events->NoteFrame(result, 1);
+    events->NoteLink(LinkEvent::kMerged, kMap);
     events->NoteLink(LinkEvent::kSplit, kMap);
   }
   events->NoteLink(LinkEvent::kMissionDeleted, kMap);

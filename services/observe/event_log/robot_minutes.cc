@@ -33,6 +33,19 @@ std::string DescribeState(TrackingState state) {
   return "";
 }
 
+std::string DescribeActivity(const AgentReport& report, TrackingState state) {
+  switch (report.activity) {
+    case AgentActivity::kFinished:
+      return "finished: the source has ended";
+    case AgentActivity::kWaiting:
+      return report.frames == 0 ? "waiting: no frame has come yet"
+                                : absl::StrFormat("waiting: no frame for %.0f s, %s until then",
+                                                  report.newest_frame_age_s, DescribeState(state));
+    default:
+      return DescribeState(state);
+  }
+}
+
 std::string DescribeOutbox(const UploadStatus& upload) {
   return absl::StrCat(
       upload.batches, " batches wait (", MiB(upload.memory_bytes), " in memory, ",
@@ -84,10 +97,13 @@ std::string FormatMinute(const RobotMinute& minute) {
   const FrameCounts& frames = minute.frames;
   const AgentStatus& status = minute.status;
   const double seconds = absl::ToDoubleSeconds(minute.took);
-  std::string line = absl::StrFormat(
-      "%s; %s%.1f frames/s: %d of %d tracked, %d dropped", DescribeState(status.state),
-      DescribeTrouble(minute), seconds > 0 ? static_cast<double>(frames.frames) / seconds : 0.0,
-      frames.tracked, frames.frames, frames.dropped);
+  std::string line =
+      absl::StrFormat("%s%s; %s%.1f frames/s: %d of %d tracked, %d dropped",
+                      minute.report.has_value() ? DescribeActivity(*minute.report, status.state)
+                                                : DescribeState(status.state),
+                      minute.localise_only ? " (it only localises)" : "", DescribeTrouble(minute),
+                      seconds > 0 ? static_cast<double>(frames.frames) / seconds : 0.0,
+                      frames.tracked, frames.frames, frames.dropped);
   if (frames.median_points.has_value()) {
     absl::StrAppend(&line, ", ", *frames.median_points, " points in the median frame");
   }
@@ -101,12 +117,16 @@ RobotMinutes::RobotMinutes(const Agent* agent, FrameTally* tally, RobotMinutesOp
     : agent_(*agent),
       tally_(*tally),
       session_(std::move(options.session)),
+      activity_(std::move(options.activity)),
+      localise_only_(options.localise_only),
       log_([this](absl::Duration took) { return MakeLine(took); }, std::move(options.who),
            options.every) {}
 
 std::string RobotMinutes::MakeLine(absl::Duration took) {
   RobotMinute minute{took, tally_.Take(), agent_.GetStatus(), std::nullopt, GetRssBytes()};
   if (session_ != nullptr) minute.link = session_();
+  if (activity_ != nullptr) minute.report = activity_->Report();
+  minute.localise_only = localise_only_;
   return FormatMinute(minute);
 }
 

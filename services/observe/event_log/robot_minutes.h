@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -12,6 +13,7 @@
 #include "absl/status/status.h"
 #include "absl/synchronization/mutex.h"
 #include "absl/time/time.h"
+#include "client_agent/agent/activity_watch.h"
 #include "client_agent/agent/agent.h"
 #include "services/observe/event_log/minute_log.h"
 #include "services/observe/logging/log_fields.h"
@@ -53,6 +55,9 @@ struct RobotMinute {
   // Whether a session with the map store stands, or why not; nullopt: the robot has no store.
   std::optional<absl::Status> link;
   uint64_t rss_bytes = 0;
+  // What the robot is doing; nullopt: its tracking alone says that.
+  std::optional<AgentReport> report = std::nullopt;
+  bool localise_only = false;
 };
 // Returns the line: what the robot is at and what is wrong with its link first, then counts.
 std::string FormatMinute(const RobotMinute& minute);
@@ -62,6 +67,8 @@ struct RobotMinutesOptions {
   absl::Duration every = absl::Minutes(1);
   // Says why no session stands; null: there is no store.
   std::function<absl::Status()> session;
+  std::shared_ptr<const client_agent::ActivityWatch> activity;  // Null: RobotMinute::report.
+  bool localise_only = false;
 };
 
 // Writes the lines from a thread of its own, also while no frame comes. Thread-safe.
@@ -76,6 +83,8 @@ class RobotMinutes {
   const client_agent::Agent& agent_;
   FrameTally& tally_;
   const std::function<absl::Status()> session_;
+  const std::shared_ptr<const client_agent::ActivityWatch> activity_;
+  const bool localise_only_;
   // The last member: it uses the others.
   MinuteLog log_;
 };

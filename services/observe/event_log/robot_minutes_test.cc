@@ -81,6 +81,23 @@ TEST(RobotMinutesTest, AMinuteWithoutFramesIsSaidToo) {
   EXPECT_THAT(FormatMinute(minute), StartsWith("lost; 0.0 frames/s: 0 of 0 tracked"));
 }
 
+TEST(RobotMinutesTest, AStandingAndAFinishedRobotAreNotTracking) {
+  RobotMinute minute;
+  minute.took = absl::Seconds(60);
+  minute.status.state = TrackingState::kTracking;
+  minute.report =
+      AgentReport{.activity = AgentActivity::kWaiting, .frames = 9, .newest_frame_age_s = 12.2};
+  EXPECT_THAT(FormatMinute(minute),
+              StartsWith("waiting: no frame for 12 s, tracking until then; 0.0 frames/s"));
+  minute.report->frames = 0;
+  EXPECT_THAT(FormatMinute(minute), StartsWith("waiting: no frame has come yet; 0.0 frames/s"));
+  minute.report->activity = AgentActivity::kFinished;
+  EXPECT_THAT(FormatMinute(minute), StartsWith("finished: the source has ended; 0.0 frames/s"));
+  minute.report->activity = AgentActivity::kTracking;
+  minute.localise_only = true;
+  EXPECT_THAT(FormatMinute(minute), StartsWith("tracking (it only localises); 0.0 frames/s"));
+}
+
 class IdleAgent : public Agent {
  public:
   absl::StatusOr<TrackingResult> Track(const SensorImages&) override { return TrackingResult(); }

@@ -11,12 +11,6 @@
 namespace corbslam::services {
 namespace {
 
-// Returns how long something has lasted, in whole seconds.
-std::string Span(absl::Duration span) {
-  const absl::Duration whole = absl::Trunc(span, absl::Seconds(1));
-  return whole > absl::ZeroDuration() ? absl::FormatDuration(whole) : "less than 1s";
-}
-
 // Returns what the robot does about a session that can't be had, or ended so.
 const char* WhetherItAsksAgain(const absl::Status& cause) {
   if (SaysMissionDeleted(cause)) return ", and does not try again";
@@ -40,6 +34,11 @@ std::string WhatLocalisingDoes(const absl::Status& cause, bool has_a_map) {
   return absl::StrCat(words,
                       ". Is --mission right? corbslam mission list says which missions there are, "
                       "and a robot without --localise-only begins one");
+}
+
+std::string InWords(absl::Duration duration) {
+  if (duration < absl::Seconds(1)) return "less than a second";
+  return absl::FormatDuration(absl::Trunc(duration, absl::Seconds(1)));
 }
 
 }  // namespace
@@ -75,20 +74,33 @@ void UplinkLog::OnOpened() {
   absl::MutexLock lock(&mutex_);
   connected_ = was_ever_connected_ = true;
   opening_ = trouble_ = false;
-  if (said_.ok()) {
-    LOG(INFO) << who_ << "a session with the map store stands";
-  } else {
+  opened_at_ = options_.clock();
+  if (std::exchange(warned_, false)) {
     LOG(WARNING) << who_ << "a session with the map store stands again, after "
-                 << Span(options_.clock() - without_since_) << " without";
+                 << InWords(opened_at_ - without_since_) << " without";
+  } else if (short_lived_ == 0) {
+    LOG(INFO) << who_ << "a session with the map store stands";
   }
-  seen_ = cause_ = said_ = absl::OkStatus();
+  seen_ = cause_ = absl::OkStatus();
   explained_at_ = absl::InfinitePast();
+}
+
+void UplinkLog::NoteLength(absl::Duration stood) {
+  if (stood < options_.lasting) {
+    ++short_lived_;
+    return;
+  }
+  short_lived_ = 0;
+  said_ = absl::OkStatus();
   reminder_.Reset();
 }
 
 void UplinkLog::OnClosed(const absl::Status& reason) {
   absl::MutexLock lock(&mutex_);
-  if (connected_) without_since_ = options_.clock();
+  if (connected_) {
+    without_since_ = options_.clock();
+    NoteLength(without_since_ - opened_at_);
+  }
   connected_ = opening_ = false;
   seen_ = reason;
   trouble_ = true;
@@ -118,6 +130,12 @@ std::optional<absl::Status> UplinkLog::WaitForTrouble() {
   }
 }
 
+std::string UplinkLog::DescribeShortLived() const {
+  if (short_lived_ < 2) return "";
+  return absl::StrCat("; ", short_lived_, " sessions in a row ended within ",
+                      InWords(options_.lasting));
+}
+
 bool UplinkLog::NeedsExplanation() const {
   return explained_ != seen_ || options_.clock() - explained_at_ >= options_.explain_again;
 }
@@ -137,8 +155,12 @@ void UplinkLog::WarnIfDue() {
   if (!reminder_.IsDue(now) && !is_new) return;
   said_ = cause_;
   said_at_ = now;
-  LOG(WARNING) << who_ << "no session with the map store for " << Span(now - without_since_) << ": "
-               << cause_
+  warned_ = true;
+  const absl::Duration without = now - without_since_;
+  LOG(WARNING) << who_ << "no session with the map store "
+               << (without < absl::Seconds(1) ? "any more"
+                                              : absl::StrCat("since ", InWords(without)))
+               << ": " << cause_ << DescribeShortLived()
                << (options_.localise_only ? WhatLocalisingDoes(cause_, was_ever_connected_)
                                           : WhatMappingDoes(cause_));
 }

@@ -2,6 +2,7 @@
 #ifndef CORBSLAM_SERVICES_OBSERVE_EVENT_LOG_UPLINK_LOG_H_
 #define CORBSLAM_SERVICES_OBSERVE_EVENT_LOG_UPLINK_LOG_H_
 
+#include <cstdint>
 #include <functional>
 #include <optional>
 #include <string>
@@ -26,6 +27,8 @@ struct UplinkLogOptions {
   absl::Duration explain_again = absl::Seconds(15);
   // The robot makes no map, and so has none of its own meanwhile.
   bool localise_only = false;
+  // What ends sooner is no recovery: it is told as seldom as if the session had never stood.
+  absl::Duration lasting = absl::Seconds(15);
   std::function<absl::Time()> clock = &absl::Now;
 };
 
@@ -56,6 +59,9 @@ class UplinkLog : public UplinkObserver {
   void NoteCause(const absl::Status& seen, const absl::Status& cause);
   // Returns true if what is known of the cause is old.
   bool NeedsExplanation() const ABSL_SHARED_LOCKS_REQUIRED(mutex_);
+  // Notes for how long the session stood that has just ended.
+  void NoteLength(absl::Duration stood) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  std::string DescribeShortLived() const ABSL_SHARED_LOCKS_REQUIRED(mutex_);
   void WarnIfDue() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
   const LogFields who_;
@@ -70,6 +76,10 @@ class UplinkLog : public UplinkObserver {
   // True if an attempt failed or was slow that nobody has looked into yet.
   bool trouble_ ABSL_GUARDED_BY(mutex_) = false;
   absl::Time without_since_ ABSL_GUARDED_BY(mutex_);
+  absl::Time opened_at_ ABSL_GUARDED_BY(mutex_);
+  // Sessions in a row that did not last, and whether the last line said that none stands.
+  uint64_t short_lived_ ABSL_GUARDED_BY(mutex_) = 0;
+  bool warned_ ABSL_GUARDED_BY(mutex_) = false;
   absl::Status seen_ ABSL_GUARDED_BY(mutex_);
   // The cause that was found out last, for which `seen_`, and when.
   absl::Status cause_ ABSL_GUARDED_BY(mutex_);

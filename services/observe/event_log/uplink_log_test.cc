@@ -15,6 +15,9 @@ namespace corbslam::services {
 namespace {
 
 using ::testing::AllOf;
+using ::testing::AnyOf;
+using ::testing::Contains;
+using ::testing::Each;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
@@ -121,7 +124,7 @@ TEST_F(UplinkLogTest, SaysAnotherCauseAndRemindsRarely) {
   EXPECT_THAT(lines_.WaitFor(2)[1], HasSubstr("second"));
   Advance(absl::Minutes(1));
   Fail(absl::UnavailableError("x"));
-  EXPECT_THAT(lines_.WaitFor(3)[2], HasSubstr("for 1m20s"));
+  EXPECT_THAT(lines_.WaitFor(3)[2], HasSubstr("since 1m20s"));
 }
 
 // A robot that only localises has no map of its own to go on with.
@@ -161,6 +164,24 @@ TEST_F(UplinkLogTest, SaysThatAMissionThatWasDeletedIsNotTriedAgain) {
   log_.OnClosed(MissionDeletedError("lab"));
   EXPECT_THAT(lines_.WaitFor(2)[1],
               AllOf(HasSubstr("mission lab was deleted"), HasSubstr("does not try again")));
+}
+
+// A store grants a session each four seconds, and ends it at once.
+TEST_F(UplinkLogTest, SessionsThatDoNotLastAreToldRarely) {
+  SetCause(absl::UnavailableError("the disk is full"));
+  for (int i = 0; i < 20; ++i) {
+    log_.OnOpening();
+    log_.OnOpened();
+    log_.OnClosed(absl::UnavailableError("x"));
+    // The cause is found by the log's own thread.
+    absl::SleepFor(absl::Milliseconds(20));
+    Advance(absl::Seconds(4));
+  }
+  const std::vector<std::string> lines = lines_.WaitFor(3);
+  EXPECT_LE(lines.size(), 14u);
+  EXPECT_THAT(lines, Each(Not(AnyOf(HasSubstr("since 0"), HasSubstr("after 0")))));
+  EXPECT_THAT(lines, Contains(HasSubstr("no session with the map store any more")));
+  EXPECT_THAT(lines, Contains(HasSubstr("sessions in a row ended within 15s")));
 }
 
 TEST_F(UplinkLogTest, IsNotConnectedBeforeTheFirstSession) {

@@ -1,6 +1,7 @@
 #include "services/observe/metrics/robot_collector.h"
 
 #include <array>
+#include <utility>
 
 #include "services/observe/metrics/families.h"
 
@@ -88,6 +89,21 @@ void AddHeldBack(const HeldBack& held, Families& families) {
   }
 }
 
+// All activities are there always, so that a rule need not know which were.
+void AddActivity(const AgentReport& report, Families& families) {
+  for (const auto& [activity, name] : {std::pair(AgentActivity::kInitialising, "initialising"),
+                                       {AgentActivity::kTracking, "tracking"},
+                                       {AgentActivity::kLost, "lost"},
+                                       {AgentActivity::kWaiting, "waiting"},
+                                       {AgentActivity::kFinished, "finished"}}) {
+    families.Gauge("corbslam_robot_activity", "1 for what the robot is doing, 0 for the rest.",
+                   report.activity == activity, {{"activity", name}});
+  }
+  families.Gauge("corbslam_robot_newest_frame_age_seconds",
+                 "How long ago the newest frame came; 0 before the first.",
+                 report.newest_frame_age_s);
+}
+
 }  // namespace
 
 std::vector<prometheus::MetricFamily> RobotCollector::Collect() const {
@@ -95,6 +111,7 @@ std::vector<prometheus::MetricFamily> RobotCollector::Collect() const {
   const AgentStatus status = agent_.GetStatus();
   families.Gauge("corbslam_robot_info", "Which robot this is; always 1.", 1,
                  {{"mission", mission_}, {"agent", name_}});
+  if (activity_ != nullptr) AddActivity(activity_->Report(), families);
   AddMap(status, families);
   AddOutbox(status.upload, families);
   AddHeld(status.upload, families);

@@ -80,7 +80,19 @@ void FrameRecorder::OnFrame(const SensorImages& images) {
     ++head_.counts.left_out;
     TellLeftOut(absl::Now());
   }
-  queue_.push_back(std::move(item));
+  Push(std::move(item));
+}
+
+// Lines can't be left out: what is behind one that is missing can't be played.
+void FrameRecorder::Push(Item item) {
+  if (options_.waits || queue_.size() < options_.max_waiting_lines) {
+    queue_.push_back(std::move(item));
+    return;
+  }
+  if (item.images.has_value()) ++head_.counts.left_out;
+  EndBecause(
+      absl::UnavailableError(absl::StrCat("its disk has taken nothing for ", queue_.size(),
+                                          " lines: it hangs, or is far slower than the camera")));
 }
 
 void FrameRecorder::OnOrders(const OrdersForFrame& orders) {
@@ -92,9 +104,13 @@ void FrameRecorder::OnOrders(const OrdersForFrame& orders) {
   if (line.has_mask.value_or(false)) {
     item.mask = *orders.mask;
     item.bytes = item.mask.total();
+    if (!HasRoom() && !options_.waits) {
+      return EndBecause(absl::ResourceExhaustedError(
+          "there is no memory for a mask that was ordered while its disk is slow (--record-mb)"));
+    }
     waiting_bytes_ += item.bytes;
   }
-  queue_.push_back(std::move(item));
+  Push(std::move(item));
 }
 
 void FrameRecorder::TellLeftOut(absl::Time now) {
@@ -111,7 +127,7 @@ void FrameRecorder::OnResult(const TrackingResult& result, uint64_t dropped) {
   head_.counts.dropped = dropped;
   if (result.state == TrackingState::kTracking) ++head_.counts.tracked;
   if (!failure_.ok()) return;
-  queue_.push_back({ResultLine{frame_, dropped, result}, std::nullopt, 0});
+  Push({ResultLine{frame_, dropped, result}, std::nullopt, 0});
 }
 
 void FrameRecorder::Run() {
@@ -126,7 +142,7 @@ void FrameRecorder::Run() {
     }
     if (const absl::Status written = Write(item); !written.ok()) return Fail(item, written);
     absl::MutexLock lock(&mutex_);
-    waiting_bytes_ -= item.bytes;
+    if (failure_.ok()) waiting_bytes_ -= item.bytes;
   }
 }
 
@@ -141,10 +157,15 @@ absl::Status FrameRecorder::Write(const Item& item) {
 
 void FrameRecorder::Fail(const Item& failed, const absl::Status& why) {
   absl::MutexLock lock(&mutex_);
+  if (!failure_.ok()) return;
+  queue_.push_back(failed);
+  EndBecause(why);
+}
+
+void FrameRecorder::EndBecause(const absl::Status& why) {
   LOG(ERROR) << "the recording ends, the robot goes on: " << why.message();
   failure_ = why;
   head_.ended = std::string(why.message());
-  queue_.push_back(failed);
   for (const Item& item : queue_) head_.counts.left_out += item.images.has_value() ? 1 : 0;
   queue_.clear();
   waiting_bytes_ = 0;

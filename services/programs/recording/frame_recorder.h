@@ -27,6 +27,9 @@ namespace corbslam::services {
 struct RecorderOptions {
   // Bytes of pictures that may wait for the disk.
   uint64_t max_waiting_bytes = 128 << 20;
+  // Lines that may wait for it: a disk that takes nothing for longer ends the recording. Some
+  // minutes of a camera, in a dozen megabytes.
+  size_t max_waiting_lines = 10'000;
   // What stays free on the disk: the recording ends before.
   uint64_t least_free_bytes = 256 << 20;
   // True: tracking waits for the disk. False: frames for which there is no room are left out.
@@ -79,6 +82,9 @@ class FrameRecorder {
   void Run();
   absl::Status Write(const Item& item);
   void Fail(const Item& item, const absl::Status& why);
+  // Queues an item, or ends the recording where it can't wait.
+  void Push(Item item) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void EndBecause(const absl::Status& why) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void TellLeftOut(absl::Time now) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   bool HasRoom() const ABSL_SHARED_LOCKS_REQUIRED(mutex_) {
     return waiting_bytes_ < options_.max_waiting_bytes || !failure_.ok();

@@ -1,7 +1,10 @@
 #include "services/programs/recording/frame_recorder.h"
 
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <filesystem>
 #include <limits>
@@ -9,8 +12,10 @@
 #include <utility>
 #include <variant>
 
+#include "absl/strings/str_cat.h"
 #include "client_agent/source/recorded_sequence.h"
 #include "services/programs/recording/recording.h"
+#include "services/programs/recording/recording_files.h"
 #include "services/testing/test_path.h"
 
 namespace corbslam::services {
@@ -152,6 +157,62 @@ TEST_F(FrameRecorderTest, WhatWasRecordedBeforeACrashCanBePlayed) {
   EXPECT_FALSE(recording.frames[1].result.has_value());
   EXPECT_TRUE(ReadPictures(recording, recording.frames[1].line).ok());
   EXPECT_THAT(recording.notes, Contains(HasSubstr("ended without a word")));
+}
+
+TEST_F(FrameRecorderTest, FramesDroppedBeforeACrashAreCounted) {
+  StartStereo();
+  Track(StereoFrame(0));
+  Track(StereoFrame(1));
+  const absl::Time deadline = absl::Now() + absl::Seconds(20);
+  const auto is_whole = [](const Recording& now) {
+    return now.frames.size() == 2 && now.frames[1].result.has_value();
+  };
+  while (absl::Now() < deadline && !is_whole(Read())) absl::SleepFor(absl::Milliseconds(5));
+  EXPECT_EQ(Read().head.counts, (RecordedCounts{2, 0, 4, 2}));
+}
+
+TEST_F(FrameRecorderTest, APictureThatWasReplacedIsNamed) {
+  StartStereo();
+  Track(StereoFrame(0));
+  Track(StereoFrame(1));
+  ASSERT_TRUE(recorder_->Finish().ok());
+  const Recording recording = Read();
+  const std::vector<std::string> first =
+      PicturePaths(folder_, /*is_stereo=*/true, recording.frames[0].line.pictures);
+  const std::vector<std::string> second =
+      PicturePaths(folder_, /*is_stereo=*/true, recording.frames[1].line.pictures);
+  std::filesystem::copy_file(first[1], second[1],
+                             std::filesystem::copy_options::overwrite_existing);
+  EXPECT_TRUE(ReadPictures(recording, recording.frames[0].line).ok());
+  const absl::Status replaced = ReadPictures(recording, recording.frames[1].line).status();
+  EXPECT_TRUE(absl::IsDataLoss(replaced)) << replaced;
+  EXPECT_THAT(std::string(replaced.message()),
+              HasSubstr(second[1] + ": holds another picture than was recorded"));
+  // A recording of an older version has no checksums.
+  FrameLine older = recording.frames[1].line;
+  older.checksums.clear();
+  EXPECT_TRUE(ReadPictures(recording, older).ok());
+}
+
+// The disk takes nothing, however long the robot tracks: what waits is bounded.
+TEST_F(FrameRecorderTest, ADiskThatHangsEndsTheRecordingAndNotTheRobotsMemory) {
+  options_.waits = false;
+  options_.max_waiting_lines = 50;
+  StartStereo();
+  Track(StereoFrame(0));
+  // A named pipe without a reader takes nothing: the writer hangs in it.
+  const SensorImages next = StereoFrame(1);
+  const std::string pipe = absl::StrCat(folder_, "/mav0/cam0/data/", next.timestamp_ns, ".png");
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  for (int i = 1; i < 200; ++i) Track(StereoFrame(i));
+  const int reader = open(pipe.c_str(), O_RDONLY | O_NONBLOCK);
+  ASSERT_GE(reader, 0);
+  const absl::Status ended = recorder_->Finish();
+  close(reader);
+  EXPECT_THAT(std::string(ended.message()), HasSubstr("has taken nothing for 50 lines"));
+  const Recording recording = Read();
+  EXPECT_LE(recording.frames.size(), 2u);
+  EXPECT_THAT(recording.notes, Contains(HasSubstr("has taken nothing for")));
 }
 
 TEST_F(FrameRecorderTest, FramesThatTheDiskHasNoTimeForAreLeftOutAndCounted) {

@@ -20,10 +20,12 @@ constexpr TrackingState kStates[] = {TrackingState::kNotInitialised, TrackingSta
                                      TrackingState::kLost};
 
 Json ToJson(const FrameLine& line) {
-  return {{"frame", line.frame},
-          {"time_ns", line.timestamp_ns},
-          {"begins_local_map", line.begins_local_map},
-          {"pictures", line.pictures}};
+  Json json = {{"frame", line.frame},
+               {"time_ns", line.timestamp_ns},
+               {"begins_local_map", line.begins_local_map},
+               {"pictures", line.pictures}};
+  if (!line.checksums.empty()) json["checksums"] = line.checksums;
+  return json;
 }
 
 Json ToJson(const OrdersLine& line) {
@@ -31,6 +33,7 @@ Json ToJson(const OrdersLine& line) {
                {"mapping_paused", line.mapping_paused},
                {"opens_local_map", line.opens_local_map}};
   if (line.has_mask.has_value()) json["has_mask"] = *line.has_mask;
+  if (line.mask_checksum.has_value()) json["mask_checksum"] = *line.mask_checksum;
   return json;
 }
 
@@ -48,12 +51,18 @@ Json ToJson(const ResultLine& line) {
 }
 
 FrameLine FrameOf(const Json& json) {
-  return {json.at("frame"), json.at("time_ns"), json.at("begins_local_map"), json.at("pictures")};
+  FrameLine line = {json.at("frame"), json.at("time_ns"), json.at("begins_local_map"),
+                    json.at("pictures")};
+  if (json.contains("checksums")) {
+    line.checksums = json.at("checksums").get<std::vector<uint32_t>>();
+  }
+  return line;
 }
 
 OrdersLine OrdersOf(const Json& json) {
   OrdersLine line = {json.at("orders"), json.at("mapping_paused"), json.at("opens_local_map")};
   if (json.contains("has_mask")) line.has_mask = json.at("has_mask").get<bool>();
+  if (json.contains("mask_checksum")) line.mask_checksum = json.at("mask_checksum").get<uint32_t>();
   return line;
 }
 

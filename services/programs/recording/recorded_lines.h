@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 #include <variant>
+#include <vector>
 
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
@@ -20,6 +21,8 @@ struct FrameLine {
   bool begins_local_map = false;  // The robot was told to begin a new local map before it.
   // Name of the two pictures' files, each in its folder. Empty: they are not in the recording.
   std::string pictures;
+  // Of their pixels (PictureChecksum), in the same order; empty in older recordings.
+  std::vector<uint32_t> checksums = {};
 
   bool operator==(const FrameLine&) const = default;
 };
@@ -32,6 +35,7 @@ struct OrdersLine {
   bool opens_local_map = false;
   // True: another mask, in MaskPath of this frame. False: none any more. Nullopt: as before.
   std::optional<bool> has_mask = std::nullopt;
+  std::optional<uint32_t> mask_checksum = std::nullopt;  // Nullopt in older recordings, too.
 
   bool operator==(const OrdersLine&) const = default;
 };

@@ -1,5 +1,6 @@
 #include "services/programs/recording/recording.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <opencv2/core.hpp>
@@ -8,6 +9,7 @@
 #include <variant>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
 #include "client_agent/source/pictures/image_file.h"
 #include "services/programs/recording/recording_files.h"
 #include "slam/util/status_macros.h"
@@ -16,6 +18,7 @@ namespace corbslam::services {
 
 using client_agent::ReadDepthImage;
 using client_agent::ReadGreyImage;
+using client_agent::TrackingState;
 
 namespace {
 
@@ -51,6 +54,7 @@ absl::string_view Add(const RecordedLine& line, std::vector<RecordedFrame>& fram
   const auto& result = std::get<ResultLine>(line);
   if (frames.empty() || result.frame + 1 != frames.size()) return "is not of the frame before it";
   frames.back().result = result.result;
+  frames.back().dropped = result.dropped;
   return "";
 }
 
@@ -75,10 +79,36 @@ absl::Status ReadLines(Recording& recording) {
   return absl::OkStatus();
 }
 
-absl::Status ReadMask(const std::string& folder, SensorCalibration& calibration) {
+absl::Status CheckPicture(const std::string& path, const cv::Mat& picture, uint32_t recorded) {
+  const uint32_t found = PictureChecksum(picture);
+  if (found == recorded) return absl::OkStatus();
+  return absl::DataLossError(absl::StrFormat(
+      "%s: holds another picture than was recorded: its pixels' checksum is %08x, the recording "
+      "says %08x. Was the file replaced, or saved anew with a loss? Take the recording as it was",
+      path, found, recorded));
+}
+
+absl::Status ReadMask(const std::string& folder, RecordingHead& head) {
   ASSIGN_OR_RETURN(PictureMask mask, ReadGreyImage(MaskPath(folder)));
-  std::visit([&](auto& kind) { kind.mask = std::move(mask); }, calibration);
+  if (head.mask_checksum.has_value()) {
+    RETURN_IF_ERROR(CheckPicture(MaskPath(folder), mask, *head.mask_checksum));
+  }
+  std::visit([&](auto& kind) { kind.mask = std::move(mask); }, head.calibration);
   return absl::OkStatus();
+}
+
+// Returns what the lines say, which is less than a finished run's head does.
+RecordedCounts CountsOf(const std::vector<RecordedFrame>& frames) {
+  RecordedCounts counts;
+  counts.frames = frames.size();
+  for (const RecordedFrame& frame : frames) {
+    if (frame.line.pictures.empty()) ++counts.left_out;
+    counts.dropped = std::max(counts.dropped, frame.dropped);
+    if (frame.result.has_value() && frame.result->state == TrackingState::kTracking) {
+      ++counts.tracked;
+    }
+  }
+  return counts;
 }
 
 }  // namespace
@@ -96,10 +126,13 @@ absl::StatusOr<Recording> ReadRecording(const std::string& folder) {
     return absl::DataLossError(absl::StrCat(HeadPath(folder), ": ", head.status().message()));
   }
   recording.head = *std::move(head);
-  if (recording.head.has_mask) RETURN_IF_ERROR(ReadMask(folder, recording.head.calibration));
+  if (recording.head.has_mask) RETURN_IF_ERROR(ReadMask(folder, recording.head));
   RETURN_IF_ERROR(ReadLines(recording));
   if (!recording.head.finished) {
-    recording.notes.emplace_back("the robot's program ended without a word, or is still at it");
+    recording.head.counts = CountsOf(recording.frames);
+    recording.notes.emplace_back(
+        "the robot's program ended without a word, or is still at it: frames are counted up to the "
+        "last one that the recording has");
   }
   if (!recording.head.ended.empty()) {
     recording.notes.push_back("the recording ended before the run: " + recording.head.ended);
@@ -109,7 +142,12 @@ absl::StatusOr<Recording> ReadRecording(const std::string& folder) {
 
 absl::StatusOr<PictureMask> ReadOrderedMask(const Recording& recording, const OrdersLine& orders) {
   if (!orders.has_mask.value_or(false)) return PictureMask();
-  return ReadGreyImage(MaskPath(recording.folder, orders.frame));
+  const std::string path = MaskPath(recording.folder, orders.frame);
+  ASSIGN_OR_RETURN(PictureMask mask, ReadGreyImage(path));
+  if (orders.mask_checksum.has_value()) {
+    RETURN_IF_ERROR(CheckPicture(path, mask, *orders.mask_checksum));
+  }
+  return mask;
 }
 
 absl::StatusOr<SensorImages> ReadPictures(const Recording& recording, const FrameLine& frame) {
@@ -123,6 +161,15 @@ absl::StatusOr<SensorImages> ReadPictures(const Recording& recording, const Fram
   } else {
     ASSIGN_OR_RETURN(images.depth, ReadDepthImage(paths[1]));
   }
+  if (frame.checksums.empty()) return images;
+  if (frame.checksums.size() != paths.size()) {
+    return absl::DataLossError(absl::StrCat(LinesPath(recording.folder), ": frame ", frame.frame,
+                                            " has ", frame.checksums.size(),
+                                            " checksums, must have ", paths.size()));
+  }
+  RETURN_IF_ERROR(CheckPicture(paths[0], images.grey, frame.checksums[0]));
+  RETURN_IF_ERROR(CheckPicture(paths[1], recording.is_stereo() ? images.right : images.depth,
+                               frame.checksums[1]));
   return images;
 }
 

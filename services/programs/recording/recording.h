@@ -20,11 +20,13 @@ struct RecordedFrame {
   std::optional<OrdersLine> orders = std::nullopt;  // What was ordered before it, if anything.
   // What tracking said of it; nullopt where the robot ended before it had.
   std::optional<client_agent::TrackingResult> result = std::nullopt;
+  uint64_t dropped = 0;  // Frames that had come too fast by then.
 };
 
 struct Recording {
   std::string folder;
-  RecordingHead head;  // With the mask.
+  // With the mask. Counts of a run that has no end are those of its lines.
+  RecordingHead head;
   std::vector<RecordedFrame> frames;
   // What is odd: a last line that is cut short, a run that has no end.
   std::vector<std::string> notes;
@@ -39,7 +41,7 @@ absl::StatusOr<Recording> ReadRecording(const std::string& folder);
 absl::StatusOr<PictureMask> ReadOrderedMask(const Recording& recording, const OrdersLine& orders);
 
 // Returns the pictures of a frame that has some, as they were given to tracking. Errors name the
-// file.
+// file: DATA_LOSS, too, where it holds another picture than was recorded.
 absl::StatusOr<SensorImages> ReadPictures(const Recording& recording, const FrameLine& frame);
 
 }  // namespace corbslam::services

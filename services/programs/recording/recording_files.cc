@@ -11,6 +11,7 @@
 #include "absl/strings/str_cat.h"
 #include "client_agent/source/rig/rig_file.h"
 #include "services/programs/recording/calibration_json.h"
+#include "slam/util/checksum.h"
 #include "slam/util/folders.h"
 #include "slam/util/status_macros.h"
 #include "slam/util/text_file.h"
@@ -123,6 +124,16 @@ std::vector<std::string> PicturePaths(const std::string& folder, bool is_stereo,
   return paths;
 }
 
+uint32_t PictureChecksum(const cv::Mat& picture) {
+  const int32_t head[] = {picture.rows, picture.cols, picture.type()};
+  uint32_t checksum = ExtendCrc32c(0, {reinterpret_cast<const char*>(head), sizeof(head)});
+  const size_t row_bytes = static_cast<size_t>(picture.cols) * picture.elemSize();
+  for (int row = 0; row < picture.rows; ++row) {
+    checksum = ExtendCrc32c(checksum, {picture.ptr<char>(row), row_bytes});
+  }
+  return checksum;
+}
+
 std::string SourceOfRecording(const std::string& folder, bool is_stereo) {
   return absl::StrCat(is_stereo ? "euroc:" : "tum:", folder, "?rig=", folder, "/rig.yaml");
 }
@@ -177,7 +188,10 @@ absl::Status RecordingFiles::WriteRig(const RecordingHead& head, std::optional<d
   return WriteBytes(folder_ + "/rig.yaml", text.data(), text.size());
 }
 
-absl::Status RecordingFiles::WriteHead(const RecordingHead& head) {
+absl::Status RecordingFiles::WriteHead(RecordingHead head) {
+  if (const PictureMask& mask = MaskOf(head.calibration); !mask.empty()) {
+    head.mask_checksum = PictureChecksum(mask);
+  }
   const std::string path = HeadPath(folder_);
   const std::string text = FormatHead(head);
   RETURN_IF_ERROR(WriteBytes(path + ".new", text.data(), text.size()));
@@ -202,9 +216,11 @@ absl::Status RecordingFiles::WriteFrame(const SensorImages& images, uint64_t lea
   RETURN_IF_ERROR(CheckKind(images, is_stereo_));
   RETURN_IF_ERROR(CheckFree(folder_, least_free_bytes));
   line.pictures = NameOf(line);
+  const cv::Mat& second = is_stereo_ ? images.right : images.depth;
+  line.checksums = {PictureChecksum(images.grey), PictureChecksum(second)};
   const std::vector<std::string> paths = PicturePaths(folder_, is_stereo_, line.pictures);
   RETURN_IF_ERROR(WritePng(paths[0], images.grey));
-  RETURN_IF_ERROR(WritePng(paths[1], is_stereo_ ? images.right : images.depth));
+  RETURN_IF_ERROR(WritePng(paths[1], second));
   RETURN_IF_ERROR(AppendToLists(line.timestamp_ns, line.pictures));
   return WriteLine(line);
 }
@@ -221,8 +237,9 @@ absl::Status RecordingFiles::WriteLine(const RecordedLine& line) {
   return AppendTo(lists_.back().path, lists_.back().file, FormatLine(line));
 }
 
-absl::Status RecordingFiles::WriteOrders(const OrdersLine& line, const PictureMask& mask) {
+absl::Status RecordingFiles::WriteOrders(OrdersLine line, const PictureMask& mask) {
   if (!mask.empty()) {
+    line.mask_checksum = PictureChecksum(mask);
     RETURN_IF_ERROR(MakeFolder(folder_ + "/masks"));
     RETURN_IF_ERROR(WritePng(MaskPath(folder_, line.frame), mask));
   }

@@ -27,6 +27,8 @@ std::string MaskPath(const std::string& folder, uint64_t frame);
 // Returns the paths of a frame's two pictures: left and right, or grey and depth.
 std::vector<std::string> PicturePaths(const std::string& folder, bool is_stereo,
                                       const std::string& pictures);
+// Returns a number of a picture's size, type and pixels, whichever file holds them (CRC-32C).
+uint32_t PictureChecksum(const cv::Mat& picture);
 // Returns how client_agent names the recording as a source: "euroc:DIR?rig=DIR/rig.yaml".
 std::string SourceOfRecording(const std::string& folder, bool is_stereo);
 
@@ -43,14 +45,15 @@ class RecordingFiles {
                                                                 const RecordingHead& head,
                                                                 std::optional<double> rate_hz);
 
-  // Writes the pictures, the layout's lines and then `line`, whose `pictures` it fills in.
+  // Writes the pictures, the layout's lines and then `line`, whose `pictures` and `checksums` it
+  // fills in.
   // RESOURCE_EXHAUSTED where less than `least_free_bytes` would stay free on the disk.
   absl::Status WriteFrame(const SensorImages& images, uint64_t least_free_bytes, FrameLine line);
   absl::Status WriteLine(const RecordedLine& line);
-  // Writes the mask, if there is one, and then the line.
-  absl::Status WriteOrders(const OrdersLine& line, const PictureMask& mask);
-  // Puts `head` in the place of recording.json as a whole.
-  absl::Status WriteHead(const RecordingHead& head);
+  // Writes the mask, if there is one, and then the line, whose `mask_checksum` it fills in.
+  absl::Status WriteOrders(OrdersLine line, const PictureMask& mask);
+  // Puts `head` in the place of recording.json as a whole, with the mask's checksum.
+  absl::Status WriteHead(RecordingHead head);
 
  private:
   struct List {

@@ -21,7 +21,10 @@ Json ToJson(const RecordedFlags& flags) {
           {"threads", flags.solver_threads},
           {"pace", flags.pace},
           {"joined", flags.joined},
-          {"vocabulary", flags.vocabulary}};
+          {"vocabulary", flags.vocabulary},
+          {"localise_only", flags.localise_only},
+          {"resumes", flags.resumes},
+          {"max_map_bytes", flags.max_map_bytes}};
 }
 
 Json ToJson(const RecordedCounts& counts) {
@@ -41,6 +44,10 @@ RecordedFlags FlagsOf(const Json& json) {
   flags.pace = json.at("pace");
   flags.joined = json.at("joined");
   flags.vocabulary = json.at("vocabulary");
+  // Older recordings don't say these.
+  flags.localise_only = json.value("localise_only", false);
+  flags.resumes = json.value("resumes", false);
+  flags.max_map_bytes = json.value("max_map_bytes", uint64_t{0});
   return flags;
 }
 
@@ -60,6 +67,7 @@ absl::StatusOr<RecordingHead> HeadOf(const Json& json) {
   head.flags = FlagsOf(json.at("flags"));
   ASSIGN_OR_RETURN(head.calibration, CalibrationFromJson(json.at("calibration")));
   head.has_mask = json.at("mask");
+  if (json.contains("mask_checksum")) head.mask_checksum = json.at("mask_checksum").get<uint32_t>();
   head.counts = CountsOf(json.at("counts"));
   head.finished = json.at("finished");
   head.ended = json.at("ended");
@@ -69,12 +77,12 @@ absl::StatusOr<RecordingHead> HeadOf(const Json& json) {
 }  // namespace
 
 std::string FormatHead(const RecordingHead& head) {
-  const Json json = {
-      {"recording", kFormat},        {"version", head.version},
-      {"source", head.source},       {"started", head.started},
-      {"flags", ToJson(head.flags)}, {"calibration", services::ToJson(head.calibration)},
-      {"mask", head.has_mask},       {"counts", ToJson(head.counts)},
-      {"finished", head.finished},   {"ended", head.ended}};
+  Json json = {{"recording", kFormat},        {"version", head.version},
+               {"source", head.source},       {"started", head.started},
+               {"flags", ToJson(head.flags)}, {"calibration", services::ToJson(head.calibration)},
+               {"mask", head.has_mask},       {"counts", ToJson(head.counts)},
+               {"finished", head.finished},   {"ended", head.ended}};
+  if (head.mask_checksum.has_value()) json["mask_checksum"] = *head.mask_checksum;
   // A source's name need not be UTF-8.
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }

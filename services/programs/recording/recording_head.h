@@ -3,6 +3,7 @@
 #define CORBSLAM_SERVICES_PROGRAMS_RECORDING_RECORDING_HEAD_H_
 
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include "absl/status/statusor.h"
@@ -20,6 +21,10 @@ struct RecordedFlags {
   std::string pace;         // "max", "sensor" or "step".
   bool joined = false;      // A map store's other robots may have had a part in the map.
   uint64_t vocabulary = 0;  // Vocabulary::fingerprint.
+  // The robot made no map: it was tracked in what others shared.
+  bool localise_only = false;
+  bool resumes = false;        // It may have gone on with the map of an earlier process.
+  uint64_t max_map_bytes = 0;  // AgentOptions::max_map_bytes; 0: no bound.
 
   bool operator==(const RecordedFlags&) const = default;
 };
@@ -41,6 +46,8 @@ struct RecordingHead {
   RecordedFlags flags;
   SensorCalibration calibration;
   bool has_mask = false;  // FrameRecorder sets it.
+  // Of the mask's pixels (PictureChecksum), set by RecordingFiles; nullopt in older recordings.
+  std::optional<uint32_t> mask_checksum = std::nullopt;
   RecordedCounts counts;
   bool finished = false;  // False: the program crashed, or is still at it.
   std::string ended;      // Why the recording ended before the run; empty: it did not.

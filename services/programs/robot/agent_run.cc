@@ -44,14 +44,15 @@ void WatchStream(const FrameStream& stream, const PacedStream& paced, LeftOutLog
   if (limit != nullptr) frames.dropped += limit->left_out();
 }
 
-// Begins a new local map when the frame is of another drive than the one before.
-void FollowDrive(const SourceFrame& frame, std::optional<int>& drive, Agent& agent) {
-  if (drive.has_value() && *drive != frame.drive) {
-    LOG(WARNING) << "the source's time jumps back before frame " << frame.number
-                 << ": a new local map begins";
+// Begins a new local map when the frame is of another drive than the one `before` it.
+void FollowDrive(const SourceFrame& frame, std::optional<SourceFrame>& before, Agent& agent) {
+  if (before.has_value() && before->drive != frame.drive) {
+    LOG(WARNING) << "the source's time jumps "
+                 << (frame.timestamp_ns > before->timestamp_ns ? "ahead" : "back")
+                 << " before frame " << frame.number << ": a new local map begins";
     agent.BeginLocalMap();
   }
-  drive = frame.drive;
+  before = frame;
 }
 
 void TellListener(const TrackingResult& result, uint64_t dropped, FrameStream& stream) {
@@ -128,12 +129,12 @@ std::string DescribeNothing(const FrameStream& stream, const PlayedFrames& playe
 absl::Status PlayStream(
     FrameStream& stream, Agent& agent, Pace pace, const absl::Notification& stop,
     PlayedFrames& frames,
-    const std::function<void(const TrackingResult&, uint64_t dropped)>& on_frame,
+    const std::function<void(const TrackingResult&, const FrameMoment&)>& on_frame,
     FrameRateLimit* limit) {
   PacedStream paced(stream, pace, stop);
   LeftOutLog left_out;
   SlowSourceLog slow;
-  std::optional<int> drive;
+  std::optional<SourceFrame> before;
   NoPoseLog no_pose(MaskedPercent(stream.calibration()));
   while (true) {
     const absl::StatusOr<std::optional<StreamFrame>> next = paced.Next();
@@ -144,18 +145,19 @@ absl::Status PlayStream(
       return absl::OkStatus();
     }
     if (limit != nullptr && !limit->Takes((*next)->images.timestamp_ns)) continue;
-    FollowDrive((*next)->frame, drive, agent);
+    FollowDrive((*next)->frame, before, agent);
+    const auto came = (*next)->came.value_or(std::chrono::steady_clock::now());
     ASSIGN_OR_RETURN(const TrackingResult result, agent.Track((*next)->images));
     ++frames.played;
     frames.relocalised.Add(result);
     if (const auto line = no_pose.Add(result, (*next)->images)) LOG(WARNING) << *line;
-    if (const auto came = (*next)->came; came.has_value()) {
+    if ((*next)->came.has_value()) {
       const std::chrono::duration<double, std::milli> latency =
-          std::chrono::steady_clock::now() - *came;
+          std::chrono::steady_clock::now() - came;
       frames.latency_ms.Add(latency.count());
     }
     TellListener(result, frames.dropped, stream);
-    on_frame(result, frames.dropped);
+    on_frame(result, {came, frames.dropped});
   }
 }
 

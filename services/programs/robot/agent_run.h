@@ -2,6 +2,7 @@
 #ifndef CORBSLAM_SERVICES_PROGRAMS_ROBOT_AGENT_RUN_H_
 #define CORBSLAM_SERVICES_PROGRAMS_ROBOT_AGENT_RUN_H_
 
+#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <string>
@@ -29,8 +30,15 @@ struct PlayedFrames {
   RelocalisationCount relocalised;
 };
 
-// Plays until the last frame, or until `stop`. `on_frame` is called with each result and the number
-// of frames dropped so far, after the stream's own listener to poses. A frame that can't be read is
+// What is known of a played frame beside its result.
+struct FrameMoment {
+  // When it came; a recording's frame comes when it is given to the agent.
+  std::chrono::steady_clock::time_point came;
+  uint64_t dropped = 0;  // Frames before it that came too fast.
+};
+
+// Plays until the last frame, or until `stop`. `on_frame` is called with each result, after the
+// stream's own listener to poses. A frame that can't be read is
 // left out, counted and logged (of a camera seldom, with counts); a source that is too slow for its
 // own times is logged; the agent
 // begins a new local map where the stream's time jumps back. A stream that fails ends with its
@@ -38,7 +46,7 @@ struct PlayedFrames {
 absl::Status PlayStream(
     client_agent::FrameStream& stream, client_agent::Agent& agent, Pace pace,
     const absl::Notification& stop, PlayedFrames& frames,
-    const std::function<void(const client_agent::TrackingResult&, uint64_t dropped)>& on_frame,
+    const std::function<void(const client_agent::TrackingResult&, const FrameMoment&)>& on_frame,
     FrameRateLimit* limit = nullptr);
 
 // What the robot was told to do, for words about a run that tracked nothing.

@@ -60,9 +60,9 @@ class PlayStreamTest : public ::testing::Test {
  protected:
   absl::Status Play(Pace pace = Pace::kMax) {
     return PlayStream(stream_, agent_, pace, stop_, frames_,
-                      [this](const TrackingResult& result, uint64_t dropped) {
+                      [this](const TrackingResult& result, const FrameMoment& moment) {
                         heard_.push_back(1e-9 * static_cast<double>(result.timestamp_ns));
-                        EXPECT_EQ(dropped, frames_.dropped);
+                        EXPECT_EQ(moment.dropped, frames_.dropped);
                       });
   }
 

@@ -28,6 +28,7 @@ absl::StatusOr<NextFrame> PacedStream::Ask(absl::Time deadline) {
   if (pace_ != Pace::kSensor || stream_.is_live() || !start_.has_value() || !next.ok()) return next;
   const auto* const frame = std::get_if<StreamFrame>(&*next);
   if (frame == nullptr) return next;
+  if (frame->frame.drive != drive_) return next;
   const absl::Time came = absl::Now();
   const absl::Duration late = std::max(came - Due(*frame), absl::ZeroDuration());
   const absl::Duration held = std::min(late, came - asked);
@@ -57,7 +58,7 @@ bool PacedStream::IsOvertaken(absl::Time now) {
   ahead_ = Ask(now);
   if (!ahead_->ok()) return false;
   const auto* next = std::get_if<StreamFrame>(&**ahead_);
-  if (next != nullptr) return now >= Due(*next);
+  if (next != nullptr) return next->frame.drive == drive_ && now >= Due(*next);
   if (std::holds_alternative<NoFrameYet>(**ahead_)) ahead_.reset();
   return false;
 }
@@ -65,12 +66,14 @@ bool PacedStream::IsOvertaken(absl::Time now) {
 absl::StatusOr<std::optional<StreamFrame>> PacedStream::Next() {
   while (true) {
     ASSIGN_OR_RETURN(std::optional<StreamFrame> frame, Await());
-    if (!frame.has_value() || pace_ != Pace::kSensor) return frame;
+    // A camera's frame is due when it comes, whatever clock stamped it.
+    if (!frame.has_value() || pace_ != Pace::kSensor || frame->came.has_value()) return frame;
     const absl::Time now = absl::Now();
-    // The clock starts when the first picture is there.
-    if (!start_.has_value()) {
+    // The clock starts when a drive's first picture is there.
+    if (!start_.has_value() || drive_ != frame->frame.drive) {
       start_ = now;
       first_ns_ = frame->frame.timestamp_ns;
+      drive_ = frame->frame.drive;
     }
     if (IsOvertaken(now)) {
       ++dropped_;

@@ -25,9 +25,10 @@ class PacedStream {
   PacedStream(client_agent::FrameStream& stream, Pace pace, const absl::Notification& stop)
       : stream_(stream), pace_(pace), stop_(stop) {}
 
-  // Waits for the next frame to be tracked, and at kSensor until it is due. Frames whose successor
-  // is there and due already are dropped, as a camera's driver would. Returns nullopt after the
-  // last frame, and when stopped; the stream's error once every frame before it was given.
+  // Waits for the next frame to be tracked, and at kSensor until it is due by the times of its
+  // drive; a camera's (StreamFrame::came) is due when it comes. Frames whose successor is there and
+  // due already are dropped, as a camera's driver would. Returns nullopt after the last frame, and
+  // when stopped; the stream's error once every frame before it was given.
   absl::StatusOr<std::optional<client_agent::StreamFrame>> Next();
 
   // Returns the number of frames dropped so far.
@@ -53,9 +54,10 @@ class PacedStream {
   // What the stream answered when it was asked for the frame behind the one that waits to be due;
   // nullopt if it had none yet.
   std::optional<absl::StatusOr<client_agent::NextFrame>> ahead_;
-  // When the first frame came, and its stamp in nanoseconds.
+  // When the first frame of this drive came, and its stamp in nanoseconds.
   std::optional<absl::Time> start_;
   int64_t first_ns_ = 0;
+  int drive_ = 0;
 };
 
 }  // namespace corbslam::services

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
+#include <utility>
 #include <vector>
 
 #include "absl/time/clock.h"
@@ -55,6 +57,36 @@ TEST(PacedStreamTest, FramesWaitForTheirTimeAlsoPlayedBackwards) {
   const absl::Time start = absl::Now();
   EXPECT_EQ(PlayAll(paced), (std::vector<size_t>{0, 1}));
   EXPECT_GE(absl::Now() - start, absl::Milliseconds(99));
+}
+
+TEST(PacedStreamTest, EachDriveIsPlayedInItsOwnTime) {
+  QueuedStream stream;
+  stream.PutFrame(0, 5000);
+  stream.PutFrame(1, 10, 1);
+  stream.PutFrame(2, 9000, 2);
+  stream.Put(StreamEnd());
+  const absl::Notification stop;
+  PacedStream paced(stream, Pace::kSensor, stop);
+  const absl::Time start = absl::Now();
+  EXPECT_EQ(PlayAll(paced), (std::vector<size_t>{0, 1, 2}));
+  EXPECT_LT(absl::Now() - start, absl::Seconds(60));
+}
+
+// A clock may jump ahead by less than what is noticed at once.
+TEST(PacedStreamTest, ACamerasFrameIsDueWhenItComes) {
+  QueuedStream stream;
+  for (const double time_s : {5.0, 55.0}) {
+    client_agent::StreamFrame frame;
+    frame.frame.timestamp_ns = static_cast<int64_t>(time_s * 1e9);
+    frame.came = std::chrono::steady_clock::now();
+    stream.Put(client_agent::NextFrame(std::move(frame)));
+  }
+  stream.Put(StreamEnd());
+  const absl::Notification stop;
+  PacedStream paced(stream, Pace::kSensor, stop);
+  const absl::Time start = absl::Now();
+  EXPECT_EQ(PlayAll(paced).size(), 2u);
+  EXPECT_LT(absl::Now() - start, absl::Seconds(40));
 }
 
 TEST(PacedStreamTest, ALiveFrameDoesNotWaitForTheNextOne) {

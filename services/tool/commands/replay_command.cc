@@ -41,10 +41,11 @@ void SayNotes(const std::vector<std::string>& notes) {
 
 void SayStart(const Recording& recording) {
   const RecordingHead& head = recording.head;
-  Say(absl::StrCat(recording.folder, ": ", recording.frames.size(), " frames of ", head.source,
-                   ", recorded ", head.started, " by ", head.version, " at --pace ",
-                   head.flags.pace, "; ", head.counts.dropped, " more were dropped, ",
-                   head.counts.left_out, " tracked and left out of the recording\n"));
+  Say(absl::StrCat(
+      recording.folder, ": ", recording.frames.size(), " frames of ", head.source, ", recorded ",
+      head.started, " by ", head.version, " at --pace ", head.flags.pace,
+      head.flags.localise_only ? ", of a robot that only localised" : "", "; ", head.counts.dropped,
+      " more were dropped, ", head.counts.left_out, " tracked and left out of the recording\n"));
   SayNotes(recording.notes);
   if (!recording.frames.empty() && !recording.frames.back().result.has_value()) {
     Say(absl::StrCat("note: the robot ended in frame ", recording.frames.back().line.frame,
@@ -83,7 +84,10 @@ absl::Status Judge(const Recording& recording, const Replayed& replayed) {
   PrintResult(absl::StrFormat("%sdigest of the replayed poses: %016x, the same each time\n",
                               FormatComparison(comparison), DigestOf(replayed.results)),
               ToJson(recording, replayed, comparison));
-  if (comparison.AllEqual()) return absl::OkStatus();
+  if (comparison.AllEqual()) {
+    SayNotes(replayed.notes);
+    return absl::OkStatus();
+  }
   const std::vector<std::string> reasons = ReasonsToDiffer(recording, replayed, ProgramVersion());
   if (reasons.empty()) {
     return absl::FailedPreconditionError(absl::StrCat(

@@ -3,6 +3,7 @@
 #include <sys/timex.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstdlib>
 #include <filesystem>
@@ -28,6 +29,7 @@ using client_agent::OpenReader;
 using client_agent::ParseSourceSpec;
 using client_agent::SampleOptions;
 using client_agent::SourceFinding;
+using client_agent::SourceFindings;
 using client_agent::SourceSpec;
 
 namespace {
@@ -63,8 +65,12 @@ Findings LookInto(const FrameReader& reader, const SourceSpec& spec, bool strict
   for (const auto& [name, value] : DescribeInWords(reader.description())) {
     findings.push_back({Level::kOk, kSource, absl::StrCat(name, ": ", value), ""});
   }
-  for (const SourceFinding& found : InspectSource(reader, spec, kThorough)) {
-    const bool fails = strict || found.level == FindingLevel::kError;
+  SourceFindings all = InspectSource(reader, spec, kThorough);
+  // What a late camera shows besides follows from it, and nothing right comes of such pictures.
+  const auto is_late = [](const SourceFinding& found) { return found.code == "pair-late"; };
+  std::stable_partition(all.begin(), all.end(), is_late);
+  for (const SourceFinding& found : all) {
+    const bool fails = strict || found.level == FindingLevel::kError || is_late(found);
     findings.push_back({fails ? Level::kFail : Level::kWarn, kSource, found.text,
                         absl::StrCat("look up ", found.code, " in docs/sources.md")});
   }

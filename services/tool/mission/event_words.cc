@@ -72,7 +72,9 @@ std::string DescribeEvent(const Event& event, const LocalMapNames& names) {
     case Event::kAgentJoined:
       return absl::StrCat(LastSegment(event.agent_joined().agent()), " joined");
     case Event::kAgentLeft:
-      return absl::StrCat(LastSegment(event.agent_left().agent()), " left");
+      return absl::StrCat(LastSegment(event.agent_left().agent()), event.agent_left().on_purpose()
+                                                                       ? " ended its session"
+                                                                       : " left: its line broke");
     case Event::kLocalMapBegun:
       return absl::StrCat(LastSegment(event.local_map_begun().agent()), " began local map ",
                           ShortName(event.local_map_begun().local_map(), names));

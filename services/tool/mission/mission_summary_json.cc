@@ -26,6 +26,16 @@ Json ToJson(const v1::LastPose& pose) {
   return json;
 }
 
+Json ToJson(const v1::AgentReport& report) {
+  return {{"activity", v1::AgentActivity_Name(report.activity())},
+          {"frames", report.frames()},
+          {"tracked", report.tracked()},
+          {"lost", report.lost()},
+          {"dropped", report.dropped()},
+          {"newest_timestamp_ns", report.newest_timestamp_ns()},
+          {"newest_frame_age_s", report.newest_frame_age_s()}};
+}
+
 Json ToJson(const v1::MissionAgent& agent) {
   Json local_maps = Json::array();
   for (const std::string& name : agent.local_maps()) local_maps.push_back(name);
@@ -33,6 +43,11 @@ Json ToJson(const v1::MissionAgent& agent) {
       {"name", agent.name()}, {"connected", agent.connected()}, {"local_maps", local_maps}};
   if (agent.localise_only()) json["localise_only"] = true;
   if (agent.has_last_pose()) json["last_pose"] = ToJson(agent.last_pose());
+  if (agent.has_report()) {
+    json["report"] = ToJson(agent.report());
+    json["report_age_s"] = agent.report_age_s();
+  }
+  if (agent.left_on_purpose()) json["left_on_purpose"] = true;
   return json;
 }
 

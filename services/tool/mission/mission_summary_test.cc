@@ -103,6 +103,45 @@ TEST(MissionSummaryTest, SaysWhatAMissionCostsAndWhatIsDamaged) {
   EXPECT_THAT(FormatMissions({summary.mission}), HasSubstr("damaged: see `corbslam mission show`"));
 }
 
+// Robots that stand, have finished, only localise or died are told apart.
+TEST(MissionSummaryTest, SaysWhatRobotsAreDoing) {
+  MissionSummary summary = MakeSummary();
+  v1::MissionAgent& alpha = summary.agents[0];
+  const auto says = [&](const std::string& text) { return HasSubstr(text); };
+  EXPECT_THAT(FormatSummary(summary), says("       100         0  -                       1.25"));
+  v1::AgentReport& report = *alpha.mutable_report();
+  report.set_activity(v1::AGENT_ACTIVITY_TRACKING);
+  report.set_frames(9);
+  EXPECT_THAT(FormatSummary(summary), says("         0  tracking  "));
+  alpha.set_report_age_s(31.2);
+  EXPECT_THAT(FormatSummary(summary), says("  tracking, 31 s ago  "));
+  report.set_activity(v1::AGENT_ACTIVITY_WAITING);
+  report.set_newest_frame_age_s(10);
+  EXPECT_THAT(FormatSummary(summary), says("  no frame for 41 s  "));
+  report.set_activity(v1::AGENT_ACTIVITY_FINISHED);
+  alpha.set_report_age_s(2);
+  EXPECT_THAT(FormatSummary(summary), says("  finished  "));
+  alpha.set_connected(false);
+  EXPECT_THAT(FormatSummary(summary), says("  its line broke  "));
+  alpha.set_left_on_purpose(true);
+  EXPECT_THAT(FormatSummary(summary), says("  ended  "));
+  EXPECT_EQ(ToJson(summary)["agents"][0]["report"]["activity"], "AGENT_ACTIVITY_FINISHED");
+  EXPECT_EQ(ToJson(summary)["agents"][0]["left_on_purpose"], true);
+}
+
+TEST(MissionSummaryTest, FramesOfARobotThatOnlyLocalisesAreItsOwn) {
+  MissionSummary summary = MakeSummary();
+  v1::MissionAgent& guest = summary.agents.emplace_back();
+  guest.set_name("missions/lab/agents/guest");
+  guest.set_connected(true);
+  guest.set_localise_only(true);
+  EXPECT_THAT(FormatSummary(summary), HasSubstr("        -         -  localises"));
+  guest.mutable_report()->set_activity(v1::AGENT_ACTIVITY_LOST);
+  guest.mutable_report()->set_tracked(71);
+  guest.mutable_report()->set_lost(3);
+  EXPECT_THAT(FormatSummary(summary), HasSubstr("       71         3  lost, localises"));
+}
+
 TEST(MissionSummaryTest, SaysWhatTheStoreLetGoOf) {
   MissionSummary summary = MakeSummary();
   EXPECT_EQ(FormatSummary(summary).find("let go"), std::string::npos);

@@ -14,6 +14,9 @@
 namespace corbslam::services {
 namespace {
 
+// Robots report every four seconds: an older report says that the line, or the robot, hangs.
+constexpr double kOldReport_s = 15;
+
 std::string Count(uint64_t count, const std::string& what) {
   return absl::StrCat(count, " ", what, count == 1 ? "" : "s");
 }
@@ -81,12 +84,61 @@ std::string DescribeLastPose(const v1::MissionAgent& agent,
   return text;
 }
 
+std::string DescribeActivity(const v1::AgentReport& report) {
+  switch (report.activity()) {
+    case v1::AGENT_ACTIVITY_INITIALISING:
+      return "initialising";
+    case v1::AGENT_ACTIVITY_TRACKING:
+      return "tracking";
+    case v1::AGENT_ACTIVITY_LOST:
+      return "lost";
+    case v1::AGENT_ACTIVITY_WAITING:
+      return "waiting";
+    case v1::AGENT_ACTIVITY_FINISHED:
+      return "finished";
+    default:
+      return "-";
+  }
+}
+
+// Says what the robot is doing now, as "tracking" or "no frame for 12 s"; "-" where nobody knows.
+std::string DescribeDoing(const v1::MissionAgent& agent) {
+  if (!agent.connected()) {
+    if (agent.left_on_purpose()) return "ended";
+    return agent.has_report() ? "its line broke" : "-";
+  }
+  if (!agent.has_report()) return agent.localise_only() ? "localises" : "-";
+  const v1::AgentReport& report = agent.report();
+  const double age_s = report.newest_frame_age_s() + agent.report_age_s();
+  std::string text = DescribeActivity(report);
+  if (report.activity() == v1::AGENT_ACTIVITY_WAITING) {
+    text = report.frames() == 0 ? "no frame yet" : absl::StrFormat("no frame for %.0f s", age_s);
+  } else if (agent.report_age_s() > kOldReport_s) {
+    absl::StrAppendFormat(&text, ", %.0f s ago", agent.report_age_s());
+  }
+  return agent.localise_only() ? absl::StrCat(text, ", localises") : text;
+}
+
+// Sets how many frames were tracked and lost; "-" where nobody knows. What a robot that only
+// localises tracked is in no local map.
+struct FrameColumns {
+  std::string tracked;
+  std::string lost;
+};
+FrameColumns CountFrames(const v1::MissionAgent& agent, const v1::LocalMap& sum) {
+  if (!agent.localise_only()) {
+    return {absl::StrCat(sum.tracked_frames()), absl::StrCat(sum.lost_frames())};
+  }
+  if (!agent.has_report()) return {"-", "-"};
+  return {absl::StrCat(agent.report().tracked()), absl::StrCat(agent.report().lost())};
+}
+
 // Writes one line for each robot, with its local maps added up.
 std::string FormatRobots(const MissionSummary& summary) {
   const std::map<std::string, std::string> names = ShortNames(summary);
-  std::string text =
-      absl::StrFormat("\n%-16s %-9s %10s %9s %9s %9s %9s  %s\n", "robot", "connected", "local maps",
-                      "keyframes", "points", "tracked", "lost", "last seen at");
+  std::string text = absl::StrFormat("\n%-16s %-9s %10s %9s %9s %9s %9s  %-23s %s\n", "robot",
+                                     "connected", "local maps", "keyframes", "points", "tracked",
+                                     "lost", "doing", "last seen at");
   for (const v1::MissionAgent& agent : summary.agents) {
     v1::LocalMap sum;
     for (const v1::LocalMap& local_map : summary.local_maps) {
@@ -96,10 +148,12 @@ std::string FormatRobots(const MissionSummary& summary) {
       sum.set_tracked_frames(sum.tracked_frames() + local_map.tracked_frames());
       sum.set_lost_frames(sum.lost_frames() + local_map.lost_frames());
     }
-    absl::StrAppendFormat(&text, "%-16s %-9s %10d %9d %9d %9d %9d  %s\n", LastSegment(agent.name()),
-                          agent.connected() ? "yes" : "no", agent.local_maps_size(),
-                          sum.keyframes(), sum.map_points(), sum.tracked_frames(),
-                          sum.lost_frames(), DescribeLastPose(agent, names));
+    const FrameColumns frames = CountFrames(agent, sum);
+    absl::StrAppendFormat(&text, "%-16s %-9s %10d %9d %9d %9s %9s  %-23s %s\n",
+                          LastSegment(agent.name()), agent.connected() ? "yes" : "no",
+                          agent.local_maps_size(), sum.keyframes(), sum.map_points(),
+                          frames.tracked, frames.lost, DescribeDoing(agent),
+                          DescribeLastPose(agent, names));
   }
   return text;
 }

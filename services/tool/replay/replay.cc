@@ -5,6 +5,7 @@
 #include "absl/strings/str_cat.h"
 #include "client_agent/agent/agent_orders.h"
 #include "services/programs/default_vocabulary.h"
+#include "services/programs/recording/recording_files.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::services {
@@ -76,11 +77,24 @@ absl::StatusOr<std::optional<TrackingResult>> Play(const Recording& recording,
   return result;
 }
 
+// Played by itself, a robot that only localised would map, somewhere else: that is another robot.
+absl::Status CheckMapped(const Recording& recording) {
+  if (!recording.head.flags.localise_only) return absl::OkStatus();
+  return absl::FailedPreconditionError(absl::StrCat(
+      recording.folder,
+      ": the robot made no map: it was tracked in what others had mapped, which a recording does "
+      "not hold. With a map store that has that map its frames are played again by client_agent "
+      "--localise-only --server HOST:PORT --mission ",
+      recording.head.flags.mission, " --source '",
+      SourceOfRecording(recording.folder, recording.is_stereo()), "'"));
+}
+
 }  // namespace
 
 absl::StatusOr<Replayed> Replay(const Recording& recording, const ReplayOptions& options) {
   Replayed replayed;
   const RecordedFlags& flags = recording.head.flags;
+  RETURN_IF_ERROR(CheckMapped(recording));
   ASSIGN_OR_RETURN(const auto vocabulary,
                    LoadVocabulary(options.vocabulary_path, flags.vocabulary, replayed));
   AgentOptions agent = OptionsOf(flags);
@@ -116,6 +130,14 @@ std::vector<std::string> ReasonsToDiffer(const Recording& recording, const Repla
   if (head.flags.joined) {
     reasons.emplace_back(
         "the robot was joined to a map store: what other robots gave it isn't recorded");
+  }
+  if (head.flags.resumes) {
+    reasons.emplace_back(
+        "the robot may have gone on with the map of an earlier process, which isn't recorded");
+  }
+  if (head.flags.max_map_bytes > 0) {
+    reasons.emplace_back(
+        "the robot's memory was bounded: where it handed over to a new local map isn't replayed");
   }
   if (head.version != version) {
     reasons.push_back(absl::StrCat("it was recorded by ", head.version, ", this is ", version));

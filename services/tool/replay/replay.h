@@ -28,7 +28,8 @@ struct Replayed {
 
 // Plays all frames in lockstep, with the recorded flags, on one thread: the results are the same to
 // the bit each time. A frame whose pictures can't be read is left out, with a note.
-// INVALID_ARGUMENT for impossible flags or a calibration that none has.
+// INVALID_ARGUMENT for impossible flags or a calibration that none has; FAILED_PRECONDITION for a
+// robot that only localised, which says how its pictures can be played instead.
 absl::StatusOr<Replayed> Replay(const Recording& recording, const ReplayOptions& options);
 
 // Returns the recorded results.

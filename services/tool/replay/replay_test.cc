@@ -14,6 +14,7 @@
 #include "client_agent/source/recorded_sequence.h"
 #include "services/programs/default_vocabulary.h"
 #include "services/programs/recording/frame_recorder.h"
+#include "services/programs/recording/recording_files.h"
 #include "services/simulated_source/simulated_source.h"
 #include "services/testing/test_path.h"
 
@@ -27,6 +28,7 @@ using client_agent::TrackingResult;
 
 namespace {
 
+using ::testing::AllOf;
 using ::testing::Contains;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
@@ -108,6 +110,34 @@ class ReplayTest : public ::testing::Test {
     }
   }
 };
+
+TEST_F(ReplayTest, ARobotThatOnlyLocalisedIsNotPlayedAsOneThatMaps) {
+  Record("step");
+  Recording recording = Read();
+  EXPECT_FALSE(recording.head.flags.localise_only);
+  recording.head.flags.localise_only = true;
+  const auto head = ParseHead(FormatHead(recording.head));
+  ASSERT_TRUE(head.ok()) << head.status();
+  EXPECT_EQ(head->flags, recording.head.flags);
+  const absl::Status refused = Replay(recording, {}).status();
+  EXPECT_TRUE(absl::IsFailedPrecondition(refused)) << refused;
+  EXPECT_THAT(std::string(refused.message()),
+              AllOf(HasSubstr("the robot made no map"), HasSubstr("--localise-only")));
+}
+
+TEST_F(ReplayTest, APictureThatWasReplacedIsSaidAndLeftOut) {
+  Record("step");
+  const Recording recording = Read();
+  const auto of_frame = [&](size_t frame) {
+    return PicturePaths(folder_, recording.is_stereo(), recording.frames[frame].line.pictures)[0];
+  };
+  std::filesystem::copy_file(of_frame(2), of_frame(5),
+                             std::filesystem::copy_options::overwrite_existing);
+  const Replayed replayed = Play(recording);
+  EXPECT_FALSE(replayed.results[5].has_value());
+  EXPECT_THAT(ReasonsToDiffer(recording, replayed, "test"),
+              Contains(HasSubstr(of_frame(5) + ": holds another picture than was recorded")));
+}
 
 TEST_F(ReplayTest, WhatWasRecordedInLockstepComesBackToTheDigit) {
   Record("step");

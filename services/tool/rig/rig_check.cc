@@ -89,12 +89,22 @@ std::string FormatRegions(const PairRegions& measured) {
   return text;
 }
 
+// What a late camera shows besides follows from it, and nothing right comes of such pictures.
+void PutLateFirst(SourceFindings& findings) {
+  const auto is_late = [](const SourceFinding& finding) { return finding.code == "pair-late"; };
+  std::stable_partition(findings.begin(), findings.end(), is_late);
+  for (SourceFinding& finding : findings) {
+    if (is_late(finding)) finding.level = FindingLevel::kError;
+  }
+}
+
 absl::StatusOr<RigCheck> Report(const SensorCalibration& calibration,
                                 std::vector<std::pair<std::string, std::string>> description,
                                 const Inspection& inspection) {
   RigCheck check;
   check.description = std::move(description);
   check.findings = inspection.findings;
+  PutLateFirst(check.findings);
   check.description.push_back({"exposure", DescribeExposure(inspection.sample)});
   const auto* const stereo = std::get_if<StereoCalibration>(&calibration);
   if (stereo == nullptr) {

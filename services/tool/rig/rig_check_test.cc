@@ -105,6 +105,15 @@ TEST(RigCheckTest, NamesRowsThatAreApart) {
   EXPECT_THAT(text, HasSubstr("USABLE, with what is improbable above."));
 }
 
+TEST(RigCheckTest, ALatePairIsNamedFirstAndWrong) {
+  const RigCheck check = Check(LayeredStereo(), "late", 1);
+  EXPECT_FALSE(check.IsUsable());
+  ASSERT_FALSE(check.findings.empty());
+  EXPECT_EQ(check.findings[0].code, "pair-late");
+  EXPECT_THAT(FormatRigCheck(check), HasSubstr("ERROR pair-late: the right camera"));
+  EXPECT_THAT(FormatRigCheck(check), HasSubstr("WRONG: "));
+}
+
 // Plays a scene as a camera would, one frame each time it is asked.
 class SceneStream : public client_agent::FrameStream {
  public:

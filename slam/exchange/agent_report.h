@@ -1,0 +1,35 @@
+// What a robot says of itself, for people: what it is doing, and how its frames fare.
+#ifndef CORBSLAM_SLAM_EXCHANGE_AGENT_REPORT_H_
+#define CORBSLAM_SLAM_EXCHANGE_AGENT_REPORT_H_
+
+#include <cstdint>
+
+namespace corbslam {
+
+enum class AgentActivity {
+  kUnknown,
+  kInitialising,  // Frames come, and none is good enough yet to begin with.
+  kTracking,      // Frames come and have poses.
+  kLost,          // Frames come and have none.
+  kWaiting,       // No frame has come for more than two seconds, though the source has not ended.
+  kFinished,      // The source has ended, and no frame will come.
+};
+
+struct AgentReport {
+  AgentActivity activity = AgentActivity::kUnknown;
+  // Frames that were given to the robot since its process began, those of them that had a pose and
+  // that were lost, and those that came too fast and were not looked at.
+  uint64_t frames = 0;
+  uint64_t tracked = 0;
+  uint64_t lost = 0;
+  uint64_t dropped = 0;
+  // Time of the newest frame, 0 to 2^62, and how long ago it came when this was said.
+  int64_t newest_timestamp_ns = 0;
+  double newest_frame_age_s = 0;
+
+  bool operator==(const AgentReport&) const = default;
+};
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SLAM_EXCHANGE_AGENT_REPORT_H_
