@@ -35,6 +35,7 @@
 #include "services/programs/share_flags.h"
 #include "services/programs/spool_flags.h"
 #include "services/programs/start_lines.h"
+#include "services/server/self_watch.h"
 #include "services/server/server.h"
 #include "slam/util/status_macros.h"
 #include "slam/vocabulary/vocabulary.h"
@@ -286,7 +287,9 @@ absl::Status Drive(const RobotFlags& flags, const Surroundings& around, const Ro
       recorder != nullptr ? recorder->Watch(watched, options.orders.get()) : nullptr;
   const auto minutes = observers.LogEachMinute(agent.get());
   AgentService service(agent.get(), uplink, ServiceOptions(flags, around, recorded, options));
-  ASSIGN_OR_RETURN(const auto metrics, observers.Serve(agent.get(), uplink));
+  ASSIGN_OR_RETURN(const auto metrics, observers.Serve(agent.get(), uplink,
+                                                       {{"spool", flags.spool.folder},
+                                                        {"recordings", flags.record.folder}}));
   security.server.rpc_observer = observers.OfCalls();
   ASSIGN_OR_RETURN(const auto server, Serve(flags, security, service));
   PlayedFrames frames;
@@ -322,6 +325,8 @@ absl::Status Run(const RobotFlags& given) {
                    OpenSpool(flags.spool, AgentName(flags.mission, flags.agent)));
   RETURN_IF_ERROR(CheckListenSecurity(flags));
   LOG(INFO) << WhoOf(flags) << DescribeStart(flags);
+  // A robot may wait for its camera for long, and is well meanwhile.
+  const SelfWatch watch({});
   const StopWatcher stop;
   ASSIGN_OR_RETURN(const auto vocabulary, Vocabulary::Load(flags.vocabulary));
   const absl::StatusOr<RobotSource> source = OpenFlaggedSource(flags, stop.stopped());
