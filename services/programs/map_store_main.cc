@@ -33,6 +33,7 @@
 #include "services/security/guarded_map_store.h"
 #include "services/server/memory_limit.h"
 #include "services/server/readiness_watch.h"
+#include "services/server/self_watch.h"
 #include "services/server/server.h"
 #include "slam/util/status_macros.h"
 #include "slam/vocabulary/vocabulary.h"
@@ -196,16 +197,27 @@ absl::Status Run(Flags flags) {
   MapStoreService service(&store, service_options);
   GuardedMapStore guarded(&service, security.access);
   const RevokedStreamsEnder revoked(&service, security.access);
-  ASSIGN_OR_RETURN(const auto metrics, observers->Serve(store, service, backups->MakeCollector()));
+  ASSIGN_OR_RETURN(
+      const auto metrics,
+      observers->Serve(store, service, backups->MakeCollector(),
+                       {{"journal", flags.data_dir, flags.min_free_mb << 20},
+                        {"backups", flags.data_dir.empty() ? "" : flags.backup.directory}}));
   security.server.rpc_observer = observers->OfCalls();
   ASSIGN_OR_RETURN(const std::unique_ptr<Server> server,
                    Server::Start(flags.listen, {&guarded}, security.server));
   LOG(INFO) << DescribeStart(flags, server->address(), store.ListLoads().size());
   const auto minutes = observers->LogEachMinute(store, flags.data_dir);
   AnnounceAddress(server->address());
-  ReadinessWatch readiness(server.get(), [&store] { return store.CheckWritable(); });
+  SelfWatch watch(
+      {.address = server->reachable(),
+       .on_change = [&server](const absl::Status& status) { server->SetAlive(status.ok()); }});
+  ReadinessWatch readiness(server.get(), [&store, &watch]() -> absl::Status {
+    RETURN_IF_ERROR(watch.status());
+    return store.CheckWritable();
+  });
   backups->Start();
   WaitForStopSignal();
+  watch.Stop();
   readiness.Stop();
   server->SetReady(false);
   backups->Stop();

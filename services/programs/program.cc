@@ -3,6 +3,7 @@
 #include <glog/logging.h>
 #include <pthread.h>
 #include <signal.h>
+#include <sys/stat.h>
 #include <sysexits.h>
 
 #include <cstdlib>
@@ -14,6 +15,7 @@
 #include "services/command_line/command_line.h"
 #include "services/command_line/values.h"
 #include "services/observe/logging/log_format.h"
+#include "services/runtime/file_limit.h"
 #include "services/server/server.h"
 
 namespace corbslam::services {
@@ -76,6 +78,9 @@ int RunProgram(CLI::App& app, int argc, char** argv, const Program& program) {
     return 0;
   }
   LOG(INFO) << app.get_name() << " " << ProgramVersion();
+  RaiseFileLimit();
+  // Maps, pictures and what robots told are nobody's but the user's that the program runs as.
+  umask(S_IRWXG | S_IRWXO);
   // Threads of ours share the work. A pool of OpenCV's beside them waits for a processor that they
   // are on, and they for it: milliseconds in every frame with two of them.
   cv::setNumThreads(1);

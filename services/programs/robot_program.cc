@@ -36,6 +36,7 @@
 #include "services/programs/share_flags.h"
 #include "services/programs/spool_flags.h"
 #include "services/programs/start_lines.h"
+#include "services/server/self_watch.h"
 #include "services/server/server.h"
 #include "slam/util/status_macros.h"
 #include "slam/util/whole_file.h"
@@ -58,7 +59,6 @@ namespace {
 constexpr absl::Duration kGoodbye = absl::Seconds(1);
 
 AgentOptions MakeAgentOptions(const RobotFlags& flags, const UploadChoice& upload,
-                              const SensorCalibration& calibration,
                               const std::shared_ptr<const ActivityWatch>& activity) {
   AgentOptions options;
   options.mission = flags.mission;
@@ -271,10 +271,10 @@ void LogMemoryBudget(const RobotFlags& flags, uint64_t max_map_bytes) {
                     : "; --share is nearby, because of it");
 }
 
-absl::StatusOr<AgentOptions> SurroundedOptions(const RobotFlags& flags, const Surroundings& around,
-                                               const SensorCalibration& calibration) {
+absl::StatusOr<AgentOptions> SurroundedOptions(const RobotFlags& flags,
+                                               const Surroundings& around) {
   ASSIGN_OR_RETURN(const UploadChoice upload, ParseUpload(flags));
-  AgentOptions options = MakeAgentOptions(flags, upload, calibration, around.activity);
+  AgentOptions options = MakeAgentOptions(flags, upload, around.activity);
   if (around.uplink != nullptr || !flags.listen.empty()) options.orders = around.orders;
   if (around.uplink != nullptr) around.observers->LogEvents(options.events);
   if (around.channel != nullptr) {
@@ -339,7 +339,9 @@ absl::Status Drive(const RobotFlags& flags, const Surroundings& around, const Ro
   const auto minutes = observers.LogEachMinute(agent.get());
   AgentService service(agent.get(), uplink,
                        ServiceOptions(flags, around, recorded, options, ClockOf(*source.stream)));
-  ASSIGN_OR_RETURN(const auto metrics, observers.Serve(agent.get(), uplink));
+  ASSIGN_OR_RETURN(const auto metrics, observers.Serve(agent.get(), uplink,
+                                                       {{"spool", flags.spool.folder},
+                                                        {"recordings", flags.record.folder}}));
   security.server.rpc_observer = observers.OfCalls();
   ASSIGN_OR_RETURN(const auto server, Serve(flags, security, service));
   if (flags.localise_only) WaitForMap(*agent, flags.mission, stop);
@@ -385,6 +387,8 @@ absl::Status Run(const RobotFlags& given) {
                    OpenSpool(given.spool, AgentName(given.mission, given.agent)));
   RETURN_IF_ERROR(CheckListenSecurity(given, Files::kMayCome));
   LOG(INFO) << WhoOf(given) << DescribeStart(given);
+  // A robot may wait for its camera for long, and is well meanwhile.
+  const SelfWatch watch({});
   const StopWatcher stop;
   ASSIGN_OR_RETURN(const auto vocabulary, Vocabulary::Load(given.vocabulary));
   const absl::StatusOr<RobotSource> source = OpenFlaggedSource(given, stop.stopped());
