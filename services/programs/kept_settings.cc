@@ -1,16 +1,13 @@
 #include "services/programs/kept_settings.h"
 
 #include <algorithm>
-#include <cerrno>
 #include <cstdint>
-#include <cstring>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <system_error>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/string_view.h"
+#include "services/security/pem_files.h"
 #include "slam/util/checksum.h"
 #include "slam/util/status_macros.h"
 #include "slam/util/whole_file.h"
@@ -42,13 +39,9 @@ absl::Status Damaged(const std::string& path, absl::string_view how) {
 absl::StatusOr<v1::RobotSettingsList> ReadKept(const std::string& path) {
   std::error_code error;
   if (!std::filesystem::exists(path, error) && !error) return v1::RobotSettingsList();
-  errno = 0;
-  std::ifstream file(path, std::ios::binary);
-  const std::string bytes{std::istreambuf_iterator<char>(file), {}};
-  if (!file || errno != 0) {
-    return absl::UnavailableError(absl::StrCat("can't read --settings-kept ", path, ": ",
-                                               std::strerror(errno != 0 ? errno : EIO)));
-  }
+  const absl::StatusOr<std::string> read = ReadListFile("--settings-kept", path);
+  if (!read.ok()) return absl::UnavailableError(read.status().message());
+  const std::string& bytes = *read;
   if (bytes.empty()) return Damaged(path, "is empty");
   absl::string_view list_bytes = bytes;
   if (bytes[0] == kChecksumField) {

@@ -82,6 +82,11 @@ TEST_F(KeptSettingsTest, AFileThatIsEmptyCutShortOrChangedIsDamaged) {
   EXPECT_THAT(std::string(ReadKept(path_).status().message()), HasSubstr("is empty"));
 }
 
+TEST_F(KeptSettingsTest, AFolderIsSaidAndEndsNothing) {
+  EXPECT_TRUE(absl::IsUnavailable(ReadKept(::testing::TempDir()).status()));
+  EXPECT_FALSE(WriteKept(TwoSettings(), ::testing::TempDir()).ok());
+}
+
 TEST_F(KeptSettingsTest, WhatIsNoneOfItsFilesIsNotOverwritten) {
   SetBytes("somebody's notes");
   EXPECT_TRUE(absl::IsDataLoss(ReadKept(path_).status()));
