@@ -98,7 +98,8 @@ TEST(ToHtmlTest, ShowsAllRobotsAndNestsRightly) {
 TEST(ToHtmlTest, LoadsNothing) {
   const std::string html = ToHtml(MakeReport({"alpha"}), MakeDetail({"alpha"}));
   // The only addresses are names of namespaces, which nobody fetches.
-  for (const char* word : {"src=", "href=\"h", "href=\"/", "@import", "url(", "https:", "fetch(", "style=\""}) {
+  for (const char* word :
+       {"src=", "href=\"h", "href=\"/", "@import", "url(", "https:", "fetch(", "style=\""}) {
     EXPECT_THAT(html, Not(HasSubstr(word)));
   }
   EXPECT_THAT(html, HasSubstr("content=\"default-src 'none'; base-uri 'none'; form-action 'none'; "
