@@ -3,12 +3,15 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-
-#include "slam/util/median.h"
+#include <cstddef>
+#include <utility>
 
 namespace corbslam::services {
 namespace {
 
+// A robot that turns on the spot makes many keyframes there: so large a part of its steps may be
+// short.
+constexpr double kPart = 0.75;
 // Usual steps: what is nearer is joined however the robot turned, what is farther never is. The
 // viewer's page draws by the same rule (model/step.ts).
 constexpr double kNearSteps = 4;
@@ -42,7 +45,10 @@ double UsualStep(const std::map<KeyframeId, Rigid3d>& world_from_camera) {
     }
     before = &entry;
   }
-  return steps.empty() ? 0 : Median(steps);
+  if (steps.empty()) return 0;
+  const auto at = static_cast<std::ptrdiff_t>(kPart * static_cast<double>(steps.size()));
+  std::nth_element(steps.begin(), steps.begin() + at, steps.end());
+  return steps[static_cast<size_t>(at)];
 }
 
 bool IsGap(const Rigid3d& from, const Rigid3d& to, double usual_step) {

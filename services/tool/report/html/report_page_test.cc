@@ -98,7 +98,8 @@ TEST(ToHtmlTest, ShowsAllRobotsAndNestsRightly) {
 TEST(ToHtmlTest, LoadsNothing) {
   const std::string html = ToHtml(MakeReport({"alpha"}), MakeDetail({"alpha"}));
   // The only addresses are names of namespaces, which nobody fetches.
-  for (const char* word : {"src=", "href=", "@import", "url(", "https:", "fetch(", "style=\""}) {
+  for (const char* word :
+       {"src=", "href=\"h", "href=\"/", "@import", "url(", "https:", "fetch(", "style=\""}) {
     EXPECT_THAT(html, Not(HasSubstr(word)));
   }
   EXPECT_THAT(html, HasSubstr("content=\"default-src 'none'; base-uri 'none'; form-action 'none'; "
@@ -160,6 +161,7 @@ TEST(ToHtmlTest, ContentsLeadToEachPartOfThePage) {
   const std::vector<std::string> names = {"alpha"};
   const std::string html = ToHtml(MakeReport(names), MakeDetail(names));
   std::vector<std::string> linked = QuotedBehind(html, "<a href=\"#");
+  EXPECT_EQ(QuotedBehind(html, "href=\"").size(), linked.size()) << "the page leads nowhere else";
   std::vector<std::string> parts = QuotedBehind(html, "<h2 id=\"");
   EXPECT_GE(linked.size(), 5u);
   std::sort(linked.begin(), linked.end());

@@ -5,6 +5,7 @@ import type { Rest } from './feed/rest';
 import { type Driven, drivenPaths } from './model/driven';
 import { lastSegment } from './model/ids';
 import type { MapModel } from './model/map_model';
+import type { Vec3 } from './model/vector';
 import { Refresher } from './refresher';
 import type { Stage } from './scene/stage';
 import { segmentsByLocalMap, showSegments } from './scene/trajectories';
@@ -64,7 +65,8 @@ export class Fetched {
   wantDriven(pulse: MissionPulse | undefined): void {
     if (!this.state?.paths || this.stage.pastRevision !== undefined) return;
     const model = this.model();
-    const localisers = pulse?.agents.filter(({ localiseOnly }) => localiseOnly) ?? [];
+    // Who only localised and is away is one without local maps: the store knows it of sessions that stand.
+    const localisers = pulse?.agents.filter(({ localiseOnly, localMaps }) => localiseOnly || localMaps.length === 0) ?? [];
     const isLeft = (name: string) => (model.localMap(lastSegment(name))?.keyframes.count ?? 0) > 0;
     const bare = pulse?.localMaps.filter(({ name, trackedFrames }) => trackedFrames > 0n && !isLeft(name)) ?? [];
     if (localisers.length + bare.length === 0 && !this.stage.map.hasGaps) return;
@@ -73,6 +75,13 @@ export class Fetched {
     if (now === this.seenDriven) return;
     this.seenDriven = now;
     this.ask(this.drivenAgain);
+  }
+
+  /** Where the last run of a robot that only localised has ended, and in which island; undefined: it has none. */
+  lastLocalised(robot: string): { island: string; place: Vec3 } | undefined {
+    const run = this.stage.pastRevision === undefined ? this.driven?.runs.findLast(({ agent }) => agent === robot) : undefined;
+    const [x, y, z] = run?.places.slice(-3) ?? [];
+    return run && { island: run.island, place: [x, y, z] };
   }
 
   onMap(model: MapModel): void {

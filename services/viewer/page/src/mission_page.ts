@@ -100,7 +100,7 @@ export class MissionPage {
     document.body.replaceChildren(this.layout.root, this.help);
     this.stage = new Stage(this.layout.canvas, this.layout.globalPort, this.layout.localPort);
     this.inSight = new KeepInSight(this.stage);
-    this.robotsNow = new RobotsNow(this.stage.map);
+    this.robotsNow = new RobotsNow(this.stage.map, (robot) => this.fetched.lastLocalised(robot));
     this.labels = new SceneLabels(this.stage, this.painter, this.names, (robot) => this.robotsNow.of(robot));
     this.measure = new Measure(this.stage, () => this.toolbar.noteMeasure(this.measure.isOn));
     this.find = new FindBox((text) => this.search(text), (found) => this.goTo(found));
@@ -116,6 +116,7 @@ export class MissionPage {
       toggle: (robot) => this.toggleRobot(robot), select: (robot) => change({ robot }),
       colour: (robot) => this.painter.legendColour(robot, this.state, this.model.islandsOf(robot)),
       drift: (robot) => driftWords(this.drifts.of(robot)),
+      hasLocalised: (robot) => this.fetched.lastLocalised(robot) !== undefined,
     });
     this.overlapsPanel = new OverlapsPanel((overlap) => this.selection.overlap(overlap));
     this.numbers.root.append(this.plots.root);

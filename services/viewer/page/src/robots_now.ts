@@ -3,6 +3,7 @@ import type { MissionPulse } from '@gen/corbslam/v1/viewer_pb';
 import { doingOf } from './model/activity';
 import { lastSegment } from './model/ids';
 import { poseOfCamera } from './model/pose';
+import type { Vec3 } from './model/vector';
 import type { MapView } from './scene/map_view';
 import type { RobotNow } from './scene_labels';
 
@@ -11,7 +12,7 @@ export class RobotsNow {
   private pulse: MissionPulse | undefined;
   private seen = '';
 
-  constructor(private readonly map: MapView) {}
+  constructor(private readonly map: MapView, private readonly lastLocalised: (robot: string) => { island: string; place: Vec3 } | undefined) {}
 
   /** Takes the pulse over; undefined: it says nothing of what is shown. Returns whether a mark is another one. */
   take(pulse: MissionPulse | undefined): boolean {
@@ -25,7 +26,13 @@ export class RobotsNow {
 
   of(robot: string): RobotNow {
     const agent = this.pulse?.agents.find(({ name }) => lastSegment(name) === robot);
-    return { doing: doingOf(agent).doing, at: agent?.localiseOnly ? this.placeOf(agent) : undefined };
+    return { doing: doingOf(agent).doing, at: (agent?.localiseOnly && this.placeOf(agent)) || (agent?.localMaps.length === 0 ? this.endOf(robot) : undefined) };
+  }
+
+  /** One that has localised, and whose pose the store does not tell any more. */
+  private endOf(robot: string) {
+    const last = this.lastLocalised(robot);
+    return last && this.map.worldOf(last.island, last.place);
   }
 
   /** A robot that only localises has no keyframes: it says itself where it is. */

@@ -96,6 +96,15 @@ test('keyframes that went leave the usual step and the frusta as they were', () 
   assert.ok(few < 3.1, `${few}`);
 });
 
+test('a robot that turned on the spot for long has no gaps where it drives on', () => {
+  const store = new KeyframeStore();
+  for (let i = 0; i < 100; i++) {
+    const z = i < 70 ? 0.005 * i : 0.35 + 0.5 * (i - 69);
+    store.set(i, { timestampNs: BigInt(i), pose: { centre: [0, 0, z], rotation: [0, 0, 0, 1] }, placed: true }, i, 1);
+  }
+  assert.deepEqual(wayOf(store).begins, [0]);
+});
+
 test('runs that only localised are paths of no local map, each with its gaps', () => {
   const pose = (run: bigint, i: number, afterGap = false) => create(TrajectoryPoseSchema, {
     agent: 'missions/m/agents/loc', run, timestampNs: BigInt(i), afterGap, island: 'missions/m/localMaps/00000000000000aa',

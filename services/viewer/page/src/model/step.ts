@@ -2,6 +2,8 @@ import type { KeyframeStore } from './keyframe_store';
 
 /** Steps that are looked at to say how far a robot usually goes. */
 const MOST_SAMPLES = 256;
+/** A robot that turns on the spot makes many keyframes there: so large a part of its steps may be short. */
+const PART = 0.75;
 /** Times the usual step: nearer keyframes are joined however the robot turned between them... */
 const NEAR = 4;
 /** ... and farther ones never. */
@@ -21,7 +23,7 @@ export function usualStep(store: KeyframeStore): number {
     const numbers = Math.abs(store.indices[slots[i]] - store.indices[slots[i - 1]]);
     if (numbers > 0) steps.push(lengthBetween(store, slots[i - 1], slots[i]) / numbers);
   }
-  return steps.sort((a, b) => a - b)[steps.length >> 1] ?? 0;
+  return steps.sort((a, b) => a - b)[Math.floor(PART * steps.length)] ?? 0;
 }
 
 /**

@@ -74,14 +74,15 @@ class WayWriter {
   /** `end`: the frame that is the keyframe's own, where there is one. */
   private joinTo(slot: number, end: number): void {
     const { driven } = this;
-    const isCut = driven!.timesNs[end] === this.timeOf(slot) && driven!.afterGap[end];
-    if (isCut || !this.isNearTo(4 * slot, end - 1)) this.break();
+    // The keyframe's own frame says whether it is connected with the one before.
+    const isOwn = driven!.timesNs[end] === this.timeOf(slot);
+    if (isOwn ? driven!.afterGap[end] : !this.isNearTo(4 * slot, end - 1)) this.break();
   }
 
   private frames(first: number, end: number): void {
     const { places, afterGap } = this.driven!;
     for (let i = first; i < end; i++) {
-      if (this.count > 0 && (afterGap[i] || !isNear(this.lengthTo(places, 3 * i), this.usual))) this.break();
+      if (this.count > 0 && afterGap[i]) this.break();
       this.add(places, 3 * i);
     }
   }
@@ -101,11 +102,6 @@ class WayWriter {
 
   private timeOf(slot: number): bigint {
     return this.store.records.get(this.store.indices[slot])!.timestampNs;
-  }
-
-  private lengthTo(places: ArrayLike<number>, at: number): number {
-    const last = 3 * (this.count - 1);
-    return Math.hypot(...[0, 1, 2].map((k) => places[at + k] - this.points[last + k]));
   }
 
   private isNearTo(keyframe: number, frame: number): boolean {

@@ -19,6 +19,8 @@ export interface RobotActions {
   colour(robot: string): string;
   /** What fusion has moved it by, in words. */
   drift(robot: string): string;
+  /** It has runs that made no map. */
+  hasLocalised(robot: string): boolean;
 }
 
 /** The legend of the robots, and how each is doing. */
@@ -83,7 +85,8 @@ export class RobotsPanel {
   private facts(robot: string, model: MapModel, pulse: MissionPulse | undefined, isPast: boolean): [string, string][] {
     const agent = pulse?.agents.find(({ name }) => lastSegment(name) === robot);
     const rows: [string, string][] = [this.connection(robot, agent, pulse)];
-    if (agent?.localiseOnly) rows.push(['Role', 'only localises, maps nothing']);
+    const isBare = agent?.localMaps.length === 0 && this.actions.hasLocalised(robot);
+    if (agent?.localiseOnly || isBare) rows.push(['Role', 'only localises, maps nothing']);
     else rows.push(...this.mapFacts(robot, model, pulse, agent, isPast));
     if (agent?.connected && !agent.localiseOnly) rows.push(['Shared map', agent.upToDate ? 'up to date' : 'waits for updates']);
     const told = pulse?.robots.find((one) => lastSegment(one.agent) === robot);
