@@ -78,7 +78,7 @@ std::vector<Stranger> Crowd(const Server& server, uint8_t host, int size, bool s
   return crowd;
 }
 
-std::shared_ptr<grpc::Channel> Connect(const Server& server) {
+std::shared_ptr<grpc::Channel> ConnectAlone(const Server& server) {
   grpc::ChannelArguments own;
   own.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
   return grpc::CreateCustomChannel(server.address(), grpc::InsecureChannelCredentials(), own);
@@ -92,7 +92,7 @@ TEST(ConnectionFrontTest, TheOldestIdleMakesRoomAndTheProbeIsAnswered) {
     ASSERT_TRUE(server.ok()) << server.status();
     std::vector<Stranger> crowd = Crowd(**server, 2, 60, speaks);
     EXPECT_TRUE(Eventually([&] { return CountOver(crowd) >= 50; })) << CountOver(crowd);
-    EXPECT_EQ(CheckHealth(Connect(**server), kLiveness), absl::OkStatus());
+    EXPECT_EQ(CheckHealth(ConnectAlone(**server), kLiveness), absl::OkStatus());
     EXPECT_LE((*server)->connections().open, 11u);
     EXPECT_GE((*server)->connections().closed_for_room, 50u);
     crowd.clear();
@@ -121,7 +121,7 @@ void StreamsStayInACrowd(const std::string& address) {
   options.connections = {.all = 8, .of_host = 8};
   const auto server = Server::Start(address, {&service}, options);
   ASSERT_TRUE(server.ok()) << server.status();
-  const auto channel = Connect(**server);
+  const auto channel = ConnectAlone(**server);
   grpc::ClientContext context;
   const auto stub = v1::Agent::NewStub(channel);
   const auto stream = stub->WatchPose(&context, {});
@@ -129,7 +129,7 @@ void StreamsStayInACrowd(const std::string& address) {
   EXPECT_EQ((*server)->connections().busy, 1u);
   std::vector<std::shared_ptr<grpc::Channel>> others;
   for (int i = 0; i < 30; ++i) {
-    others.push_back(Connect(**server));
+    others.push_back(ConnectAlone(**server));
     EXPECT_EQ(CheckHealth(others.back(), kLiveness), absl::OkStatus()) << i;
   }
   EXPECT_EQ((*server)->connections().busy, 1u);
@@ -158,7 +158,7 @@ TEST(ConnectionFrontTest, SilentConnectionsEnd) {
   ASSERT_TRUE(listening.ok()) << listening.status();
   const int port = listening->port();
   ConnectionFront front(*std::move(listening), [](int, int) { FAIL() << "nothing was said"; },
-                        {.longest_silence = absl::Milliseconds(50)});
+                        {.limits = {}, .longest_silence = absl::Milliseconds(50)});
   front.Start();
   const int fd = socket(AF_INET, SOCK_STREAM, 0);
   sockaddr_in address = {};
@@ -189,7 +189,7 @@ TEST(ConnectionFrontTest, AServerThatHadNoFilesHearsAgain) {
   ASSERT_EQ(setrlimit(RLIMIT_NOFILE, &before), 0);
   crowd.clear();
   waiting.clear();
-  EXPECT_EQ(CheckHealth(Connect(**server), kLiveness), absl::OkStatus());
+  EXPECT_EQ(CheckHealth(ConnectAlone(**server), kLiveness), absl::OkStatus());
 }
 
 }  // namespace

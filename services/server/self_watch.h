@@ -16,13 +16,13 @@ namespace corbslam::services {
 
 struct SelfWatchOptions {
   // "IP:PORT" of the server; empty: it serves nobody, and works as long as this does.
-  std::string address;
+  std::string address = {};
   absl::Duration interval = absl::Seconds(5);
   absl::Duration patience = absl::Seconds(10);
   // So many probes in a row must fail before the server counts as deaf.
   int failures = 2;
   // Called by its thread when that changes; may be null.
-  std::function<void(const absl::Status&)> on_change;
+  std::function<void(const absl::Status&)> on_change = nullptr;
 };
 
 // Connects to the server again and again on a thread of its own. The log says when it is deaf; the
