@@ -141,8 +141,8 @@ class MissionStrand {
   const MissionEnvironment environment_;
 
   absl::Mutex turn_ ABSL_ACQUIRED_BEFORE(gate_);
-  // False: the journal has no uid yet, and is to have the state's. Only who has the turn changes it,
-  // once others have the mission.
+  // False: the journal has no uid yet, and is to have the state's. Only who has the turn changes
+  // it, once others have the mission.
   std::atomic<bool> uid_is_recorded_ = true;
   mutable absl::Mutex gate_ ABSL_ACQUIRED_BEFORE(mutex_);
   std::atomic<Journal::Position> appended_ = 0;
