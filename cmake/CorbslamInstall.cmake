@@ -86,6 +86,7 @@ install(CODE "file(INSTALL \"${CMAKE_SOURCE_DIR}/deploy/systemd/map_store.env\"
                    \"${CMAKE_SOURCE_DIR}/deploy/systemd/fusion_worker.env\"
                    \"${CMAKE_SOURCE_DIR}/deploy/systemd/map_viewer.env\"
                    \"${CMAKE_SOURCE_DIR}/deploy/systemd/corbslam_backup.env\"
+                   \"${CMAKE_SOURCE_DIR}/deploy/revoked/revoked_tokens\"
                    DESTINATION \"\${FOLDER}\")" COMPONENT server)
 install(FILES deploy/systemd/client_agent-alpha.env
         DESTINATION "${CMAKE_INSTALL_DATADIR}/doc/corbslam-robot/examples" COMPONENT robot)

@@ -11,7 +11,10 @@
 #include <utility>
 
 #include "map_store/archive/mission_archive.h"
+#include "map_store/journal_check.h"
+#include "map_store/journal_repair.h"
 #include "map_store/map_store.h"
+#include "map_store/rocks/journal_rehearsal.h"
 #include "map_store/rocks/rocks_journal.h"
 #include "map_store/testing/shared_world.h"
 
@@ -118,6 +121,34 @@ TEST_F(GoldenTest, WhatWasWrittenOnceIsReadForGood) {
     ++read;
   }
   EXPECT_GE(read, 4);
+}
+
+TEST_F(GoldenTest, AnUpgradeLeavesWhatCheckAndRepairRead) {
+  const fs::path golden = CORBSLAM_GOLDEN_DATA;
+  std::ifstream expected(golden / "expected.txt");
+  std::string line;
+  int upgraded = 0;
+  while (std::getline(expected, line)) {
+    std::istringstream words(line);
+    std::string name;
+    size_t keyframes = 0;
+    if (!(words >> name >> keyframes) || !fs::is_directory(golden / name)) continue;
+    SCOPED_TRACE(line);
+    const fs::path copy = folder_ / (name + "_upgraded");
+    fs::copy(golden / name, copy, fs::copy_options::recursive);
+    ASSERT_TRUE(map_store::UpgradeFolder(copy).ok());
+    const auto expect_sound = [&](const CheckedMission& mission) {
+      EXPECT_TRUE(mission.status.ok()) << mission.status;
+      EXPECT_EQ(mission.keyframes, keyframes);
+    };
+    ASSERT_TRUE(map_store::CheckJournal(copy, expect_sound).ok());
+    const auto repaired = map_store::RepairMission(copy, "golden", folder_ / (name + ".repaired"));
+    ASSERT_TRUE(repaired.ok()) << repaired.status();
+    EXPECT_EQ(repaired->keyframes, keyframes);
+    EXPECT_EQ(repaired->left_out, 0u);
+    ++upgraded;
+  }
+  EXPECT_GE(upgraded, 3);
 }
 
 }  // namespace

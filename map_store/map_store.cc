@@ -6,6 +6,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "map_store/ingest/batch_validation.h"
+#include "map_store/mission/departed_missions.h"
 #include "map_store/mission/fusion_executor.h"
 #include "map_store/mission/memory_budget.h"
 #include "map_store/mission/memory_returner.h"
@@ -16,7 +17,9 @@
 #include "map_store/mission/sleepers.h"
 #include "map_store/mission/snapshot_keeper.h"
 #include "map_store/records/restored_state.h"
+#include "map_store/state/mission_uid.h"
 #include "map_store/view/damage_words.h"
+#include "slam/exchange/session_end.h"
 #include "slam/util/resident_memory.h"
 #include "slam/util/status_macros.h"
 
@@ -41,12 +44,14 @@ MapStore::MapStore(const MapStoreOptions& options, std::shared_ptr<const Vocabul
       vocabulary_(std::move(vocabulary)),
       journal_(std::move(journal)),
       clock_(std::move(clock)),
-      memory_(std::make_unique<MemoryBudget>(options.memory_budget_bytes, &ResidentBytes, clock_)),
+      memory_(std::make_unique<MemoryBudget>(options.memory_budget_bytes, &ResidentBytes, clock_,
+                                             &UsedBytes)),
       memory_returner_(std::make_unique<MemoryReturner>(&GiveBackFreeMemory)),
       executor_(
           std::make_unique<FusionExecutor>(worker, absl::Milliseconds(options.retry_ms), clock_)),
       snapshots_(std::make_unique<SnapshotKeeper>(clock_)),
-      tender_(std::make_unique<MissionTender>([this] { TendMissions(); })) {
+      tender_(std::make_unique<MissionTender>([this] { TendMissions(); })),
+      departed_(std::make_unique<DepartedMissions>()) {
   directory_ = std::make_unique<MissionDirectory>(
       clock_, [this](const std::string& name, const Sleeper& sleeper) {
         return LoadSleeper(name, sleeper);
@@ -80,6 +85,7 @@ absl::StatusOr<std::shared_ptr<Mission>> MapStore::FindMission(absl::string_view
 }
 
 absl::Status MapStore::Recover() {
+  for (DeletedMission& deleted : journal_->ListDeleted()) departed_->Note(std::move(deleted), {});
   ASSIGN_OR_RETURN(const std::vector<std::string> names, journal_->ListMissions());
   for (const std::string& name : names) {
     if (AddSleeper(name)) continue;
@@ -88,6 +94,7 @@ absl::Status MapStore::Recover() {
     LOG_IF(ERROR, !recovered.ok()) << SayDamage(name, recovered);
     if (!recovered.ok() && !absl::IsDataLoss(recovered)) return recovered;
     if (recovered.ok()) {
+      mission->EnsureUid();
       directory_->Add(name, std::move(mission));
     } else {
       directory_->AddUnreadable(name, recovered);
@@ -100,14 +107,15 @@ absl::Status MapStore::Recover() {
   return absl::OkStatus();
 }
 
-absl::StatusOr<uint64_t> MapStore::EnterMission(const std::string& name, const std::string& agent) {
+absl::StatusOr<uint64_t> MapStore::EnterMission(const SessionRequest& request) {
+  const std::string& name = request.mission;
   if (const absl::Status damage = journal_->Damage(name); !damage.ok()) {
     return absl::DataLossError(SayDamage(name, damage));
   }
   const auto make =
       [&](const MissionDirectory::Counts& counts) -> absl::StatusOr<std::shared_ptr<Mission>> {
     RETURN_IF_ERROR(CheckRoom(counts, options_));
-    return MakeMission(name);
+    return BeginMission(name, request.mission_uid);
   };
   absl::StatusOr<std::shared_ptr<Mission>> found = FindMission(name);
   if (absl::IsNotFound(found.status())) {
@@ -120,10 +128,14 @@ absl::StatusOr<uint64_t> MapStore::EnterMission(const std::string& name, const s
     absl::MutexLock lock(&mutex_);
     mission->profile().NoteUse();
     session_id = next_session_++;
-    sessions_[session_id] = {agent, mission};
+    sessions_[session_id] = {request.agent, mission};
   }
   // Whoever closes the mission after this sees the session.
-  const absl::Status entered = directory_->CheckEntered(name, *mission);
+  absl::Status entered = directory_->CheckEntered(name, *mission);
+  // Another one may have got the name a moment ago.
+  if (!request.mission_uid.empty() && mission->uid() != request.mission_uid) {
+    entered = MissionDeletedError(name);
+  }
   if (entered.ok()) return session_id;
   LeaveMission(session_id);
   return entered;
@@ -139,6 +151,12 @@ void MapStore::LeaveMission(uint64_t session_id) {
   sessions_.erase(it);
 }
 
+std::shared_ptr<Mission> MapStore::BeginMission(const std::string& name, const std::string& uid) {
+  std::shared_ptr<Mission> mission = MakeMission(name);
+  mission->BeginAs(uid.empty() ? DrawMissionUid(name) : uid);
+  return mission;
+}
+
 std::shared_ptr<Mission> MapStore::MakeMission(const std::string& name) {
   MissionEnvironment environment;
   environment.options = &options_;
@@ -147,6 +165,7 @@ std::shared_ptr<Mission> MapStore::MakeMission(const std::string& name) {
   environment.clock = clock_;
   environment.wake_fusion = [this] { Wake(); };
   environment.has_worker = executor_->has_worker();
+  environment.note_uid = uid_listener_;
   environment.memory = memory_.get();
   // What it took is free only when the last one who has it lets it go.
   return {new Mission(name, std::move(environment)), [this](Mission* mission) {
@@ -166,8 +185,16 @@ absl::StatusOr<MapStore::Session> MapStore::FindSession(uint64_t session_id) con
 absl::StatusOr<MapStore::OpenedSession> MapStore::OpenSession(const SessionRequest& request) {
   RETURN_IF_ERROR(map_store::ValidateName("mission", request.mission));
   RETURN_IF_ERROR(map_store::ValidateName("agent", request.agent));
+  RETURN_IF_ERROR(CheckNotDeparted(request));
+  absl::StatusOr<OpenedSession> opened = OpenSessionOf(request);
+  // A deletion that came between has the last word.
+  if (!opened.ok()) RETURN_IF_ERROR(CheckNotDeparted(request));
+  return opened;
+}
+
+absl::StatusOr<MapStore::OpenedSession> MapStore::OpenSessionOf(const SessionRequest& request) {
   if (request.localise_only) RETURN_IF_ERROR(FindMission(request.mission).status());
-  ASSIGN_OR_RETURN(const uint64_t session_id, EnterMission(request.mission, request.agent));
+  ASSIGN_OR_RETURN(const uint64_t session_id, EnterMission(request));
   ASSIGN_OR_RETURN(const Session session, FindSession(session_id));
   absl::StatusOr<SessionGrant> grant = session.mission->sessions().Open(session_id, request);
   if (!grant.ok()) {
@@ -189,6 +216,11 @@ absl::StatusOr<std::optional<LocalisedKept>> MapStore::NoteLocalised(
   ASSIGN_OR_RETURN(const Session session, FindSession(session_id));
   session.mission->profile().NoteUse();
   return session.mission->localised().Note(session_id, session.agent, localised);
+}
+
+absl::Status MapStore::KeepPicture(uint64_t session_id, const KeyframePicture& picture) {
+  ASSIGN_OR_RETURN(const Session session, FindSession(session_id));
+  return session.mission->pictures().Keep(session_id, session.agent, picture);
 }
 
 absl::Status MapStore::NoteReport(uint64_t session_id, const AgentReport& report) {
@@ -266,8 +298,9 @@ absl::Status MapStore::WaitUntilFusionIdle(absl::string_view mission_name,
       "fusion of mission ", mission_name, " is busy after ", absl::FormatDuration(timeout)));
 }
 
-absl::Status MapStore::DeleteMission(absl::string_view mission_name) {
+absl::Status MapStore::DeleteMission(absl::string_view mission_name, absl::string_view uid) {
   ASSIGN_OR_RETURN(const MissionDirectory::Life life, directory_->FindLife(mission_name));
+  RETURN_IF_ERROR(CheckUid(mission_name, uid));
   // A caller that waited for another one's deletion must not delete the mission that has got the
   // name since.
   absl::MutexLock deleting(&deletion_mutex_);
@@ -279,6 +312,7 @@ absl::Status MapStore::DeleteMission(absl::string_view mission_name) {
 }
 
 absl::Status MapStore::EndLife(absl::string_view name, const std::shared_ptr<Mission>& mission) {
+  NoteDeparture(name);
   const absl::Status deleted = journal_->DeleteMission(name);
   directory_->EndDeletion(name, deleted.ok());
   RETURN_IF_ERROR(deleted);
@@ -314,13 +348,18 @@ absl::Status MapStore::RestoreMission(const std::string& name, MissionState stat
   RETURN_IF_ERROR(map_store::ValidateName("mission", name));
   RETURN_IF_ERROR(map_store::ValidateRestored(state, options_));
   RETURN_IF_ERROR(ReserveName(name));
+  // Under its own name it goes on as what it was, and its robots with it; another name is another
+  // mission's.
+  if (!IsUidOf(name, state.uid)) state.uid = DrawMissionUid(name);
   state.name = name;
   // Its retention begins anew.
   state.profile.last_used_ns = ToProfileTime(clock_());
   absl::Status status = journal_->CreateMission(name, state);
   std::shared_ptr<Mission> mission = MakeMission(name);
   if (status.ok()) {
+    const std::string uid = state.uid;
     mission->Restore(std::move(state));
+    LOG(INFO) << "mission " << name << " is restored, uid " << uid;
     mission->profile().NoteUse();
   } else {
     mission.reset();
@@ -328,6 +367,17 @@ absl::Status MapStore::RestoreMission(const std::string& name, MissionState stat
   directory_->EndMaking(name, std::move(mission));
   Wake();
   return status;
+}
+
+void MapStore::TakePictures(const std::string& name, const Journal& from, absl::string_view there) {
+  const absl::StatusOr<std::shared_ptr<Mission>> mission = FindMission(name);
+  const uint64_t max_bytes = mission.ok() ? (*mission)->pictures().MaxBytes() : 0;
+  if (max_bytes == 0) return;
+  const absl::Status taken = from.ForEachPicture(there, [&](const KeyframePicture& picture) {
+    return journal_->PutPicture(name, picture, max_bytes);
+  });
+  LOG_IF(WARNING, !taken.ok()) << "mission " << name
+                               << " was restored, but not all of its pictures: " << taken;
 }
 
 }  // namespace corbslam::map_store

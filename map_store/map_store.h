@@ -11,6 +11,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "absl/base/thread_annotations.h"
@@ -41,6 +42,7 @@ struct KnownMission;
 struct MissionLoad;
 struct Sleeper;
 
+class DepartedMissions;
 class FusionExecutor;
 class MemoryBudget;
 class MemoryReturner;
@@ -61,6 +63,9 @@ class MapStore {
 
   // Is told that a mission was deleted because its retention has passed, and why.
   using ExpiryListener = std::function<void(const std::string& mission, const std::string& why)>;
+  // Is told which uid a mission has from now on: it was made, or is older than uids. It must return
+  // soon, and may not call the store.
+  using UidListener = std::function<void(const std::string& mission, const std::string& uid)>;
 
   struct OpenedSession {
     uint64_t session_id = 0;
@@ -92,7 +97,9 @@ class MapStore {
   // Sessions: an agent has one at a time.
 
   // Opens or resumes a session; creates the mission and the agent where there are none, but returns
-  // NOT_FOUND for an agent that changes nothing where there is no such mission. An older
+  // NOT_FOUND for an agent that changes nothing where there is no such mission, and ABORTED
+  // (session_end.h) to a process of a mission that is deleted, whether it names its uid or is
+  // remembered to have been in it. An older
   // session of the same agent is fenced: its calls return ABORTED from now on, and its shared
   // listener is called once. Returns ALREADY_EXISTS if the older session was opened by another
   // process (SessionRequest::instance) and this one is not to take over, INVALID_ARGUMENT if a name
@@ -125,6 +132,11 @@ class MapStore {
   // kept. Returns PERMISSION_DENIED if the session is of another agent, else as Apply.
   absl::StatusOr<std::optional<LocalisedKept>> NoteLocalised(uint64_t session_id,
                                                              const LocalisedFrames& localised);
+  // Keeps a keyframe's picture, for people. One that can't be kept is passed over: its keyframe is
+  // not there or has one, or there is no room. INVALID_ARGUMENT as ValidatePicture,
+  // PERMISSION_DENIED if the local map is another agent's, or the session changes nothing; else as
+  // Apply.
+  absl::Status KeepPicture(uint64_t session_id, const KeyframePicture& picture);
   // Keeps what an agent says of itself, in memory and until it says something else. Returns as
   // Apply.
   absl::Status NoteReport(uint64_t session_id, const AgentReport& report);
@@ -201,9 +213,12 @@ class MapStore {
   // `options.deterministic`.
   void TendMissions();
   void SetExpiryListener(ExpiryListener listener);
+  // Called before Recover.
+  void SetUidListener(UidListener listener) { uid_listener_ = std::move(listener); }
   // Deletes the mission and fences the sessions in it. What it took of the disk is free when the
-  // function returns, what it took of memory a moment later.
-  absl::Status DeleteMission(absl::string_view mission);
+  // function returns, what it took of memory a moment later. FAILED_PRECONDITION: the name is not
+  // that of the mission with this uid, unless that is empty.
+  absl::Status DeleteMission(absl::string_view mission, absl::string_view uid = "");
   // Deletes it if no session is open in it and `may`, which is called while nobody can write to the
   // mission, returns OK. FAILED_PRECONDITION names who is connected. Who connects meanwhile gets
   // UNAVAILABLE: the next try finds the mission as it was, or makes another one.
@@ -251,6 +266,9 @@ class MapStore {
   // Returns ALREADY_EXISTS, or INVALID_ARGUMENT and RESOURCE_EXHAUSTED for content that would not
   // be taken from agents either.
   absl::Status RestoreMission(const std::string& mission, MissionState state);
+  // Takes over what pictures another journal has of a mission that was restored from it, as far as
+  // there is room.
+  void TakePictures(const std::string& mission, const Journal& from, absl::string_view there);
   absl::StatusOr<Page<AgentInfo>> ListAgents(absl::string_view mission,
                                              const PageRequest& page) const;
   absl::StatusOr<Page<LocalMapInfo>> ListLocalMaps(absl::string_view mission,
@@ -261,6 +279,10 @@ class MapStore {
                                                    const PageRequest& page) const;
   absl::StatusOr<KeyframeInfo> GetKeyframe(absl::string_view mission, KeyframeId id,
                                            bool with_sights = false) const;
+  // Returns the keyframe's picture; nullopt: its robot sent none, or it is not kept. NOT_FOUND as
+  // GetKeyframe.
+  absl::StatusOr<std::optional<KeyframePicture>> GetPicture(absl::string_view mission,
+                                                            KeyframeId id) const;
   absl::StatusOr<MissionStatistics> GetStatistics(absl::string_view mission) const;
   // Returns the load of each mission (mission_load.h). This costs less than the look-ups above:
   // only local maps and what waits for fusion are walked through.
@@ -279,6 +301,10 @@ class MapStore {
   absl::StatusOr<Page<OverlapInfo>> ListOverlaps(absl::string_view mission,
                                                  const OverlapFilter& filter,
                                                  const PageRequest& page) const;
+
+  // Returns one overlap, with what of its keyframes shows the same (MatchOverlap), as far as they
+  // are still there.
+  absl::StatusOr<OverlapInfo> GetOverlap(absl::string_view mission, uint64_t overlap) const;
 
   // Returns all islands, the reference island first.
   absl::StatusOr<std::vector<IslandView>> GlobalMapView(absl::string_view mission) const;
@@ -330,12 +356,21 @@ class MapStore {
   absl::Status EndLife(absl::string_view name, const std::shared_ptr<Mission>& mission)
       ABSL_EXCLUSIVE_LOCKS_REQUIRED(deletion_mutex_) ABSL_LOCKS_EXCLUDED(mutex_);
   // Registers a session in the mission, which is made if there is none. Returns the session's id.
-  absl::StatusOr<uint64_t> EnterMission(const std::string& name, const std::string& agent);
+  absl::StatusOr<uint64_t> EnterMission(const SessionRequest& request);
+  absl::StatusOr<OpenedSession> OpenSessionOf(const SessionRequest& request);
+  // Returns ABORTED if the request is of a process that was in a mission that is deleted.
+  absl::Status CheckNotDeparted(const SessionRequest& request) const;
+  // Returns FAILED_PRECONDITION if the mission has another uid than this one, unless it is empty.
+  absl::Status CheckUid(absl::string_view name, absl::string_view uid) const;
+  // Remembers who was in a mission that is about to go, before its name is free.
+  void NoteDeparture(absl::string_view name);
   // Forgets the session, and the mission if nothing was ever written of it and nobody is in it.
   void LeaveMission(uint64_t session_id);
   // Wakes the fusion threads and the snapshot keeper, which may have work now.
   void Wake();
   std::shared_ptr<Mission> MakeMission(const std::string& name);
+  // Makes a mission of which nothing was written; an empty uid: a new one is drawn.
+  std::shared_ptr<Mission> BeginMission(const std::string& name, const std::string& uid);
   // Describes a mission that could not be read.
   MissionInfo InfoOfUnreadable(const std::string& name, const absl::Status& damage) const;
   absl::StatusOr<Session> FindSession(uint64_t session_id) const;
@@ -364,11 +399,13 @@ class MapStore {
 
   // Holds all missions.
   std::unique_ptr<MissionDirectory> directory_;
+  const std::unique_ptr<DepartedMissions> departed_;
   std::unique_ptr<Sleepers> sleepers_;
   std::unique_ptr<MissionWaker> waker_;
   std::atomic<uint64_t> woken_ = 0;
   std::atomic<int64_t> waking_ns_ = 0;
 
+  UidListener uid_listener_;
   // A deletion holds this lock from its beginning to its end.
   absl::Mutex deletion_mutex_;
   mutable absl::Mutex mutex_;

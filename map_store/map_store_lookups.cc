@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "map_store/fusion/overlap_matches.h"
 #include "map_store/map_store.h"
 #include "map_store/mission/fusion_executor.h"
 #include "map_store/mission/mission.h"
@@ -47,6 +48,42 @@ absl::StatusOr<KeyframeInfo> MapStore::GetKeyframe(absl::string_view mission_nam
     }
     return info;
   });
+}
+
+absl::StatusOr<std::optional<KeyframePicture>> MapStore::GetPicture(absl::string_view mission_name,
+                                                                    KeyframeId id) const {
+  ASSIGN_OR_RETURN(const std::shared_ptr<Mission> mission, FindMission(mission_name));
+  if (!mission->WithState([id](const MissionState& state) { return state.FindKeyframe(id); })) {
+    return absl::NotFoundError(absl::StrCat("there is no keyframe ", ToString(id)));
+  }
+  absl::StatusOr<KeyframePicture> picture = journal_->ReadPicture(mission_name, id);
+  if (absl::IsNotFound(picture.status())) return std::nullopt;
+  RETURN_IF_ERROR(picture.status());
+  return *std::move(picture);
+}
+
+absl::StatusOr<OverlapInfo> MapStore::GetOverlap(absl::string_view mission_name,
+                                                 uint64_t overlap) const {
+  ASSIGN_OR_RETURN(const std::shared_ptr<Mission> mission, FindMission(mission_name));
+  OverlapInfo info;
+  std::optional<OverlapSides> sides;
+  RETURN_IF_ERROR(mission->WithState([&](const MissionState& state) {
+    const OverlapEntry* const entry = state.global.overlaps.Find(overlap);
+    if (entry == nullptr) {
+      return absl::NotFoundError(absl::StrCat("there is no overlap ", overlap,
+                                              "; of those that are no part of the map, the newest ",
+                                              OverlapLedger::kMaxHistory, " are remembered"));
+    }
+    info = map_store::DescribeOverlap(state, *entry);
+    sides = map_store::TakeOverlapSides(state, entry->overlap);
+    return absl::OkStatus();
+  }));
+  if (!sides.has_value()) return info;
+  for (const auto& [query, candidate] : map_store::MatchOverlap(*sides)) {
+    info.matches.emplace_back(sides->query.keypoints()[query].Pixel(),
+                              sides->candidate.keypoints()[candidate].Pixel());
+  }
+  return info;
 }
 
 absl::StatusOr<MissionStatistics> MapStore::GetStatistics(absl::string_view mission_name) const {

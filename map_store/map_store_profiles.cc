@@ -39,7 +39,7 @@ absl::Status MapStore::CreateMission(const std::string& name, const MissionProfi
   RETURN_IF_ERROR(map_store::ValidateName("mission", name));
   RETURN_IF_ERROR(ValidateProfile(profile));
   RETURN_IF_ERROR(ReserveName(name));
-  std::shared_ptr<Mission> mission = MakeMission(name);
+  std::shared_ptr<Mission> mission = BeginMission(name, "");
   const absl::Status begun = mission->profile().Begin(profile);
   if (!begun.ok()) {
     // What the caller was told is not there must not be there after a restart either.
@@ -101,6 +101,7 @@ void MapStore::Expire(const std::string& name) {
   // What is damaged is for people to look at first.
   if (!journal_->Damage(name).ok()) return;
   MissionProfile profile;
+  std::string uid;
   absl::Status deleted;
   {
     absl::MutexLock deleting(&deletion_mutex_);
@@ -109,6 +110,7 @@ void MapStore::Expire(const std::string& name) {
         name, [this](const KnownMission& now) { return IsOutdated(now, clock_()); });
     if (!known.has_value()) return;
     profile = ProfileOf(*known);
+    uid = known->mission != nullptr ? known->mission->uid() : known->sleeper->summary.info.uid;
     if (known->mission != nullptr) known->mission->Delete();
     deleted = EndLife(name, known->mission);
   }
@@ -121,7 +123,7 @@ void MapStore::Expire(const std::string& name) {
       absl::StrCat("nobody has used it since ",
                    absl::FormatTime("%Y-%m-%dT%H:%M:%SZ", absl::FromUnixNanos(profile.last_used_ns),
                                     absl::UTCTimeZone()),
-                   ", its retention is ", profile.retention_s, " s");
+                   ", its retention is ", profile.retention_s, " s, its uid ", uid);
   LOG_IF(WARNING, !deleted.ok()) << "mission " << name << " is to be deleted, as " << why
                                  << ", and could not be: " << deleted;
   if (!deleted.ok()) return;

@@ -71,6 +71,7 @@ absl::StatusOr<std::shared_ptr<Mission>> MapStore::LoadSleeper(const std::string
     LOG(ERROR) << "mission " << name << " can't be read: " << recovered;
     return recovered;
   }
+  mission->EnsureUid();
   mission->events().GoOnFrom(sleeper.events);
   if (sleeper.summary.retired) mission->retiring().NoteAllDone();
   ++woken_;

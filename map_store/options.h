@@ -115,6 +115,8 @@ struct MapStoreOptions {
   // Bytes kept of what one agent, and all agents of a mission, sent.
   uint64_t max_bytes_per_agent = uint64_t{16} << 30;
   uint64_t max_bytes_per_mission = uint64_t{64} << 30;
+  // Bytes of keyframes' pictures that are kept of a mission; beyond, the oldest go. 0: none.
+  uint64_t max_picture_bytes_per_mission = 256 << 20;
   // Bytes of memory of the whole process, beyond which nothing is taken in. 0: no limit.
   uint64_t memory_budget_bytes = 0;
   // Bytes of a backup that is restored.

@@ -2,6 +2,7 @@
 
 #include <glog/logging.h>
 
+#include <algorithm>
 #include <limits>
 #include <utility>
 
@@ -46,6 +47,7 @@ absl::StatusOr<BackupFacts> StoredBackups::FactsOf(const std::string& mission) c
   }
   BackupFacts facts;
   facts.created = clock_();
+  facts.mission_uid = info.uid;
   facts.revision = info.revision;
   facts.keyframes = info.keyframes;
   return facts;
@@ -71,12 +73,18 @@ bool StoredBackups::SleepsAsStored(const std::string& mission, const StoredBacku
 
 absl::StatusOr<bool> StoredBackups::StoreIfChanged(const std::string& mission,
                                                    absl::Duration least_age) {
+  ASSIGN_OR_RETURN(const MissionInfo info, store_.GetMission(mission));
   ASSIGN_OR_RETURN(const std::vector<StoredBackup> backups, shelf_->List(mission));
-  if (!backups.empty()) {
-    const absl::Duration age = clock_() - backups.back().facts.created;
+  // Those of earlier missions of the name are no backups of this one.
+  const auto last = std::find_if(backups.rbegin(), backups.rend(), [&](const StoredBackup& backup) {
+    return backup.facts.mission_uid.empty() || backup.facts.mission_uid == info.uid;
+  });
+  // A damaged one is as good as none, and what it shares with a new one is mended.
+  if (last != backups.rend() && last->damage.empty()) {
+    const absl::Duration age = clock_() - last->facts.created;
     // A time to come is one of a clock that was wrong.
     if (age >= absl::ZeroDuration() && age < least_age) return false;
-    if (SleepsAsStored(mission, backups.back()) || shelf_->IsCurrent(backups.back())) return false;
+    if (SleepsAsStored(mission, *last) || shelf_->IsCurrent(*last)) return false;
   }
   RETURN_IF_ERROR(Store(mission).status());
   return true;
@@ -114,6 +122,12 @@ absl::StatusOr<StoredBackup> StoredBackups::Verify(const std::string& mission,
   return backup;
 }
 
+absl::Status StoredBackups::CompareAll(const std::function<bool(uint64_t bytes)>& pace) {
+  ASSIGN_OR_RETURN(const std::vector<std::string> missions, shelf_->ListMissions());
+  for (const std::string& mission : missions) RETURN_IF_ERROR(shelf_->Compare(mission, pace));
+  return absl::OkStatus();
+}
+
 absl::Status StoredBackups::Restore(const std::string& mission, uint32_t number,
                                     const std::string& name) {
   ASSIGN_OR_RETURN(const StoredBackup backup, shelf_->Find(mission, number));
@@ -127,7 +141,9 @@ absl::Status StoredBackups::Restore(const std::string& mission, uint32_t number,
     StateWriteLock lock(strand);
     state = std::move(strand.mutable_state());
   }
-  return store_.RestoreMission(name, std::move(state));
+  RETURN_IF_ERROR(store_.RestoreMission(name, std::move(state)));
+  store_.TakePictures(name, *journal, mission);
+  return absl::OkStatus();
 }
 
 absl::Status StoredBackups::CheckReadsBack(const StoredBackup& backup) const {

@@ -38,6 +38,9 @@ class StoredBackups {
                                           const PageRequest& request) const;
   // Does what BackupShelf::Interrupt does.
   void Interrupt() { shelf_->Interrupt(); }
+  // Compares all backups with their checksums, each file once (BackupShelf::Compare).
+  absl::Status CompareAll(const std::function<bool(uint64_t bytes)>& pace);
+  ShelfHealth health() const { return shelf_->health(); }
   // Compares all of it with its checksums.
   absl::StatusOr<StoredBackup> Verify(const std::string& mission, uint32_t number) const;
   // Makes a mission of the backup, under any name that is free, as MapStore::RestoreMission does

@@ -6,6 +6,7 @@
 
 #include <atomic>
 #include <filesystem>
+#include <fstream>
 #include <memory>
 #include <optional>
 #include <string>
@@ -212,6 +213,96 @@ TEST_F(StoredBackupsTest, DamageIsFoundByItsFileAndIsThatBackupsAlone) {
   fs::remove(file);
   const absl::Status lost = backups_->Verify("m", 1).status();
   EXPECT_TRUE(absl::IsDataLoss(lost)) << lost;
+}
+
+// Turns a bit in the middle of the file.
+void TurnABit(const fs::path& file) {
+  std::fstream stream(file, std::ios::in | std::ios::out | std::ios::binary);
+  const auto place = static_cast<std::streamoff>(fs::file_size(file) / 2);
+  stream.seekg(place);
+  const char byte = static_cast<char>(stream.get() ^ 1);
+  stream.seekp(place);
+  stream.put(byte);
+}
+
+TEST_F(StoredBackupsTest, ANewBackupNeverRestsOnADamagedFileAndMendsThoseThatDo) {
+  Stream("m", 12);
+  ASSERT_EQ(Store("m"), 1u);
+  TurnABit(LargestShared("m"));
+  EXPECT_TRUE(absl::IsDataLoss(backups_->Verify("m", 1).status()));
+  EXPECT_EQ(backups_->health().damaged, 1u);
+  Stream("m", 1);
+  ASSERT_EQ(Store("m"), 2u);
+  EXPECT_TRUE(backups_->Verify("m", 2).ok());
+  EXPECT_TRUE(backups_->Verify("m", 1).ok()) << "they share the file";
+  EXPECT_EQ(backups_->health().damaged, 0u);
+}
+
+TEST_F(StoredBackupsTest, StoredBackupsAreComparedAndWhatIsDamagedIsSaid) {
+  Stream("m", 12);
+  ASSERT_EQ(Store("m"), 1u);
+  Stream("n", 3);
+  ASSERT_EQ(Store("n"), 1u);
+  EXPECT_EQ(backups_->health().unverified, 0u) << "a new one is compared as it is made";
+  const auto any = [](uint64_t) { return true; };
+  ASSERT_TRUE(backups_->CompareAll(any).ok());
+  TurnABit(LargestShared("m"));
+  EXPECT_TRUE(absl::IsCancelled(backups_->CompareAll([](uint64_t) { return false; })));
+  ASSERT_TRUE(backups_->CompareAll(any).ok());
+  EXPECT_EQ(backups_->health().damaged, 1u);
+  const auto list = backups_->List("", {.page_size = 9, .page_token = ""});
+  ASSERT_EQ(list->items.size(), 2u);
+  EXPECT_THAT(list->items[0].damage, HasSubstr(LargestShared("m").filename().string()));
+  EXPECT_EQ(list->items[1].damage, "");
+  EXPECT_GT(list->items[1].verified, absl::UnixEpoch());
+  // It is known after a restart, too, and the next round makes another one.
+  OpenBoth();
+  EXPECT_EQ(backups_->health().damaged, 1u);
+  const auto made = backups_->StoreIfChanged("m", absl::Hours(9));
+  ASSERT_TRUE(made.ok()) << made.status();
+  EXPECT_TRUE(*made);
+  ASSERT_TRUE(backups_->CompareAll(any).ok());
+  EXPECT_EQ(backups_->health().damaged, 0u);
+}
+
+TEST_F(StoredBackupsTest, BackupsAreCountedByMissionAndNotByName) {
+  OpenBoth(/*keep=*/2);
+  Stream("m", 3);
+  const std::string first = store_->GetMission("m")->uid;
+  ASSERT_EQ(Store("m"), 1u);
+  ASSERT_TRUE(store_->DeleteMission("m").ok());
+  for (int i = 0; i < 3; ++i) {
+    Stream("m", 2);
+    Store("m");
+  }
+  EXPECT_EQ(Numbers("m"), (std::vector<uint32_t>{1, 3, 4})) << "the deleted one's last one stays";
+  const auto list = backups_->List("m", {.page_size = 9, .page_token = ""});
+  EXPECT_EQ(list->items[0].facts.mission_uid, first);
+  EXPECT_EQ(list->items[1].facts.mission_uid, store_->GetMission("m")->uid);
+}
+
+TEST_F(StoredBackupsTest, AFolderOfAnotherStoreIsRefusedAndCanBeTakenOver) {
+  Stream("m", 3);
+  ASSERT_EQ(Store("m"), 1u);
+  RocksJournalOptions other_options;
+  other_options.directory = Folder("other");
+  const auto other = RocksJournal::Open(other_options);
+  ASSERT_TRUE(other.ok()) << other.status();
+  BackupOptions options;
+  options.directory = Shelf();
+  const absl::Status refused = BackupFolder::Open(other->get(), options).status();
+  EXPECT_TRUE(absl::IsFailedPrecondition(refused)) << refused;
+  const std::string message(refused.message());
+  EXPECT_THAT(message, HasSubstr("--backup-take-over "));
+  options.take_over_from = "somebody";
+  EXPECT_FALSE(BackupFolder::Open(other->get(), options).ok());
+  options.take_over_from = message.substr(message.rfind(' ') + 1);
+  const auto taken = BackupFolder::Open(other->get(), options);
+  ASSERT_TRUE(taken.ok()) << taken.status();
+  EXPECT_EQ((*taken)->List("m")->size(), 1u);
+  // Who had it before writes no more.
+  now_ += absl::Hours(1);
+  EXPECT_TRUE(absl::IsFailedPrecondition(backups_->Store("m").status()));
 }
 
 TEST_F(StoredBackupsTest, AnArchiveTakesAMissionAwayAndBringsItBack) {

@@ -152,6 +152,70 @@ TEST_F(ThreadedStoreTest, AJournalWithoutRoomIsNoReasonToGiveUpAnOverlap) {
   EXPECT_EQ(store->GetStatistics(kMission)->failed_requests, 0u);
 }
 
+TEST_F(ThreadedStoreTest, WhatAJournalRefusesIsNotComputedAnew) {
+  std::atomic<int> verified = 0;
+  worker_.during_verify = [&] { ++verified; };
+  const auto fuse = [&](std::unique_ptr<Journal> journal) {
+    verified = 0;
+    MapStore store(Options(), TheWorld().vocabulary, std::move(journal), &worker_);
+    TestAgent a(store, kMission, "a", map_a_);
+    TestAgent b(store, kMission, "b", map_b_);
+    EXPECT_TRUE(a.Stream().ok());
+    EXPECT_TRUE(a.Close().ok());
+    EXPECT_TRUE(store.WaitUntilFusionIdle(kMission, absl::Seconds(30)).ok());
+    // One request, so that how often it is asked does not depend on what came when.
+    EXPECT_TRUE(b.Stream(5).ok());
+    EXPECT_TRUE(store.WaitUntilFusionIdle(kMission, absl::Seconds(30)).ok());
+    EXPECT_GT(store.GetStatistics(kMission)->overlaps_queried, 0u);
+    return verified.load();
+  };
+  const int wanted = fuse(std::make_unique<InMemoryJournal>());
+  EXPECT_EQ(fuse(std::make_unique<NarrowJournal>()), wanted);
+}
+
+// A journal in which one mission is damaged: it takes that one's batches no more than its results.
+class DamagedJournal : public InMemoryJournal {
+ public:
+  absl::Status Damage(absl::string_view mission) const override {
+    return is_damaged && mission == kMission ? absl::DataLossError("000007.sst") : absl::OkStatus();
+  }
+  absl::StatusOr<Position> Append(absl::string_view mission, const JournalRecord& record) override {
+    if (const absl::Status damage = Damage(mission); !damage.ok()) return damage;
+    return InMemoryJournal::Append(mission, record);
+  }
+  std::atomic<bool> is_damaged = false;
+};
+
+TEST_F(ThreadedStoreTest, ADamagedMissionHoldsNoOtherOneUp) {
+  auto journal = std::make_unique<DamagedJournal>();
+  DamagedJournal& damaged = *journal;
+  std::atomic<bool> breaks = true;
+  std::atomic<int> asked_after = 0;
+  // It breaks while a worker computes for it.
+  worker_.during_verify = [&] {
+    if (damaged.is_damaged) ++asked_after;
+    if (breaks) damaged.is_damaged = true;
+  };
+  MapStoreOptions options = Options();
+  // A lane that paused once would not go on within this test.
+  options.retry_ms = 600'000;
+  MapStore store(options, TheWorld().vocabulary, std::move(journal), &worker_);
+  TestAgent a(store, kMission, "a", map_a_);
+  TestAgent b(store, kMission, "b", map_b_);
+  ASSERT_TRUE(a.Stream().ok());
+  static_cast<void>(b.Stream());
+  EXPECT_TRUE(store.WaitUntilFusionIdle(kMission, absl::Seconds(30)).ok());
+  EXPECT_TRUE(damaged.is_damaged);
+  EXPECT_EQ(asked_after, 0);
+  breaks = false;
+  TestAgent c(store, "other", "a", map_a_);
+  TestAgent d(store, "other", "b", map_b_);
+  ASSERT_TRUE(c.Stream().ok());
+  ASSERT_TRUE(d.Stream().ok());
+  EXPECT_TRUE(store.WaitUntilFusionIdle("other", absl::Seconds(30)).ok());
+  EXPECT_EQ(store.GetStatistics("other")->islands, 1u);
+}
+
 TEST_F(ThreadedStoreTest, IngestionDoesNotWaitForAdjustmentAndTheEndCancelsIt) {
   absl::Notification adjusting;
   worker_.during_adjust = [&](const ProgressCallback& progress) {

@@ -43,6 +43,9 @@ struct AgentOptions {
   int solver_threads = 1;
   // The features of a keyframe that go up.
   FeatureSelection upload_features;
+  // Size of the pictures of keyframes that go up for people (PictureEncoder::Make); 0: none do. A
+  // deterministic agent, and one that only localises, sends none.
+  int picture_width_px = 0;
   // Bytes that batches which the map store has not acknowledged may take in memory.
   size_t max_outbox_bytes = 64 << 20;
   // Bytes that the items of the local map in use may take in memory, others' among them, as

@@ -6,10 +6,18 @@
 
 namespace corbslam::client_agent {
 
+absl::Status AgentOrders::CheckMask(const PictureMask& mask) const {
+  absl::MutexLock lock(&mutex_);
+  if (camera_.width_px == 0) return absl::OkStatus();
+  if (recorded_.width_px > 0 && corbslam::CheckMask(mask, recorded_).ok()) return absl::OkStatus();
+  return corbslam::CheckMask(mask, camera_);
+}
+
 absl::Status AgentOrders::SetMask(const PictureMask& mask) {
   absl::MutexLock lock(&mutex_);
-  const bool is_scaled = recorded_.width_px > 0 && !CheckMask(mask, camera_).ok();
-  if (const absl::Status fits = CheckMask(mask, is_scaled ? recorded_ : camera_); !fits.ok()) {
+  const bool is_scaled = recorded_.width_px > 0 && !corbslam::CheckMask(mask, camera_).ok();
+  if (const absl::Status fits = corbslam::CheckMask(mask, is_scaled ? recorded_ : camera_);
+      !fits.ok()) {
     return fits;
   }
   if (is_scaled) {

@@ -79,6 +79,8 @@ class AgentOrders {
   // Takes a mask of the size that was recorded, or of that of the pictures as they are tracked.
   // INVALID_ARGUMENT for another size or type.
   absl::Status SetMask(const PictureMask& mask);
+  // Returns what SetMask would; OK before it is known what the camera's pictures are.
+  absl::Status CheckMask(const PictureMask& mask) const;
 
   // Takes the place of limits that no frame has followed yet.
   void SetLimits(const ChangedLimits& limits) {

@@ -6,8 +6,10 @@
 #include <opencv2/imgproc.hpp>
 #include <set>
 #include <string>
+#include <thread>
 #include <vector>
 
+#include "absl/synchronization/notification.h"
 #include "absl/time/clock.h"
 #include "client_agent/agent/agent.h"
 #include "client_agent/link/testing/fake_uplink.h"
@@ -287,6 +289,76 @@ TEST_F(FarAgentTest, ADamagedDiskEndsNoRobot) {
   DriveBack(*agent, kFrames / 2);
   EXPECT_GT(agent->GetStatus().far.unreadable, 0u);
   EXPECT_EQ(agent->GetStatus().lost, 0);
+}
+
+// None means none: neither what others made nor where the robot is.
+TEST_F(HandOverAgentTest, WhoWantsToBeToldNothingDoesNotAskWhereItIs) {
+  int asked = 0;
+  AgentOptions options;
+  options.orders = std::make_shared<AgentOrders>();
+  options.share.mode = ShareMode::kNone;
+  options.ask_place = [&](const KeyframePayload&) {
+    ++asked;
+    return absl::StatusOr<std::optional<Rigid3d>>(Rigid3d::Identity());
+  };
+  const std::unique_ptr<Agent> agent = Make(options);
+  int i = 0;
+  for (; i < 20; ++i) Track(*agent, i);
+  EXPECT_EQ(asked, 0);
+  EXPECT_EQ(agent->GetStatus().places_told, 0);
+  EXPECT_FALSE(agent->GlobalFromLocal().has_value());
+  options.orders->SetLimits({.share = ShareScope{.mode = ShareMode::kEverything}});
+  for (; i < 25; ++i) Track(*agent, i);
+  EXPECT_GT(asked, 0) << "its map store has other settings for it";
+  EXPECT_GT(agent->GetStatus().places_told, 0);
+  asked = 0;
+  options.orders->SetLimits({.share = ShareScope{.mode = ShareMode::kNone}});
+  agent->BeginLocalMap();
+  for (; i < 45; ++i) Track(*agent, i);
+  EXPECT_EQ(asked, 0);
+}
+
+// A map store whose link keeps the mapping thread waiting.
+class HoldingUplink : public FakeUplink {
+ public:
+  void ResumeReading() override {
+    if (std::this_thread::get_id() == tracking_) return;
+    if (!holds.HasBeenNotified()) holds.Notify();
+    go_on.WaitForNotificationWithTimeout(absl::Seconds(10));
+  }
+  absl::Notification holds;
+  absl::Notification go_on;
+
+ private:
+  const std::thread::id tracking_ = std::this_thread::get_id();
+};
+
+TEST_F(HandOverAgentTest, TrackingDoesNotWaitForALocalMapToEnd) {
+  HoldingUplink uplink;
+  AgentOptions options;
+  options.sensor.orb.features = 500;
+  auto vocabulary =
+      *Vocabulary::Load(std::string(CORBSLAM_SOURCE_DIR) + "/slam/vocabulary/data/corbslam.voc");
+  const auto agent = *Agent::Create(options, Calibration(), vocabulary, &uplink);
+  int i = 0;
+  for (; i < kFrames - 1 && !agent->GetStatus().first_upload_s.has_value(); ++i) {
+    Track(*agent, i);
+    absl::SleepFor(absl::Milliseconds(50));
+  }
+  ASSERT_TRUE(agent->GetStatus().first_upload_s.has_value());
+  SharedUpdate much;
+  much.moved_points.resize((size_t{64} << 20) / sizeof(SharedMapPointMove) + 1);
+  uplink.Share(std::move(much));
+  ASSERT_TRUE(uplink.holds.WaitForNotificationWithTimeout(absl::Seconds(10)));
+  const absl::Time start = absl::Now();
+  agent->BeginLocalMap();
+  EXPECT_LT(absl::Now() - start, absl::Milliseconds(500)) << "mapping stands";
+  EXPECT_EQ(Track(*agent, i).epoch, 2u);
+  uplink.go_on.Notify();
+  EXPECT_TRUE(agent->Finish(absl::Seconds(30)).ok());
+  int closed = 0;
+  for (const auto& [id, batches] : uplink.stored) closed += batches.back().closes_local_map;
+  EXPECT_EQ(closed, 2) << "the first one is told to its end, too";
 }
 
 TEST_F(HandOverAgentTest, WithoutABoundTheMapGrows) {

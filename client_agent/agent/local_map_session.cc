@@ -94,6 +94,7 @@ void LocalMapSession::Stop() {
   queue_.Stop();
   for (std::thread& thread : threads_) thread.join();
   threads_.clear();
+  has_stopped_ = true;
 }
 
 void LocalMapSession::OnPlaced(const PlacementChange& change, const Map& map) {

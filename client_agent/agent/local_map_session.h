@@ -55,8 +55,10 @@ class LocalMapSession : public MapJobs {
   // Returns whether Stop would cut nothing off. Without threads it is always so: WaitUntilIdle does
   // the work.
   bool IsIdle() const;
-  // Ends the threads; the map stays. What waits in the queue is dropped.
+  // Ends the threads; the map stays. What waits in the queue is dropped. One thread at a time.
   void Stop();
+  // Returns whether Stop has returned: the map does not change any more. Thread-safe.
+  bool has_stopped() const { return has_stopped_; }
 
   void PostJob(std::function<void(GuardedMap&)> job) override { queue_.PostJob(std::move(job)); }
   // Keeps the place index in step with others' keyframes.
@@ -86,6 +88,7 @@ class LocalMapSession : public MapJobs {
   Mapper mapper_;
   Tracker tracker_;
   std::vector<std::thread> threads_;
+  std::atomic<bool> has_stopped_ = false;
 };
 
 }  // namespace corbslam::client_agent

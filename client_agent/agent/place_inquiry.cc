@@ -54,6 +54,12 @@ void PlaceInquiry::Ask(PlaceQuestion question) {
   question_ = std::move(question);
 }
 
+void PlaceInquiry::BeginLocalMap() {
+  absl::MutexLock lock(&mutex_);
+  interval_ = options_.interval;
+  next_ = std::min(next_, next_when_lost_);
+}
+
 std::optional<PlaceAnswer> PlaceInquiry::TakeAnswer() {
   absl::MutexLock lock(&mutex_);
   return std::exchange(answer_, std::nullopt);
@@ -87,7 +93,9 @@ void PlaceInquiry::Conclude(const PlaceQuestion& question,
   const absl::Duration on_link = TimeOnLink(*question.frame, options_.uplink_bytes_per_second);
   next_when_lost_ = now + std::max(options_.interval, on_link);
   next_ = now + std::max(interval_, on_link);
-  interval_ = std::min(2 * interval_, options_.longest_interval);
+  if (question.camera_from_local.has_value()) {
+    interval_ = std::min(2 * interval_, options_.longest_interval);
+  }
   if (!found.ok()) {
     given_up_ = !Passes(found.status());
     next_when_lost_ = next_ = now + std::max(options_.patience, on_link);
@@ -97,7 +105,6 @@ void PlaceInquiry::Conclude(const PlaceQuestion& question,
     return;
   }
   if (!found->has_value()) return;
-  interval_ = options_.interval;
   answer_ = PlaceAnswer{question, **found};
 }
 

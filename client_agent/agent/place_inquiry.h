@@ -39,8 +39,9 @@ struct PlaceAnswer {
 };
 
 struct PlaceInquiryOptions {
-  // Between an answer and the next question of a lost robot, and the first of one that only doesn't
-  // know where its map lies; the latter doubles, up to the longest.
+  // Between an answer and the next question of a lost robot, and the first two of one that only
+  // doesn't know where its local map lies; the latter doubles with each, whatever the answer is, up
+  // to the longest.
   absl::Duration interval = absl::Milliseconds(200);
   absl::Duration longest_interval = absl::Seconds(5);
   // After an error that passes.
@@ -65,6 +66,8 @@ class PlaceInquiry {
   bool MayAsk(bool is_lost) const;
   // Asks, if it is time for that.
   void Ask(PlaceQuestion question);
+  // Another local map is in use, which nobody has asked of yet.
+  void BeginLocalMap();
   // Returns, once only, the place that the last question got.
   std::optional<PlaceAnswer> TakeAnswer();
 

@@ -74,6 +74,24 @@ TEST_F(PlaceInquiryTest, WhoOnlyDoesNotKnowWhereItsMapLiesAsksSeldomerAndSeldome
   EXPECT_TRUE(inquiry.MayAsk(true) || now_ < absl::UnixEpoch() + absl::Seconds(601));
 }
 
+// The answer may be of no use to it, as where its map store does not fuse its map.
+TEST_F(PlaceInquiryTest, SoDoesWhoIsAnsweredEachTime) {
+  found_ = Rigid3d::Identity();
+  PlaceInquiry inquiry(Asker(), Options(), /*threaded=*/false);
+  const auto ask_for = [&](int seconds) {
+    const int before = asked_;
+    for (int tenth = 0; tenth < 10 * seconds; ++tenth) {
+      inquiry.Ask(Tracked());
+      inquiry.TakeAnswer();
+      now_ += absl::Milliseconds(100);
+    }
+    return asked_ - before;
+  };
+  EXPECT_LT(ask_for(600), 130);
+  inquiry.BeginLocalMap();
+  EXPECT_GE(ask_for(1), 2) << "a new local map lies somewhere else";
+}
+
 TEST_F(PlaceInquiryTest, ALostRobotAsksAgainAndAgain) {
   PlaceInquiry inquiry(Asker(), Options(), /*threaded=*/false);
   for (int i = 0; i < 100; ++i) {

@@ -3,6 +3,7 @@
 #include <glog/logging.h>
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -16,6 +17,8 @@
 namespace corbslam::client_agent {
 namespace {
 
+// What is left to map of a local map that ended gets so long.
+constexpr absl::Duration kLongestEnd = absl::Seconds(1);
 constexpr uint64_t kLeastToReturn_bytes = uint64_t{16} << 20;
 
 // The agent's name makes the ids of two agents with one seed differ (FNV-1a).
@@ -137,6 +140,7 @@ SingleAgent::SingleAgent(const AgentOptions& options, std::unique_ptr<Sensor> se
       random_(SeedOf(options)),
       max_map_bytes_(options.max_map_bytes),
       shedder_(MakeSheddingLimits(options)),
+      share_mode_(options.share.mode),
       inquiry_(options.ask_place, MakeInquiryOptions(options), !options.deterministic),
       link_(std::make_unique<StoreLink>(
           MakeStoreLinkOptions(options, recorded_camera), uplink,
@@ -144,7 +148,9 @@ SingleAgent::SingleAgent(const AgentOptions& options, std::unique_ptr<Sensor> se
             return std::make_shared<const Words>(vocabulary->Transform(descriptors));
           },
           std::move(spool), kept.ok() ? kept->local_map() : LocalMapId())),
-      far_(MakeFarMaps(uplink != nullptr)) {
+      far_(MakeFarMaps(uplink != nullptr)),
+      pictures_(uplink != nullptr ? MakePictureMaker(calibration) : nullptr),
+      after_work_(/*threaded=*/!options.deterministic) {
   if (options_.orders != nullptr) options_.orders->SetCamera(*camera_);
   if (kept.ok()) resuming_ = Resuming{kept->newest_ns(), std::nullopt};
   OpenLocalMap(std::nullopt, kept.ok() ? &*kept : nullptr);
@@ -159,6 +165,15 @@ SingleAgent::SingleAgent(const AgentOptions& options, std::unique_ptr<Sensor> se
 SingleAgent::~SingleAgent() {
   if (far_ != nullptr) far_->Stop();
   current().Stop();
+}
+
+std::unique_ptr<PictureMaker> SingleAgent::MakePictureMaker(const SensorCalibration& calibration) {
+  if (options_.picture_width_px == 0 || options_.deterministic || options_.localise_only) {
+    return nullptr;
+  }
+  return std::make_unique<PictureMaker>(
+      calibration, options_.picture_width_px,
+      [this](KeyframePicture picture) { link_->AddPicture(std::move(picture)); });
 }
 
 void SingleAgent::OpenLocalMap(const std::optional<Similarity3d>& global_from_local,
@@ -186,7 +201,8 @@ void SingleAgent::OpenLocalMap(const std::optional<Similarity3d>& global_from_lo
     presumed_global_from_local_ = global_from_local;
   }
   if (kept != nullptr) current().GoOnFrom(*kept);
-  link_->BeginLocalMap(current().map(), current(), kept);
+  link_->BeginLocalMap(current().map(), current(), kept, StoreLink::Earlier::kMayStillBeWritten);
+  inquiry_.BeginLocalMap();
   if (far_ != nullptr) far_->BeginLocalMap(options.local_map, goes_on);
   if (!options_.deterministic) current().Start();
   absl::MutexLock lock(&mutex_);
@@ -197,36 +213,47 @@ void SingleAgent::OpenLocalMap(const std::optional<Similarity3d>& global_from_lo
 }
 
 void SingleAgent::LetGoOfFinished() {
-  Sessions finished;
-  {
-    absl::MutexLock lock(&mutex_);
-    while (sessions_.size() > 1 && !link_->Reads(sessions_.front()->map().local_map())) {
-      KeepResultsOf(*sessions_.front());
-      finished.push_back(std::move(sessions_.front()));
-      sessions_.erase(sessions_.begin());
+  while (true) {
+    std::shared_ptr<const LocalMapSession> oldest;
+    {
+      absl::MutexLock lock(&mutex_);
+      if (letting_go_ || sessions_.size() < 2) return;
+      oldest = sessions_.front();
+      if (!oldest->has_stopped() || link_->Reads(oldest->map().local_map())) return;
+      letting_go_ = true;
     }
+    after_work_.Post([this, oldest = std::move(oldest)]() mutable { LetGoOf(std::move(oldest)); });
   }
-  if (finished.empty() || options_.deterministic) return;
-  freeing_ = std::jthread([finished = std::move(finished)]() mutable {
-    finished.clear();
-    // The allocator's arenas would keep it: a long drive grew by a quarter of its budget.
-    ReturnFreeMemoryAbove(kLeastToReturn_bytes);
-  });
 }
 
-// Keeps the results of a session whose map does not change any more.
-void SingleAgent::KeepResultsOf(const LocalMapSession& session) {
-  const OwnItems items = session.map().own_items();
-  const LoopCloserCounts loops = session.loop_closer().counts();
-  finished_.items.keyframes += items.keyframes;
-  finished_.items.points += items.points;
-  finished_.loops.closed += loops.closed;
-  finished_.loops.closed_against_others += loops.closed_against_others;
-  AppendTrajectory(tracked_frames_, session.map(), finished_.trajectory);
-  KeepForReturn(session);
-  std::erase_if(tracked_frames_, [&](const TrackedFrame& frame) {
-    return frame.reference.local_map == session.map().local_map();
-  });
+void SingleAgent::LetGoOf(std::shared_ptr<const LocalMapSession> session) {
+  const LocalMapId id = session->map().local_map();
+  const auto is_of_it = [id](const TrackedFrame& frame) { return frame.reference.local_map == id; };
+  std::vector<TrackedFrame> frames;
+  {
+    absl::MutexLock lock(&mutex_);
+    std::ranges::copy_if(tracked_frames_, std::back_inserter(frames), is_of_it);
+  }
+  const OwnItems items = session->map().own_items();
+  const LoopCloserCounts loops = session->loop_closer().counts();
+  std::vector<TrajectoryPose> trajectory;
+  AppendTrajectory(frames, session->map(), trajectory);
+  KeepForReturn(*session);
+  {
+    absl::MutexLock lock(&mutex_);
+    finished_.items.keyframes += items.keyframes;
+    finished_.items.points += items.points;
+    finished_.loops.closed += loops.closed;
+    finished_.loops.closed_against_others += loops.closed_against_others;
+    finished_.trajectory.insert(finished_.trajectory.end(), trajectory.begin(), trajectory.end());
+    std::erase_if(tracked_frames_, is_of_it);
+    sessions_.erase(sessions_.begin());
+    letting_go_ = false;
+  }
+  session.reset();
+  if (options_.deterministic) return;
+  // The allocator's arenas would keep it: a long drive grew by a quarter of its budget.
+  ReturnFreeMemoryAbove(kLeastToReturn_bytes);
 }
 
 absl::StatusOr<TrackingResult> SingleAgent::Track(const SensorImages& images) {
@@ -238,6 +265,9 @@ absl::StatusOr<TrackingResult> SingleAgent::Track(const SensorImages& images) {
   UseAnswer();
   TrackingResult result = current().tracker().Track(images.timestamp_ns, std::move(features));
   smooth_pose_.Add(result);
+  if (result.made_keyframe && pictures_ != nullptr && link_->WantsPictures()) {
+    pictures_->Add(result.reference, images.grey);
+  }
   const bool is_placed = link_->GlobalFromLocal().has_value();
   Record(result, absl::ToDoubleMilliseconds(absl::Now() - start), is_placed);
   AskForPlace(result, is_placed);
@@ -253,7 +283,10 @@ absl::StatusOr<TrackingResult> SingleAgent::Track(const SensorImages& images) {
 }
 
 void SingleAgent::AskForPlace(const TrackingResult& result, bool is_placed) {
-  const bool is_lost = result.why_no_pose == WhyNoPose::kNotRecognised;
+  // Who wants to be told nothing is not told where it is.
+  if (share_mode_ == ShareMode::kNone) return;
+  const bool is_lost = result.why_no_pose == WhyNoPose::kNotRecognised ||
+                       result.why_no_pose == WhyNoPose::kAnotherCamera;
   const bool is_tracked = result.state == TrackingState::kTracking;
   // A lost robot can look where it is told only if it knows where that is in its map.
   if (is_lost ? !is_placed : !is_tracked || is_placed) return;
@@ -271,6 +304,7 @@ void SingleAgent::UseAnswer() {
 }
 
 bool SingleAgent::Use(const PlaceAnswer& answer) {
+  if (share_mode_ == ShareMode::kNone) return false;
   const PlaceQuestion& question = answer.question;
   if (question.local_map != current().map().local_map()) return false;
   if (question.camera_from_local.has_value()) {
@@ -292,7 +326,10 @@ void SingleAgent::Follow(const ChangedLimits& limits) {
   max_map_bytes_ = limits.max_map_bytes.value_or(max_map_bytes_);
   shedder_.SetMaxMapBytes(max_map_bytes_);
   if (limits.uplink_bytes_per_second) link_->SetUplinkRate(*limits.uplink_bytes_per_second);
-  if (limits.share) link_->SetShare(*limits.share);
+  if (limits.share) {
+    share_mode_ = limits.share->mode;
+    link_->SetShare(*limits.share);
+  }
 }
 
 void SingleAgent::FollowOrders() {
@@ -313,8 +350,11 @@ void SingleAgent::BeginLocalMap() {
 }
 
 void SingleAgent::EndLocalMap() {
-  current().WaitUntilIdle(absl::Now() + absl::Seconds(1));
-  current().Stop();
+  after_work_.Post([this, session = current_session_] {
+    session->WaitUntilIdle(absl::Now() + kLongestEnd);
+    session->Stop();
+    link_->EndLocalMap(session->map().local_map());
+  });
 }
 
 void SingleAgent::Watch(const Features& features) {
@@ -391,6 +431,10 @@ absl::Status SingleAgent::Finish(absl::Duration timeout) {
   if (!current().WaitUntilIdle(deadline)) {
     return absl::DeadlineExceededError("mapping and loop closing have not come to an end yet");
   }
+  if (!after_work_.WaitUntilIdle(deadline)) {
+    return absl::DeadlineExceededError("an earlier local map has not come to an end yet");
+  }
+  if (pictures_ != nullptr) pictures_->Finish();
   return link_->Finish(deadline - absl::Now());
 }
 

@@ -6,14 +6,15 @@
 #include <optional>
 #include <random>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "absl/base/thread_annotations.h"
 #include "absl/synchronization/mutex.h"
+#include "client_agent/agent/after_work.h"
 #include "client_agent/agent/agent.h"
 #include "client_agent/agent/hand_over.h"
 #include "client_agent/agent/local_map_session.h"
+#include "client_agent/agent/picture_maker.h"
 #include "client_agent/agent/share_shedding.h"
 #include "client_agent/agent/smooth_pose.h"
 #include "client_agent/far/far_maps.h"
@@ -57,6 +58,8 @@ class SingleAgent : public Agent {
   void NoteNotResumed(const std::string& why);
   // Without a map store, earlier local maps come back from the spool; null: they don't.
   std::unique_ptr<FarMaps> MakeFarMaps(bool has_uplink);
+  // Null: no pictures go up.
+  std::unique_ptr<PictureMaker> MakePictureMaker(const SensorCalibration& calibration);
   void KeepForReturn(const LocalMapSession& session) const;
   void LookForFar(const TrackingResult& result) const;
   void FollowOrders();
@@ -70,6 +73,7 @@ class SingleAgent : public Agent {
   bool Use(const PlaceAnswer& answer);
   void Record(const TrackingResult& result, double tracking_ms, bool is_placed);
   void RecordPose(const TrackingResult& result) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  // Has mapping and loop closing end beside tracking, which goes on in another local map.
   void EndLocalMap();
   // Goes on in a new local map where the one in use is full and the frame is fit for it.
   void HandOverIfFull(const TrackingResult& result);
@@ -88,10 +92,11 @@ class SingleAgent : public Agent {
   };
   using Sessions = std::vector<std::shared_ptr<const LocalMapSession>>;
 
-  // Lets go of local maps that ended and that the link has told to their end, oldest first. Their
-  // memory is freed on a thread of its own: that takes longer than a frame has.
+  // Lets go of local maps that ended and that the link has told to their end, oldest first. That
+  // takes longer than a frame has: it is done beside tracking.
   void LetGoOfFinished();
-  void KeepResultsOf(const LocalMapSession& session) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  // Keeps the results of the oldest session, whose map does not change any more, and frees it.
+  void LetGoOf(std::shared_ptr<const LocalMapSession> session);
 
   const AgentOptions options_;
   const bool is_stereo_;
@@ -107,6 +112,7 @@ class SingleAgent : public Agent {
   uint64_t max_map_bytes_;  // AgentOptions::max_map_bytes, or what orders said since.
   ShareShedder shedder_;
   bool mapping_paused_ = false;  // By the orders for the newest frame.
+  ShareMode share_mode_;         // AgentOptions::share, or what orders said since.
   // While the camera is sought in a local map that an earlier process began.
   struct Resuming {
     std::optional<int64_t> ended_ns;  // The time of its last frame.
@@ -119,6 +125,7 @@ class SingleAgent : public Agent {
   mutable absl::Mutex mutex_;
   // The last one is in use; the maps of the others are still read by the link.
   Sessions sessions_ ABSL_GUARDED_BY(mutex_);
+  bool letting_go_ ABSL_GUARDED_BY(mutex_) = false;  // Of the oldest one.
   FinishedMaps finished_ ABSL_GUARDED_BY(mutex_);
   // The frames of the sessions' local maps.
   std::vector<TrackedFrame> tracked_frames_ ABSL_GUARDED_BY(mutex_);
@@ -134,8 +141,9 @@ class SingleAgent : public Agent {
   PlaceInquiry inquiry_;
   // The link reads the sessions' maps, so that it is destroyed before them.
   std::unique_ptr<StoreLink> link_;
-  const std::unique_ptr<FarMaps> far_;  // Uses the link.
-  std::jthread freeing_;
+  const std::unique_ptr<FarMaps> far_;            // Uses the link.
+  const std::unique_ptr<PictureMaker> pictures_;  // Likewise.
+  AfterWork after_work_;                          // Uses all of the above.
 };
 
 }  // namespace corbslam::client_agent

@@ -32,7 +32,8 @@ StoreLink::StoreLink(const StoreLinkOptions& options, Uplink* uplink, ComputeWor
                  options.seed ^ static_cast<uint64_t>(absl::ToUnixNanos(options.clock())),
                  options.recorded_camera),
       share_(options.share),
-      backoff_(options.min_backoff, options.max_backoff, options.seed) {}
+      backoff_(options.min_backoff, options.max_backoff, options.seed),
+      refused_backoff_(options.min_refused_backoff, options.max_refused_backoff, options.seed) {}
 
 StoreLink::~StoreLink() {
   {
@@ -55,7 +56,8 @@ StoreLink::~StoreLink() {
   if (!queue_.SpillAll()) WriteHeld(/*now=*/true);
 }
 
-void StoreLink::BeginLocalMap(GuardedMap& map, MapJobs& jobs, const KeptMap* kept) {
+void StoreLink::BeginLocalMap(GuardedMap& map, MapJobs& jobs, const KeptMap* kept,
+                              Earlier earlier) {
   if (uplink_ == nullptr) return;
   RecorderOptions recorder_options;
   recorder_options.recorded_camera = options_.recorded_camera;
@@ -70,7 +72,7 @@ void StoreLink::BeginLocalMap(GuardedMap& map, MapJobs& jobs, const KeptMap* kep
   {
     absl::MutexLock lock(&mutex_);
     DeliverFrames();
-    for (auto& earlier : recordings_) earlier->closing = true;
+    for (auto& recorded : recordings_) recorded->closing |= earlier == Earlier::kHaveEnded;
     // What was shared was placed in the map that ends, so that the store must tell it again.
     reopen_ |= !recordings_.empty();
     inbox_.swap(inbox);
@@ -84,6 +86,14 @@ void StoreLink::BeginLocalMap(GuardedMap& map, MapJobs& jobs, const KeptMap* kep
   }
   if (inbox != nullptr) inbox->Close();
   if (!options_.localise_only) map.SetObserver(recorder);
+}
+
+void StoreLink::EndLocalMap(LocalMapId local_map) {
+  absl::MutexLock lock(&mutex_);
+  for (auto& recording : recordings_) {
+    recording->closing |= recording->map->local_map() == local_map;
+  }
+  wake_ = true;
 }
 
 bool StoreLink::Reads(LocalMapId local_map) const {
@@ -140,6 +150,7 @@ void StoreLink::Step() {
   if (WritesAll()) SpillDue(/*now=*/true);
   SendUnsent();
   SendReport();
+  SendPictures();
   SpillDue(/*now=*/true);
 }
 
@@ -152,6 +163,7 @@ void StoreLink::Run() {
     if (WritesAll()) SpillDue(/*now=*/false);
     SendUnsent();
     SendReport();
+    SendPictures();
     // A robot that ends may be killed before all is acknowledged.
     IsFinishing() ? static_cast<void>(queue_.SpillAll()) : SpillDue(/*now=*/false);
   }

@@ -18,6 +18,7 @@
 #include "client_agent/link/localised_outbox.h"
 #include "client_agent/link/map_jobs.h"
 #include "client_agent/link/no_uplink.h"
+#include "client_agent/link/picture_outbox.h"
 #include "client_agent/link/share_anew.h"
 #include "client_agent/link/share_watch.h"
 #include "client_agent/link/shared_inbox.h"
@@ -63,6 +64,10 @@ struct StoreLinkOptions {
   absl::Duration backlog_flush_interval = absl::Seconds(5);
   absl::Duration min_backoff = absl::Milliseconds(200);
   absl::Duration max_backoff = absl::Seconds(10);
+  // The same for a store that refuses this agent: whoever set its keys or lists wrong sets them
+  // right again.
+  absl::Duration min_refused_backoff = absl::Seconds(10);
+  absl::Duration max_refused_backoff = absl::Minutes(2);
   // Bounds of the link to the store; 0: no bound. Upwards, what the budget does not have waits in
   // the map and coalesces there; downwards, the store is asked to keep to it.
   uint64_t uplink_bytes_per_second = 0;
@@ -100,11 +105,17 @@ class StoreLink : private UplinkListener {
   StoreLink(const StoreLink&) = delete;
   StoreLink& operator=(const StoreLink&) = delete;
 
-  // Begins a local map, whose changes are recorded from now on. The one before is told to its end
-  // and closed, and its thread writes it no more. `map` is read while Reads says so, `jobs` are
+  // Whether the threads of the local maps before still write them.
+  enum class Earlier { kHaveEnded, kMayStillBeWritten };
+
+  // Begins a local map, whose changes are recorded from now on. Those before are told to their end
+  // and closed: at once, or each after EndLocalMap. `map` is read while Reads says so, `jobs` are
   // used until the next local map begins; neither is owned. `kept` is what `map` was made of where
   // it is the one that goes on, else null.
-  void BeginLocalMap(GuardedMap& map, MapJobs& jobs, const KeptMap* kept = nullptr);
+  void BeginLocalMap(GuardedMap& map, MapJobs& jobs, const KeptMap* kept = nullptr,
+                     Earlier earlier = Earlier::kHaveEnded);
+  // Says that the local map is written no more.
+  void EndLocalMap(LocalMapId local_map);
   // Returns false once all that there is to tell of the local map lies in batches, or it is given
   // up.
   bool Reads(LocalMapId local_map) const;
@@ -126,6 +137,11 @@ class StoreLink : private UplinkListener {
   // Takes where a frame was of a robot that localises only; what AddTrackedFrame and AddLostFrame
   // take is its trajectory.
   void AddLocalised(const LocalisedFrame& frame);
+  // Takes what a keyframe's camera saw, to be sent once the keyframe was and the link has time.
+  void AddPicture(KeyframePicture picture) { pictures_.Add(std::move(picture)); }
+  // Returns false if pictures would go nowhere, as far as is known.
+  bool WantsPictures() const { return has_link_ && !options_.localise_only && pictures_.Wants(); }
+  PictureOutbox::Counts pictures() const { return pictures_.counts(); }
 
   // Changes StoreLinkOptions::uplink_bytes_per_second.
   void SetUplinkRate(uint64_t bytes_per_second) { budget_.SetRate(bytes_per_second); }
@@ -137,9 +153,9 @@ class StoreLink : private UplinkListener {
   void Step();
   // Closes the local map, and returns when everything is acknowledged, however long a budget makes
   // that. Else returns DEADLINE_EXCEEDED, which says what is left, or the reason for which the
-  // store refuses this agent for good, or for which the local map in use could not go on
-  // (DATA_LOSS, ALREADY_EXISTS). Without an uplink, returns when the spool has everything, or why
-  // it has not.
+  // store refuses this agent (which is not waited for), or for which the local map in use could not
+  // go on (DATA_LOSS, ALREADY_EXISTS). Without an uplink, returns when the spool has everything, or
+  // why it has not.
   absl::Status Finish(absl::Duration timeout);
 
   // Returns where the robot's frame is in the global one; none before fusion.
@@ -173,6 +189,7 @@ class StoreLink : private UplinkListener {
   void OnSessionClosed(const absl::Status& reason) override;
 
   void NoteClosed(const absl::Status& reason) ABSL_LOCKS_EXCLUDED(mutex_);
+  void NoteRefusal(const absl::Status& reason) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   ArrivedUpdate Prepare(SharedUpdate update) const;
   void Tell(LinkEvent event, LocalMapId local_map) const ABSL_LOCKS_EXCLUDED(mutex_);
   void Run();
@@ -206,6 +223,9 @@ class StoreLink : private UplinkListener {
   std::string DescribeWhatIsLeft() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void SendUnsent();
   void SendLocalised(bool all);
+  void SendPictures();
+  // Gives pictures that may be sent now a moment to go: nobody will send them later.
+  void AwaitPictures(absl::Duration timeout) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   // Sends what the robot says of itself, if that is due.
   void SendReport();
   void BeginLocalised(const Capabilities& store) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
@@ -232,6 +252,7 @@ class StoreLink : private UplinkListener {
   LinkBudget budget_;
   FrameInbox frames_;
   LocalisedOutbox localised_;
+  PictureOutbox pictures_;
 
   mutable absl::Mutex mutex_;
   std::vector<std::unique_ptr<Recording>> recordings_ ABSL_GUARDED_BY(mutex_);
@@ -239,14 +260,19 @@ class StoreLink : private UplinkListener {
   ShareAnew anew_ ABSL_GUARDED_BY(mutex_);
   ShareScope share_ ABSL_GUARDED_BY(mutex_);        // What is asked for now.
   ShareWatch share_watch_ ABSL_GUARDED_BY(mutex_);  // Of the local map in use.
-  enum class Session { kNone, kOpening, kOpen, kRefused };
+  // With kOver the mission is there no more, and none is opened again.
+  enum class Session { kNone, kOpening, kOpen, kOver };
   Session session_ ABSL_GUARDED_BY(mutex_) = Session::kNone;
+  // Why the store refused the last session, or ended it so; OK: it did not.
   absl::Status refusal_ ABSL_GUARDED_BY(mutex_);
   absl::Status closed_ ABSL_GUARDED_BY(mutex_);  // Why the last session or attempt ended.
   absl::Time next_attempt_ ABSL_GUARDED_BY(mutex_) = absl::InfinitePast();
   absl::Time last_flush_ ABSL_GUARDED_BY(mutex_) = absl::InfinitePast();
   // Of the attempts since something was acknowledged, or since a session lasted.
   Backoff backoff_ ABSL_GUARDED_BY(mutex_);
+  Backoff refused_backoff_ ABSL_GUARDED_BY(mutex_);
+  // SessionGrant::mission_uid of the first session that had one.
+  std::string mission_uid_ ABSL_GUARDED_BY(mutex_);
   absl::Time opened_ ABSL_GUARDED_BY(mutex_) = absl::InfiniteFuture();
   bool needs_new_local_map_ ABSL_GUARDED_BY(mutex_) = false;
   // Refused items of local maps that are not read any more.

@@ -154,7 +154,16 @@ void StoreLink::SendUnsent() {
     }
     const uint64_t after = uplink_->bytes_up() + uplink_->bytes_waiting();
     budget_.NoteSent(*batch, after - std::min(after, before));
+    pictures_.NoteSent(*batch);
   }
+}
+
+void StoreLink::SendPictures() {
+  {
+    absl::MutexLock lock(&mutex_);
+    if (session_ != Session::kOpen || queue_.HasUnsent()) return;
+  }
+  pictures_.SendTo(*uplink_, budget_, options_.clock());
 }
 
 }  // namespace corbslam::client_agent

@@ -6,6 +6,11 @@
 #include "client_agent/link/store_link.h"
 
 namespace corbslam::client_agent {
+namespace {
+
+constexpr absl::Duration kMostForPictures = absl::Seconds(2);
+
+}  // namespace
 
 absl::Status StoreLink::Finish(absl::Duration timeout) {
   if (uplink_ == nullptr) return absl::OkStatus();
@@ -24,9 +29,10 @@ absl::Status StoreLink::Finish(absl::Duration timeout) {
     wake_ = true;
   }
   if (!thread_.joinable()) Step();
+  const absl::Time deadline = absl::Now() + timeout;
   absl::MutexLock lock(&mutex_);
   const auto finished = [this]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
-    return IsDone() || session_ == Session::kRefused || IsToldWithoutLink();
+    return IsDone() || !refusal_.ok() || IsToldWithoutLink();
   };
   if (!mutex_.AwaitWithTimeout(absl::Condition(&finished), timeout)) {
     return absl::DeadlineExceededError(
@@ -35,9 +41,20 @@ absl::Status StoreLink::Finish(absl::Duration timeout) {
                          ? ""
                          : absl::StrCat(", and no session stands: ", closed_.ToString())));
   }
-  if (session_ == Session::kRefused) return refusal_;
+  if (!refusal_.ok()) return refusal_;
   if (!has_link_) return queue_.status().room;
+  AwaitPictures(std::min(deadline - absl::Now(), kMostForPictures));
   return needs_new_local_map_ ? queue_.status().loss : absl::OkStatus();
+}
+
+void StoreLink::AwaitPictures(absl::Duration timeout) {
+  if (!thread_.joinable()) return;
+  const auto gone = [this]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
+    // What waits in the transport counts: it would be cut off.
+    return session_ != Session::kOpen || budget_.is_bounded() ||
+           (!pictures_.HasReady() && uplink_->bytes_waiting() == 0);
+  };
+  mutex_.AwaitWithTimeout(absl::Condition(&gone), timeout);
 }
 
 std::string StoreLink::DescribeWhatIsLeft() const {
@@ -77,7 +94,7 @@ bool StoreLink::IsFinishing() const {
 UplinkHold StoreLink::FindHold() const {
   if (!has_link_ || session_ == Session::kOpen) return UplinkHold::kNone;
   // What is tried again is held for the reason of the last time, until that is over.
-  const absl::Status& why = session_ == Session::kRefused ? refusal_ : closed_;
+  const absl::Status& why = refusal_.ok() ? closed_ : refusal_;
   if (absl::IsResourceExhausted(why)) return UplinkHold::kNoRoom;
   if (absl::IsUnavailable(why) || absl::IsDeadlineExceeded(why)) return UplinkHold::kAway;
   return why.ok() ? UplinkHold::kOpening : UplinkHold::kRefused;

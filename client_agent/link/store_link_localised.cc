@@ -32,6 +32,7 @@ void StoreLink::OnLocalisedKept(const LocalisedKept& kept) {
   localised_.NoteKept(kept);
   absl::MutexLock lock(&mutex_);
   backoff_.Reset();
+  refused_backoff_.Reset();
   wake_ = true;
 }
 

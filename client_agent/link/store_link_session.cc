@@ -12,6 +12,7 @@
 namespace corbslam::client_agent {
 namespace {
 
+// Returns whether trying again soon won't help: somebody has to do something first.
 bool IsRefusal(const absl::Status& status) {
   return absl::IsAborted(status) || absl::IsInvalidArgument(status) ||
          absl::IsPermissionDenied(status);
@@ -46,6 +47,7 @@ void StoreLink::ConnectIfDue() {
     request.downlink_bytes_per_second = options_.downlink_bytes_per_second;
     request.share = share_;
     request.localise_only = options_.localise_only;
+    request.mission_uid = mission_uid_;
   }
   if (close_first) uplink_->Close();
   uplink_->Open(request, this);
@@ -55,20 +57,21 @@ void StoreLink::OnSessionOpened(const SessionGrant& grant) {
   absl::MutexLock lock(&mutex_);
   if (options_.localise_only && !grant.capabilities.localise_only) {
     // It would wait for batches, and tells nothing to an agent without a local map.
-    session_ = Session::kRefused;
-    refusal_ = absl::FailedPreconditionError(
+    const absl::Status old = absl::FailedPreconditionError(
         "the map store is of an older version, which knows no robots that only localise: bring it "
         "up to date, or run this robot without --localise-only");
-    LOG(ERROR) << refusal_;
-    return;
+    LOG_IF(ERROR, refusal_ != old) << old;
+    return NoteRefusal(old);
   }
   NoteCapabilities(grant.capabilities);
   if (options_.localise_only) BeginLocalised(grant.capabilities);
+  pictures_.BeginSession(grant.capabilities.keyframe_pictures);
   store_takes_reports_ = grant.capabilities.takes_reports;
   reported_.reset();
   GiveUp(queue_.Resume(grant));
   session_ = Session::kOpen;
-  closed_ = absl::OkStatus();
+  closed_ = refusal_ = absl::OkStatus();
+  if (mission_uid_.empty()) mission_uid_ = grant.mission_uid;
   opened_ = options_.clock();
   wake_ = true;
 }
@@ -88,6 +91,7 @@ void StoreLink::OnAcknowledged(const Acknowledgement& acknowledgement) {
   absl::MutexLock lock(&mutex_);
   queue_.Acknowledge(acknowledgement);
   backoff_.Reset();
+  refused_backoff_.Reset();
   if (!first_acknowledged_.has_value()) first_acknowledged_ = options_.clock();
   wake_ = true;
 }
@@ -110,13 +114,22 @@ void StoreLink::NoteClosed(const absl::Status& reason) {
   const bool passes =
       !IsRefusal(reason) ||
       (session_ == Session::kOpen && absl::IsInvalidArgument(reason) && queue_.NoteRefusal(reason));
-  session_ = passes ? Session::kNone : Session::kRefused;
-  if (!passes) refusal_ = reason;
   closed_ = reason;
+  if (!passes) return NoteRefusal(reason);
+  session_ = Session::kNone;
+  refusal_ = absl::OkStatus();
   // A store that grants sessions and soon ends them again is no reason to come back at once.
   if (options_.clock() - opened_ > options_.max_backoff) backoff_.Reset();
   opened_ = absl::InfiniteFuture();
   next_attempt_ = options_.clock() + backoff_.Next();
+  wake_ = true;
+}
+
+void StoreLink::NoteRefusal(const absl::Status& reason) {
+  session_ = SaysMissionDeleted(reason) ? Session::kOver : Session::kNone;
+  refusal_ = reason;
+  opened_ = absl::InfiniteFuture();
+  next_attempt_ = options_.clock() + refused_backoff_.Next();
   wake_ = true;
 }
 

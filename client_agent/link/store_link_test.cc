@@ -24,6 +24,7 @@ class StoreLinkTest : public testing::Test {
     options.min_backoff = absl::ZeroDuration();
     options.max_backoff = absl::ZeroDuration();
     options.hold_newest_keyframes = 0;
+    options.clock = [this] { return absl::Now() + passed_; };
     options.on_event = [this](LinkEvent event, LocalMapId local_map) {
       events_.emplace_back(event, local_map);
     };
@@ -43,6 +44,7 @@ class StoreLinkTest : public testing::Test {
     map_->Write([&](Map& map) { map.AddKeyframe(keyframe); });
   }
 
+  absl::Duration passed_;
   std::vector<std::pair<LinkEvent, LocalMapId>> events_;
   FakeUplink uplink_;
   FakeMapJobs jobs_;
@@ -130,12 +132,59 @@ TEST_F(StoreLinkTest, SaysThatTheMissionWasDeletedAndOfNoOtherEndThatItWas) {
   EXPECT_EQ(events_[0].first, LinkEvent::kMissionDeleted);
 }
 
-TEST_F(StoreLinkTest, FencedAgentDoesNotTryAgain) {
+TEST_F(StoreLinkTest, AFencedAgentAsksAgainButNotAtOnce) {
   AddKeyframe({kOwn, 0});
   manager_->Step();
   uplink_.Break(absl::AbortedError("another session of agent alpha"));
   manager_->Step();
   EXPECT_EQ(uplink_.requests.size(), 1U);
+  EXPECT_TRUE(absl::IsAborted(manager_->Finish(absl::Seconds(1))));
+  passed_ += absl::Minutes(2);
+  manager_->Step();
+  EXPECT_EQ(uplink_.requests.size(), 2U);
+}
+
+// Somebody took the robot's right away by mistake, and gave it back.
+TEST_F(StoreLinkTest, ARefusalIsNotForTheLifeOfTheProcess) {
+  AddKeyframe({kOwn, 0});
+  manager_->Step();
+  uplink_.refusal = absl::PermissionDeniedError("its certificate is of no robot of this mission");
+  uplink_.Break(uplink_.refusal);
+  AddKeyframe({kOwn, 1});
+  for (int minute = 0; minute < 60; ++minute) {
+    manager_->Step();
+    EXPECT_EQ(manager_->upload().hold, UplinkHold::kRefused);
+    passed_ += absl::Minutes(1);
+  }
+  EXPECT_GT(uplink_.requests.size(), 25u) << "every two minutes at least";
+  EXPECT_LT(uplink_.requests.size(), 65u) << "but rarely";
+  uplink_.refusal = absl::OkStatus();
+  passed_ += absl::Minutes(2);
+  manager_->Step();
+  EXPECT_EQ(manager_->upload().hold, UplinkHold::kNone);
+  EXPECT_TRUE(manager_->Finish(absl::Seconds(1)).ok());
+  EXPECT_EQ(uplink_.stored[kOwn].at(1).full_keyframes.size(), 1u);
+}
+
+TEST_F(StoreLinkTest, NobodyJoinsAMissionAgainThatWasDeleted) {
+  uplink_.mission_uid = "first";
+  AddKeyframe({kOwn, 0});
+  manager_->Step();
+  EXPECT_EQ(uplink_.requests.at(0).mission_uid, "") << "it has been in no mission yet";
+  uplink_.Break(absl::UnavailableError("cut"));
+  manager_->Step();
+  EXPECT_EQ(uplink_.requests.at(1).mission_uid, "first");
+  // While the robot was away the mission was deleted, and another one of its name was created.
+  uplink_.refusal = MissionDeletedError("m");
+  uplink_.Break(absl::UnavailableError("cut"));
+  manager_->Step();
+  EXPECT_EQ(uplink_.requests.at(2).mission_uid, "first");
+  uplink_.refusal = absl::OkStatus();
+  passed_ += absl::Hours(100);
+  manager_->Step();
+  EXPECT_EQ(uplink_.requests.size(), 3u);
+  ASSERT_EQ(events_.size(), 1u);
+  EXPECT_EQ(events_[0].first, LinkEvent::kMissionDeleted);
   EXPECT_TRUE(absl::IsAborted(manager_->Finish(absl::Seconds(1))));
 }
 
@@ -192,6 +241,29 @@ TEST_F(StoreLinkTest, ANewLocalMapClosesTheOldOneAndAsksForEverythingAgain) {
   EXPECT_TRUE(uplink_.stored[kOwn].back().closes_local_map);
   EXPECT_EQ(uplink_.stored[second].size(), 1U);
   EXPECT_EQ(uplink_.requests.back().last_revision, 0U);
+}
+
+// Its threads may still be at work when the robot goes on in another one.
+TEST_F(StoreLinkTest, ALocalMapIsClosedOnceItIsWrittenNoMore) {
+  AddKeyframe({kOwn, 0});
+  manager_->Step();
+  GuardedMap* const first = map_;
+  const LocalMapId second{2};
+  map_ = maps_.emplace_back(std::make_unique<GuardedMap>(second)).get();
+  manager_->BeginLocalMap(*map_, jobs_, nullptr, StoreLink::Earlier::kMayStillBeWritten);
+  AddKeyframe({second, 0});
+  manager_->Step();
+  EXPECT_FALSE(uplink_.stored[kOwn].back().closes_local_map);
+  EXPECT_TRUE(manager_->Reads(kOwn));
+  Keyframe late;
+  late.payload = MakeKeyframePayload({kOwn, 1}, 0, 0, std::make_shared<Camera>(), {});
+  first->Write([&](Map& map) { map.AddKeyframe(late); });
+  manager_->EndLocalMap(kOwn);
+  manager_->Step();
+  EXPECT_TRUE(uplink_.stored[kOwn].back().closes_local_map);
+  EXPECT_EQ(uplink_.stored[kOwn].at(1).full_keyframes.size(), 1u) << "what was mapped last";
+  EXPECT_FALSE(manager_->Reads(kOwn));
+  EXPECT_TRUE(manager_->Finish(absl::Seconds(1)).ok());
 }
 
 TEST_F(StoreLinkTest, WhatIsStillToldOfAMapThatEndedStaysOutOfTheNextOne) {

@@ -18,18 +18,18 @@ constexpr size_t kEach = 30;
 cv::Mat GreyScaler::ToEightBits(const cv::Mat& grey) {
   if (grey.type() != CV_16UC1) return grey;
   const absl::MutexLock lock(&mutex_);
-  const bool looks = pictures_ < kFirst || pictures_ % kEach == 0 || used_bits_ == 0;
+  const bool looks = pictures_ < kFirst || pictures_ % kEach == 0 || white_ == 0;
   ++pictures_;
   if (looks && cv::countNonZero(grey) > 0) {
     const GreyDepth seen = DecideGreyDepth({&grey, 1});
-    if (seen.used_bits > used_bits_) {
-      used_bits_ = seen.used_bits;
+    if (seen.White() > white_) {
+      white_ = seen.White();
       for (const SourceFinding& finding : seen.findings) {
         LOG(WARNING) << finding.text << " [" << finding.code << "]";
       }
     }
   }
-  return ScaleGreyTo8(grey, used_bits_ == 0 ? 16 : used_bits_);
+  return ScaleGreyTo8(grey, white_ == 0 ? 1 << 16 : white_);
 }
 
 }  // namespace corbslam::client_agent

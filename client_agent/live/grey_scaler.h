@@ -11,8 +11,8 @@
 namespace corbslam::client_agent {
 
 // Cameras use 10, 12, 14 or all of 16 bits. The pictures that came show how many, as a recording's
-// do (DecideGreyDepth): one decision for both cameras of a pair, which a brighter picture corrects
-// upwards, and which is logged. Thread-safe.
+// do (DecideGreyDepth), and whether all is dark: one decision for both cameras of a pair, which a
+// brighter picture corrects upwards, and which is logged. Thread-safe.
 class GreyScaler {
  public:
   // Returns CV_8UC1 of CV_16UC1; CV_8UC1 as it is.
@@ -20,7 +20,7 @@ class GreyScaler {
 
  private:
   absl::Mutex mutex_;
-  int used_bits_ ABSL_GUARDED_BY(mutex_) = 0;  // 0: no picture showed anything yet.
+  int white_ ABSL_GUARDED_BY(mutex_) = 0;  // GreyDepth::White; 0: no picture showed anything yet.
   size_t pictures_ ABSL_GUARDED_BY(mutex_) = 0;
 };
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "client_agent/source/foreign_files.h"
 
 namespace corbslam::client_agent {
 namespace {
@@ -80,9 +81,13 @@ absl::Status WithLayoutHint(const absl::Status& error, const SourceSpec& spec) {
       return absl::NotFoundError(absl::StrCat(spec.directory, ": there is no such folder"));
     case fs::file_type::none:
       return absl::PermissionDeniedError(absl::StrCat(spec.directory, ": ", unreachable.message()));
-    default:
+    default: {
+      const std::string foreign = DescribeForeignFile(spec.directory);
       return absl::InvalidArgumentError(
-          absl::StrCat(spec.directory, ": a file; wanted is the folder of the sequence"));
+          foreign.empty()
+              ? absl::StrCat(spec.directory, ": a file; wanted is the folder of the sequence")
+              : absl::StrCat(spec.directory, ": ", foreign));
+    }
   }
 }
 

@@ -18,13 +18,13 @@ constexpr size_t kGreySamples = 8;
 
 class ListedReader : public FrameReader {
  public:
-  ListedReader(ListedSequence sequence, int used_bits)
+  ListedReader(ListedSequence sequence, int white)
       : calibration_(std::move(sequence.calibration)),
         depth_(std::move(sequence.depth)),
         frames_(std::move(sequence.frames)),
         description_(std::move(sequence.description)),
         is_stereo_(std::holds_alternative<StereoCalibration>(calibration_)),
-        used_bits_(used_bits) {}
+        white_(white) {}
 
   const SensorCalibration& calibration() const override { return calibration_; }
   const SourceDescription& description() const override { return description_; }
@@ -48,7 +48,7 @@ class ListedReader : public FrameReader {
   absl::StatusOr<cv::Mat> ReadGrey(const std::string& path) const {
     ASSIGN_OR_RETURN(const cv::Mat image, ReadGreyImage(path));
     RETURN_IF_ERROR(CheckSize(path, image));
-    return ScaleGreyTo8(image, used_bits_);
+    return ScaleGreyTo8(image, white_);
   }
   absl::StatusOr<cv::Mat> ReadDepth(const std::string& path) const {
     ASSIGN_OR_RETURN(const cv::Mat recorded, ReadDepthImage(path));
@@ -74,7 +74,7 @@ class ListedReader : public FrameReader {
   const std::vector<ListedFrame> frames_;
   const SourceDescription description_;
   const bool is_stereo_;
-  const int used_bits_;
+  const int white_;  // Of grey pictures of 16 bits.
 };
 
 // Looks at the pictures of the sample that can be read; what can't be read is told when it is
@@ -108,7 +108,7 @@ absl::StatusOr<std::unique_ptr<FrameReader>> MakeListedReader(ListedSequence seq
   GreyDepth grey = LookAtGreyDepth(sequence.frames,
                                    std::holds_alternative<StereoCalibration>(sequence.calibration));
   description.remarks.Add(std::move(grey.findings));
-  return std::make_unique<ListedReader>(std::move(sequence), grey.used_bits);
+  return std::make_unique<ListedReader>(std::move(sequence), grey.White());
 }
 
 absl::Status TellMissing(const std::vector<ListedFrame>& frames, SourceDescription& description) {

@@ -11,6 +11,7 @@
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_replace.h"
 #include "absl/strings/str_split.h"
+#include "client_agent/source/foreign_files.h"
 #include "client_agent/source/opening_options.h"
 #include "slam/util/status_macros.h"
 #include "slam/util/text_file.h"
@@ -124,6 +125,7 @@ absl::Status ApplyOption(absl::string_view key, absl::string_view value, SourceS
     return BadOption(key, value, "a number from 0 on");
   }
   if (key == "truth_frame" && spec.settings == nullptr) {
+    if (value.empty()) return BadOption(key, value, "a name");
     spec.truth_frame = std::string(value);
     return absl::OkStatus();
   }
@@ -145,6 +147,9 @@ absl::Status ParseKind(absl::string_view name, SourceSpec& spec) {
     return absl::OkStatus();
   }
   const std::optional<SourceKind> kind = FindSourceKind(name);
+  if (const std::string foreign = DescribeForeignFile(name); !kind && !foreign.empty()) {
+    return absl::InvalidArgumentError(absl::StrCat(name, ":", spec.directory, " is ", foreign));
+  }
   if (!kind.has_value()) {
     return absl::InvalidArgumentError(absl::StrCat("unknown source layout '", name, "': known are ",
                                                    absl::StrJoin(KnownSourceKinds(), ", ")));
@@ -216,6 +221,10 @@ absl::StatusOr<SourceSpec> ParseSourceSpec(absl::string_view text) {
         absl::StrCat("source '", absl::CEscape(text), "' holds a zero byte at ", zero));
   }
   if (!absl::StrContains(text, ':')) {
+    const std::string foreign = DescribeForeignFile(text.substr(0, text.find('?')));
+    if (!foreign.empty()) {
+      return absl::InvalidArgumentError(absl::StrCat("source '", text, "' is ", foreign));
+    }
     return absl::InvalidArgumentError(
         absl::StrCat("source '", text, "' is not LAYOUT:DIR, for example kitti:DIR"));
   }

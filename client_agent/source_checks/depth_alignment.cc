@@ -1,6 +1,7 @@
 #include "client_agent/source_checks/depth_alignment.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 #include <optional>
@@ -156,6 +157,25 @@ void Offer(const DepthAlignment& candidate, DepthAlignment& best) {
   if (candidate.agreement > best.agreement) best = candidate;
 }
 
+// Tries all offsets at one delay.
+void TryOffsets(const std::vector<FrameAgreement>& frames, const Motions& motions, double late,
+                OffsetEvidence& evidence, DepthAlignment* best) {
+  std::vector<cv::Point> moved;
+  for (const FrameAgreement& frame : frames) {
+    moved.emplace_back(MotionSince(motions, frame.frame, late));
+  }
+  for (int y = -kMaxOffset; y <= kMaxOffset; ++y) {
+    for (int x = -kMaxOffset; x <= kMaxOffset; ++x) {
+      const DepthAlignment candidate{
+          late, {x / kScale, y / kScale}, MeanAgreement(frames, moved, {x, y})};
+      if (best != nullptr) Offer(candidate, *best);
+      if (std::abs(late) > kNow_frames) continue;
+      Offer(candidate, evidence.now);
+      if (x * x + y * y <= kHereOffset * kHereOffset) Offer(candidate, evidence.here);
+    }
+  }
+}
+
 }  // namespace
 
 AlignmentEvidence AlignDepth(const Sample& sample) {
@@ -166,19 +186,17 @@ AlignmentEvidence AlignDepth(const Sample& sample) {
   if (frames.empty()) return evidence;
   evidence.motion_px = MedianMotion_px(motions);
   for (double late = -kMaxLate_frames; late <= kMaxLate_frames; late += kLateStep_frames) {
-    std::vector<cv::Point> moved;
-    for (const FrameAgreement& frame : frames) {
-      moved.emplace_back(MotionSince(motions, frame.frame, late));
-    }
-    for (int y = -kMaxOffset; y <= kMaxOffset; ++y) {
-      for (int x = -kMaxOffset; x <= kMaxOffset; ++x) {
-        const DepthAlignment candidate{
-            late, {x / kScale, y / kScale}, MeanAgreement(frames, moved, {x, y})};
-        Offer(candidate, evidence.best);
-        if (std::abs(late) > kNow_frames) continue;
-        Offer(candidate, evidence.now);
-        if (x * x + y * y <= kHereOffset * kHereOffset) Offer(candidate, evidence.here);
-      }
+    TryOffsets(frames, motions, late, evidence, &evidence.best);
+  }
+  const auto middle = frames.begin() + static_cast<std::ptrdiff_t>(frames.size() / 2);
+  const std::array<std::vector<FrameAgreement>, 2> halves = {
+      std::vector<FrameAgreement>(frames.begin(), middle),
+      std::vector<FrameAgreement>(middle, frames.end())};
+  for (size_t half = 0; half < halves.size(); ++half) {
+    evidence.halves[half].frames = halves[half].size();
+    if (halves[half].empty()) continue;
+    for (double late = -kNow_frames; late <= kNow_frames; late += kLateStep_frames) {
+      TryOffsets(halves[half], motions, late, evidence.halves[half], nullptr);
     }
   }
   return evidence;

@@ -28,6 +28,8 @@ constexpr double kLateMotion_px = 6;
 constexpr double kClearlyBetter = 1.08;
 constexpr double kLeastParallaxGain = 0.1;
 constexpr size_t kFewestAligned = 5;
+// Two measurements of one offset differ by no more: they are in steps of two pixels.
+constexpr double kSameOffset_px = 4;
 
 using Statistics = std::vector<DepthStatistics>;
 
@@ -151,7 +153,37 @@ SourceFinding TellLate(const AlignmentEvidence& evidence) {
                           evidence.now.agreement, evidence.frames, evidence.motion_px)};
 }
 
+bool IsElsewhere(const OffsetEvidence& evidence) {
+  return evidence.now.agreement > kClearlyBetter * evidence.here.agreement;
+}
+
+// Returns true where the whole says so, or each half of it on its own.
+bool IsUnregistered(const AlignmentEvidence& evidence) {
+  return IsElsewhere(evidence) ||
+         std::ranges::all_of(evidence.halves, [](const OffsetEvidence& half) {
+           return half.frames >= kFewestAligned && half.now.agreement >= kLeastAgreement &&
+                  IsElsewhere(half);
+         });
+}
+
+// Returns true where both halves of the sample say the same offset.
+bool IsOffsetStable(const AlignmentEvidence& evidence) {
+  return IsElsewhere(evidence) &&
+         std::ranges::all_of(evidence.halves, [&](const OffsetEvidence& half) {
+           return cv::norm(half.now.offset_px - evidence.now.offset_px) <= kSameOffset_px;
+         });
+}
+
 SourceFinding TellUnregistered(const AlignmentEvidence& evidence) {
+  if (!IsOffsetStable(evidence)) {
+    return {FindingLevel::kWarning, "depth-not-registered",
+            absl::StrFormat("outlines of depth do not lie on those of the pictures, and no one "
+                            "offset brings them there (%d frames): it is another one beside what "
+                            "is near than beside what is far, as where depth is that of a second "
+                            "camera. Register depth to the picture with the calibration between "
+                            "the two cameras",
+                            evidence.frames)};
+  }
   return {FindingLevel::kWarning, "depth-not-registered",
           absl::StrFormat("depth images are %.0f px beside their pictures: moved by %.0f px to the "
                           "right and %.0f px down, grey edges along the outlines of depth are %.2f "
@@ -176,7 +208,7 @@ void CheckAlignment(const RgbdCalibration& calibration, const Sample& sample,
   } else if (late >= kLate_frames && late * evidence.motion_px >= kLateMotion_px &&
              evidence.best.agreement > kClearlyBetter * evidence.now.agreement) {
     findings.push_back(TellLate(evidence));
-  } else if (evidence.now.agreement > kClearlyBetter * evidence.here.agreement) {
+  } else if (IsUnregistered(evidence)) {
     findings.push_back(TellUnregistered(evidence));
   }
 }

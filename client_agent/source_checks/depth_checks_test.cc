@@ -5,6 +5,7 @@
 
 #include <opencv2/core.hpp>
 
+#include "client_agent/source_checks/testing/damage.h"
 #include "client_agent/source_checks/testing/layered_scene.h"
 
 namespace corbslam::client_agent {
@@ -54,6 +55,19 @@ INSTANTIATE_TEST_SUITE_P(
         DepthCase{"depth_late", 2, "warning depth-late", "behind their pictures"},
         DepthCase{"depth_shift", 12, "warning depth-not-registered", "px beside their pictures"},
         DepthCase{"depth_shift", -20, "warning depth-not-registered", "px beside"}));
+
+// Depth of a second camera lies elsewhere beside what is near than beside what is far.
+TEST(DepthChecksTest, NameNoOffsetWhereThereIsNotOne) {
+  const SampleSource source = LayeredRgbd();
+  const ReadFrame right = Damage(source.read, "depth_shift", 14);
+  const ReadFrame left = Damage(source.read, "depth_shift", -20);
+  SampleSource parts = source;
+  parts.read = [=](size_t frame) { return frame < source.frames / 2 ? right(frame) : left(frame); };
+  const SourceFindings findings = Check(parts);
+  ASSERT_THAT(CodesOf(findings), ElementsAre("warning depth-not-registered"));
+  EXPECT_THAT(findings[0].text, HasSubstr("no one offset brings them there"));
+  EXPECT_THAT(findings[0].text, Not(HasSubstr("px")));
+}
 
 TEST(DepthChecksTest, WarnOfUnitsThatAreTooCoarse) {
   SampleSource source = LayeredRgbd();

@@ -2,13 +2,12 @@
 
 #include <glog/logging.h>
 
-#include <algorithm>
 #include <cmath>
-#include <optional>
 #include <string>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "client_agent/tracking/frame_evidence.h"
 
 namespace corbslam::client_agent {
 namespace {
@@ -20,21 +19,39 @@ std::string Describe(const Camera& camera) {
 
 }  // namespace
 
-void CameraDoubt::Look(const Frame& frame) {
-  if (has_warned_ || ++frames_ % kEachFrames != 0) return;
-  const std::optional<CameraFit> fit = FitFrameCamera(frame);
-  if (!fit.has_value()) return;
-  looks_.push_back(IsAnotherCamera(*fit));
-  if (looks_.size() > kLooks) looks_.pop_front();
-  if (std::ranges::count(looks_, true) < kEnough) return;
+bool CameraDoubt::BelievesFound(const Frame& frame, const std::vector<PointInView>& points) {
+  frames_ = 0;
+  return Look(frame, points);
+}
+
+bool CameraDoubt::BelievesTracked(const Frame& frame, const std::vector<PointInView>& points) {
+  if (++frames_ % kEachFrames != 0) return true;
+  return Look(frame, points) || in_a_row_ < kEnough;
+}
+
+bool CameraDoubt::Look(const Frame& frame, const std::vector<PointInView>& points) {
+  const FrameEvidence evidence(frame, points);
+  const CameraCheck check = evidence.CheckCamera();
+  if (check.verdict != CameraCheck::Verdict::kAnother && !check.gains) {
+    in_a_row_ = 0;
+    return true;
+  }
+  ++in_a_row_;
+  if (in_a_row_ >= kEnough) Warn(frame.camera(), *check.fit);
+  return false;
+}
+
+void CameraDoubt::Warn(const Camera& said, const CameraFit& fit) {
+  if (has_warned_) return;
   has_warned_ = true;
-  LOG(WARNING) << "the pictures fit what others mapped with another camera than the rig's: the rig "
-                  "says "
-               << Describe(frame.camera()) << ", they fit " << Describe(fit->camera)
-               << absl::StrFormat(" and a lens that moves its edge by %.1f %%",
-                                  100 * std::abs(fit->radial.value))
-               << ". Poses are wrong by what these differ: is it this robot's calibration, of this "
-                  "picture size? (docs/rig.md)";
+  LOG(WARNING)
+      << "the pictures fit what others mapped with another camera than the rig's: the rig "
+         "says "
+      << Describe(said) << ", they fit " << Describe(fit.camera)
+      << absl::StrFormat(" and a lens that moves its edge by %.1f %%",
+                         100 * std::abs(fit.radial.value))
+      << ". With the rig's the poses would be wrong, and none is given: is it this robot's "
+         "calibration, of this picture size? (docs/rig.md)";
 }
 
 }  // namespace corbslam::client_agent

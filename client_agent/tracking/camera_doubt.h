@@ -1,12 +1,13 @@
-// Notices, of a robot that only localises, that its camera is not the one that its rig describes.
+// Notices, of a robot that finds itself in what others mapped, that its camera is not the one that
+// its rig describes.
 #ifndef CORBSLAM_CLIENT_AGENT_TRACKING_CAMERA_DOUBT_H_
 #define CORBSLAM_CLIENT_AGENT_TRACKING_CAMERA_DOUBT_H_
 
-#include <cstddef>
-#include <deque>
+#include <vector>
 
 #include "client_agent/tracking/frame.h"
-#include "slam/optimisation/camera_fit.h"
+#include "client_agent/tracking/local_map_view.h"
+#include "slam/verification/camera_check.h"
 
 namespace corbslam::client_agent {
 
@@ -15,23 +16,25 @@ namespace corbslam::client_agent {
 // map to its camera, so that nothing disagrees.) Not thread-safe.
 class CameraDoubt {
  public:
-  // One frame of so many is looked at, and of the last looks so many must find another camera. One
-  // that is far off has few points that agree, which then seem to fit: with a focal length 20 %
-  // short eight looks of 22 found it. Of 81 looks with the right camera (KITTI, TUM, a simulated
-  // drive) none did.
+  // One frame of so many is looked at while tracking goes on, and so many looks in a row must find
+  // another camera: a single one may err.
   static constexpr int kEachFrames = 10;
-  static constexpr size_t kLooks = 20;
-  static constexpr int kEnough = 5;
+  static constexpr int kEnough = 2;
 
-  // Looks at a tracked frame, which is to be associated with others' points that agree with its
-  // pose. Warns in the log once, with what fits better and what to do.
-  void Look(const Frame& frame);
+  // Returns whether a frame that was just found among these points may be believed: each is looked
+  // at until one is. Warns in the log once, with what fits better and what to do.
+  bool BelievesFound(const Frame& frame, const std::vector<PointInView>& points);
+  // The same for a frame that tracking went on to.
+  bool BelievesTracked(const Frame& frame, const std::vector<PointInView>& points);
 
   bool has_warned() const { return has_warned_; }
 
  private:
+  bool Look(const Frame& frame, const std::vector<PointInView>& points);
+  void Warn(const Camera& said, const CameraFit& fit);
+
   int frames_ = 0;
-  std::deque<bool> looks_;  // The last ones: whether each found another camera.
+  int in_a_row_ = 0;  // Looks that found another camera.
   bool has_warned_ = false;
 };
 

@@ -4,7 +4,6 @@
 
 #include "client_agent/mapping/nearest_keypoints.h"
 #include "slam/optimisation/pose_covariance.h"
-#include "slam/optimisation/pose_optimisation.h"
 
 namespace corbslam::client_agent {
 namespace {
@@ -15,7 +14,7 @@ struct FrameObservations {
   std::vector<size_t> keypoint_of;
 };
 
-FrameObservations ObservationsOf(const Frame& frame) {
+FrameObservations NumberedObservationsOf(const Frame& frame) {
   FrameObservations of;
   for (size_t i = 0; i < frame.associations.size(); ++i) {
     if (frame.associations[i].kind == Association::Kind::kNone) continue;
@@ -61,7 +60,7 @@ void Refresh(const Map& map, const MapHistory& history, Frame& frame) {
 
 InlierCount OptimiseFramePose(const Rigid3d& initial_camera_from_map, LocalMapId own,
                               Frame& frame) {
-  const auto [observations, keypoint_of] = ObservationsOf(frame);
+  const auto [observations, keypoint_of] = NumberedObservationsOf(frame);
   const PoseEstimate estimate = OptimisePose(frame.camera(), initial_camera_from_map, observations);
   frame.camera_from_map = estimate.camera_from_map;
   InlierCount count;
@@ -81,13 +80,13 @@ InlierCount OptimiseFramePose(const Rigid3d& initial_camera_from_map, LocalMapId
 
 std::optional<Matrix6d> FramePoseCovariance(const Frame& frame) {
   const std::optional<Matrix6d> covariance =
-      PoseCovariance(frame.camera(), frame.camera_from_map, ObservationsOf(frame).observations);
+      PoseCovariance(frame.camera(), frame.camera_from_map, ObservationsOf(frame));
   if (!covariance.has_value()) return std::nullopt;
   return InMapAxes(frame.camera_from_map, *covariance);
 }
 
-std::optional<CameraFit> FitFrameCamera(const Frame& frame) {
-  return FitCamera(frame.camera(), frame.camera_from_map, ObservationsOf(frame).observations);
+std::vector<PoseObservation> ObservationsOf(const Frame& frame) {
+  return NumberedObservationsOf(frame).observations;
 }
 
 void AddTemporaryPoints(Frame& frame) {

@@ -12,7 +12,7 @@
 #include "slam/geometry/rigid3.h"
 #include "slam/map/keyframe.h"
 #include "slam/map/map.h"
-#include "slam/optimisation/camera_fit.h"
+#include "slam/optimisation/pose_optimisation.h"
 #include "slam/util/ids.h"
 #include "slam/vocabulary/words.h"
 
@@ -75,8 +75,8 @@ InlierCount OptimiseFramePose(const Rigid3d& initial_camera_from_map, LocalMapId
 // nullopt where the associations don't determine it.
 std::optional<Matrix6d> FramePoseCovariance(const Frame& frame);
 
-// Fits a camera to the frame's associations, as FitCamera does.
-std::optional<CameraFit> FitFrameCamera(const Frame& frame);
+// Returns what the frame's associations observe.
+std::vector<PoseObservation> ObservationsOf(const Frame& frame);
 
 // Adds temporary associations for keypoints with depth that see no map point: all close ones, and
 // the nearest hundred (ORB-SLAM2, Mur-Artal and Tardos, T-RO 2017).

@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <utility>
 
+#include "client_agent/tracking/frame_evidence.h"
 #include "client_agent/tracking/frame_looks.h"
 #include "client_agent/tracking/frame_matching.h"
 
@@ -54,7 +55,9 @@ TrackingResult Tracker::Track(int64_t timestamp_ns, Features features) {
   }
   const WhyNoPose picture = tracked ? WhyNoPose::kHasOne : JudgePicture(frame);
   const bool unrecognised = !tracked && picture == WhyNoPose::kHasOne;
-  return Conclude(std::move(frame), unrecognised ? WhyNoPose::kNotRecognised : picture);
+  const WhyNoPose unknown =
+      was_anothers_camera_ ? WhyNoPose::kAnotherCamera : WhyNoPose::kNotRecognised;
+  return Conclude(std::move(frame), unrecognised ? unknown : picture);
 }
 
 std::optional<HandedFrame> Tracker::HandOver() const {
@@ -86,7 +89,9 @@ void Tracker::BeginLost() {
 
 bool Tracker::IsLostForGood() const {
   if (state_ != TrackingState::kLost || mapping_paused_) return false;
-  if (why_lost_ != WhyNoPose::kNotRecognised) return false;
+  const bool is_elsewhere =
+      why_lost_ == WhyNoPose::kNotRecognised || why_lost_ == WhyNoPose::kAnotherCamera;
+  if (!is_elsewhere) return false;
   if (begins_lost_) return lost_at_start_ns_ > options_.max_lost_at_start_ns;
   return lost_frames_ > options_.max_lost_frames ||
          local_map_.map_keyframes < options_.min_keyframes_to_wait;
@@ -113,7 +118,8 @@ WhyNoPose Tracker::JudgePicture(const Frame& frame) const {
 
 bool Tracker::FindPose(Frame& frame) {
   std::optional<Solution> solution = SolveInOneMap(frame);
-  if (!solution.has_value()) return false;
+  was_anothers_camera_ = solution.has_value() && !IsOfThisCamera(*solution);
+  if (!solution.has_value() || was_anothers_camera_) return false;
   Accept(*std::move(solution), frame);
   return true;
 }
@@ -127,7 +133,6 @@ void Tracker::Accept(Solution solution, Frame& frame) {
   points_in_view_ = static_cast<int>(solution.visible.size());
   corrections_ = solution.corrections;
   parts_.statistics->Count(solution.visible, SeenPoints(frame));
-  if (options_.localise_only) camera_doubt_.Look(frame);
 }
 
 bool Tracker::ResumeAt(std::shared_ptr<const KeyframePayload> payload,
@@ -139,6 +144,7 @@ bool Tracker::ResumeAt(std::shared_ptr<const KeyframePayload> payload,
   solution.frame.payload = std::move(payload);
   if (!RelocaliseNear(*parts_.map, camera_from_map, solution.frame)) return false;
   if (!TrackLocalMap(solution) || !IsBelievable(solution)) return false;
+  if (!IsOfThisCamera(solution)) return false;
   Frame frame;
   Accept(std::move(solution), frame);
   SetReference(frame);
@@ -201,7 +207,29 @@ bool Tracker::IsDoubtful(const Solution& solution) const {
   return Support(solution) < options_.doubtful_share * static_cast<double>(solution.visible.size());
 }
 
+bool Tracker::IsInOthers(const Solution& solution) const {
+  return options_.localise_only || 2 * solution.inliers.foreign > solution.inliers.map_points;
+}
+
+bool Tracker::IsSupportedInOthers(const Solution& solution) const {
+  // More than that chance does not find.
+  constexpr int kBeyondChance = 200;
+  if (!options_.localise_only || Support(solution) >= kBeyondChance) return true;
+  return Support(solution) >=
+         FrameEvidence(solution.frame, solution.local_map.points).InliersNeeded();
+}
+
+bool Tracker::IsOfThisCamera(const Solution& solution) {
+  if (!IsInOthers(solution)) return true;
+  const std::vector<PointInView>& points = solution.local_map.points;
+  if (state_ != TrackingState::kTracking) {
+    return camera_doubt_.BelievesFound(solution.frame, points);
+  }
+  return !options_.localise_only || camera_doubt_.BelievesTracked(solution.frame, points);
+}
+
 bool Tracker::IsBelievable(const Solution& solution) const {
+  if (!IsSupportedInOthers(solution)) return false;
   if (!IsDoubtful(solution)) return true;
   const double least = options_.min_doubtful_share * static_cast<double>(solution.visible.size());
   return Support(solution) >= options_.min_local_map_inliers_after_relocalisation &&
@@ -361,13 +389,16 @@ void Tracker::ConcludeLost(WhyNoPose why_no_pose) {
   state_ = TrackingState::kLost;
   velocity_.reset();
   why_lost_ = why_no_pose;
-  const bool counts =
-      why_no_pose == WhyNoPose::kNotRecognised || lost_frames_ < options_.max_lost_frames / 2;
+  const bool counts = why_no_pose == WhyNoPose::kNotRecognised ||
+                      why_no_pose == WhyNoPose::kAnotherCamera ||
+                      lost_frames_ < options_.max_lost_frames / 2;
   lost_frames_ += counts ? 1 : 0;
 }
 
 void Tracker::ConcludeTracked(Frame frame, TrackingResult& result) {
-  result.covariance = FramePoseCovariance(frame);
+  // An own map is bent to its robot's camera; in others' map another camera is elsewhere.
+  result.covariance =
+      options_.localise_only ? AnyCamerasCovariance(frame) : FramePoseCovariance(frame);
   result.motion = MotionTo(frame);
   DropTemporaryPoints(frame);
   KeepLooks(frame);

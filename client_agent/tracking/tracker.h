@@ -134,6 +134,11 @@ class Tracker {
   bool IsDoubtful(const Solution& solution) const;
   // Returns false for a solution that is worse than no pose at all.
   bool IsBelievable(const Solution& solution) const;
+  // Returns false for one in others' map that a look-up of the same picture would refuse.
+  bool IsSupportedInOthers(const Solution& solution) const;
+  bool IsInOthers(const Solution& solution) const;
+  // Returns false for one in others' map that shows another camera than the rig's.
+  bool IsOfThisCamera(const Solution& solution);
   void SetReference(Frame& frame) const;
   void ConsiderKeyframe(Frame& frame);
   void MakeKeyframe(Frame& frame);
@@ -163,6 +168,7 @@ class Tracker {
   CameraDoubt camera_doubt_;
   KeyframeId last_keyframe_;
   int64_t last_keyframe_ns_ = 0;
+  bool was_anothers_camera_ = false;  // In the newest frame.
   WhyNoPose why_lost_ = WhyNoPose::kHasOne;
   int lost_frames_ = 0;
   int frames_since_relocalisation_ = 1 << 20;

@@ -393,5 +393,31 @@ TEST_F(TrackerTest, LocalisesInOthersMapAndLeavesItAsItIs) {
   EXPECT_EQ(others.Read([](const Map& map) { return map.keyframes().size(); }), keyframes);
 }
 
+// What a store's look-up refuses a robot must not track on with: with a rig of another camera no
+// frame has a pose, and the reason is said.
+TEST_F(TrackerTest, LocalisesNowhereWithAnotherCamera) {
+  for (uint32_t i = 0; i < 30; ++i) Track(i);
+  GuardedMap others(LocalMapId{99});
+  map_.Read([&](const Map& map) { others.Write([&](Map& copy) { copy = map; }); });
+  TrackerOptions options = Options();
+  options.localise_only = true;
+  MappingQueue queue;
+  PointStatistics statistics;
+  const PlaceFinder find_places = [&](const Words&) { return places_; };
+  for (const double share : {0.4, 0.8, 1.15, 1.3, 2.2}) {
+    Camera said = Scene().camera;
+    said.fx_px *= share;
+    said.fy_px *= share;
+    Tracker tracker(options, std::make_shared<const Camera>(said),
+                    {&others, &queue, &statistics, vocabulary_.get(), &find_places});
+    for (uint32_t i = 5; i < 12; ++i) {
+      Features features = Seen(i).payload->features;
+      const TrackingResult result = tracker.Track(i * 100'000'000, features);
+      EXPECT_EQ(result.state, TrackingState::kLost) << share << ", frame " << i;
+      EXPECT_NE(result.why_no_pose, WhyNoPose::kHasOne);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace corbslam::client_agent

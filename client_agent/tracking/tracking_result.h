@@ -25,6 +25,7 @@ enum class WhyNoPose {
   kMappingBusy,    // Mapping still works on earlier frames.
   kMappingPaused,  // There is no map, and none may begin.
   kNotRecognised,  // The picture is good, and the map doesn't show this place, or too differently.
+  kAnotherCamera,  // What others mapped shows this place, to another camera than the rig's.
 };
 
 // What the camera moved since the last frame that had a pose, in one and the same map.

@@ -67,6 +67,14 @@ bool LinkBudget::MayTake(absl::Time now) {
   return waiting_ == 0 && bucket_.Level(now) > 0;
 }
 
+bool LinkBudget::CanSpare(uint64_t bytes, absl::Time now) {
+  absl::MutexLock lock(&mutex_);
+  if (lifted_ || !bucket_.is_bounded()) return true;
+  // The bucket holds what comes in a second.
+  const auto half = static_cast<int64_t>(bytes_per_second_ / 2);
+  return waiting_ == 0 && bucket_.Level(now) - static_cast<int64_t>(bytes) >= half;
+}
+
 BatchAllowance LinkBudget::Allow(size_t max_keyframes, absl::Time now) {
   absl::MutexLock lock(&mutex_);
   if (lifted_ || !bucket_.is_bounded()) return BatchAllowance(max_keyframes);

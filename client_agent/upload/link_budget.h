@@ -44,6 +44,9 @@ class LinkBudget {
   // Returns whether a batch may be made: it may be sent, and the transport has nothing left to
   // write, so that a link that is slower than its budget is not given more than it takes.
   bool MayTake(absl::Time now);
+  // Returns whether so many bytes may be sent of what maps can do without: after them half of what
+  // the budget holds at most is still there.
+  bool CanSpare(uint64_t bytes, absl::Time now);
   // Returns the allowance of a batch that is made now.
   BatchAllowance Allow(size_t max_keyframes, absl::Time now);
 

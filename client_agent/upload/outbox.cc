@@ -143,14 +143,45 @@ void Outbox::DropEntries(const Goes& goes) {
   sent_ = sent_kept;
 }
 
+void Outbox::DropAcknowledged(LocalMapId local_map, uint64_t number, LocalMapNumbers& numbers) {
+  const auto goes = [&](const Entry& entry) {
+    return entry.local_map == local_map && entry.number <= number;
+  };
+  // A local map's entries lie in the order of their numbers: what is behind `end` stays.
+  size_t end = 0;
+  for (size_t i = 0; i < entries_.size(); ++i) {
+    const Entry& entry = entries_[i];
+    if (entry.local_map == local_map && entry.number > number) break;
+    if (!goes(entry)) continue;
+    end = i + 1;
+    bytes_ -= entry.bytes;
+    if (entry.spooled.has_value()) KeepOrRelease(numbers, *entry.spooled);
+    if (entry.number == number) break;
+  }
+  // What stays of those before `end` moves up to it, so that the front can go: that is what other
+  // local maps have under way, and never all that waits.
+  size_t gone = end;
+  size_t sent_gone = 0;
+  for (size_t i = end; i-- > 0;) {
+    if (goes(entries_[i])) {
+      sent_gone += i < sent_ ? 1 : 0;
+    } else if (--gone != i) {
+      entries_[gone] = std::move(entries_[i]);
+    }
+  }
+  entries_.erase(entries_.begin(), entries_.begin() + static_cast<ptrdiff_t>(gone));
+  sent_ -= sent_gone;
+}
+
 void Outbox::Acknowledge(const Acknowledgement& acknowledgement) {
   const auto it = local_maps_.find(acknowledgement.local_map);
   if (it == local_maps_.end()) return;
   LocalMapNumbers& numbers = it->second;
-  numbers.acknowledged = std::max(numbers.acknowledged, acknowledgement.number);
-  DropEntries([&](const Entry& entry) {
-    return entry.local_map == acknowledgement.local_map && entry.number <= acknowledgement.number;
-  });
+  const uint64_t number = std::min(acknowledgement.number, numbers.last);
+  if (number > numbers.acknowledged) {
+    numbers.acknowledged = number;
+    DropAcknowledged(acknowledgement.local_map, number, numbers);
+  }
   if (!numbers.closed || numbers.acknowledged < numbers.last) return;
   ReleaseKept(numbers);
   local_maps_.erase(it);
@@ -237,7 +268,10 @@ const Outbox::Entry* Outbox::OldestUnwritten() const {
   return it == entries_.end() ? nullptr : &*it;
 }
 
-Outbox::Entry* Outbox::Find(LocalMapId local_map, uint64_t number) {
+Outbox::Entry* Outbox::Find(LocalMapId local_map, uint64_t number, const Entry* likely) {
+  if (likely != nullptr && likely->local_map == local_map && likely->number == number) {
+    return const_cast<Entry*>(likely);
+  }
   const auto it = std::find_if(entries_.begin(), entries_.end(), [&](const Entry& entry) {
     return entry.local_map == local_map && entry.number == number;
   });
@@ -246,7 +280,7 @@ Outbox::Entry* Outbox::Find(LocalMapId local_map, uint64_t number) {
 
 bool Outbox::MarkWritten(const SpooledBatch& spooled) {
   const auto numbers = local_maps_.find(spooled.record.local_map);
-  Entry* entry = Find(spooled.record.local_map, spooled.record.number);
+  Entry* entry = Find(spooled.record.local_map, spooled.record.number, OldestUnwritten());
   if (entry != nullptr) {
     entry->spooled = spooled;
     return true;
@@ -261,7 +295,7 @@ bool Outbox::MarkWritten(const SpooledBatch& spooled) {
 }
 
 void Outbox::Evict(LocalMapId local_map, uint64_t number) {
-  Entry* entry = Find(local_map, number);
+  Entry* entry = Find(local_map, number, OldestInMemory());
   if (entry == nullptr || !entry->spooled.has_value()) return;
   bytes_ -= entry->bytes;
   entry->bytes = 0;

@@ -134,7 +134,11 @@ class Outbox {
   void CloseEarlier(LocalMapId id, uint64_t stored, LocalMapNumbers& numbers);
   template <typename Goes>
   void DropEntries(const Goes& goes);
-  Entry* Find(LocalMapId local_map, uint64_t number);
+  // Drops the local map's batches up to this one of them, in a time that does not grow with all
+  // that waits.
+  void DropAcknowledged(LocalMapId local_map, uint64_t number, LocalMapNumbers& numbers);
+  // Looks at `likely` first, which may be null: a search goes through all that waits.
+  Entry* Find(LocalMapId local_map, uint64_t number, const Entry* likely);
   void KeepOrRelease(LocalMapNumbers& numbers, const SpooledBatch& spooled);
   void ReleaseKept(LocalMapNumbers& numbers);
 

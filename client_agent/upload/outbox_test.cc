@@ -1,5 +1,8 @@
 #include "client_agent/upload/outbox.h"
 
+#include <random>
+
+#include "absl/time/clock.h"
 #include "gtest/gtest.h"
 
 namespace corbslam::client_agent {
@@ -52,6 +55,57 @@ TEST(OutboxTest, AcknowledgementOfAnotherLocalMapDropsNothing) {
   outbox.Push(BatchOf(7));
   outbox.Acknowledge({{8}, 5});
   EXPECT_EQ(outbox.size(), 1U);
+}
+
+// After a long outage so many wait, and each is acknowledged under the link's lock.
+TEST(OutboxTest, AnAcknowledgementTakesAsLongHoweverManyBatchesWait) {
+  constexpr uint64_t kWaiting = 100'000;
+  Outbox outbox(0);
+  for (uint64_t i = 0; i < kWaiting; ++i) {
+    for (const uint64_t local_map : {7, 8}) outbox.Push(BatchOf(local_map));
+  }
+  const absl::Time start = absl::Now();
+  for (uint64_t number = 1; number <= kWaiting; ++number) {
+    for (int i = 0; i < 2; ++i) outbox.MarkSent();
+    // The second local map's come first, and the first one's of before behind them.
+    outbox.Acknowledge({{8}, number});
+    if (number > 1) outbox.Acknowledge({{7}, number - 1});
+  }
+  EXPECT_LT(absl::Now() - start, absl::Seconds(3)) << "moving all that wait takes minutes";
+  EXPECT_EQ(outbox.size(), 1u);
+}
+
+TEST(OutboxTest, WhatIsAcknowledgedInAnyOrderGoesAndNothingElse) {
+  std::mt19937 random(3);
+  Outbox outbox(1 << 30);
+  std::vector<std::pair<uint64_t, uint64_t>> waiting;  // Local map and number.
+  std::map<uint64_t, uint64_t> last;
+  size_t sent = 0;
+  for (int step = 0; step < 5000; ++step) {
+    const uint64_t local_map = 1 + random() % 3;
+    const auto kind = random() % 3;
+    if (kind == 0) {
+      outbox.Push(BatchOf(local_map));
+      waiting.emplace_back(local_map, ++last[local_map]);
+    } else if (kind == 1 && outbox.NextUnsent() != nullptr) {
+      outbox.MarkSent();
+      ++sent;
+    } else if (last[local_map] > 0) {
+      const uint64_t number = 1 + random() % last[local_map];
+      outbox.Acknowledge({{local_map}, number});
+      for (size_t i = waiting.size(); i-- > 0;) {
+        if (waiting[i].first != local_map || waiting[i].second > number) continue;
+        waiting.erase(waiting.begin() + static_cast<ptrdiff_t>(i));
+        if (i < sent) --sent;
+      }
+    }
+    ASSERT_EQ(outbox.size(), waiting.size());
+    const Outbox::Entry* next = outbox.NextUnsent();
+    ASSERT_EQ(next == nullptr, sent == waiting.size());
+    if (next == nullptr) continue;
+    ASSERT_EQ(next->local_map.value, waiting[sent].first);
+    ASSERT_EQ(next->number, waiting[sent].second);
+  }
 }
 
 TEST(OutboxTest, NumbersGoOnAfterTheBoxWasEmpty) {

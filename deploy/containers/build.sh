@@ -11,12 +11,12 @@
 # --base IMAGE     to build on (docker.io/library/debian:bookworm-slim)
 # --debootstrap    makes the base with debootstrap first, as localhost/corbslam/base (needs root)
 # --prefix NAME    of the images' names (localhost/corbslam)
-# --tag TAG        of the images (latest)
+# --tag TAG        of the images (latest, and the release's number)
 set -eu
 
 here=$(cd "$(dirname "$0")" && pwd)
 root=$(cd "$here/../.." && pwd)
-binaries='' platform='' sysroot=$root/build/arm64_sysroot base='' prefix=localhost/corbslam tag=latest
+binaries='' platform='' sysroot=$root/build/arm64_sysroot base='' prefix=localhost/corbslam tag=
 debootstrap='' programs=''
 
 usage() {
@@ -86,7 +86,7 @@ fi
 
 # The context that stands for the stage "build": what it would have made.
 if [ -n "$binaries" ]; then
-  mkdir -p "$work/context/roots/state/corbslam"
+  mkdir -p "$work/context/roots/state/corbslam" "$work/context/roots/state/corbslam-backups"
   for program in $programs; do
     [ -x "$binaries/$program" ] || usage "--binaries: there is no program $binaries/$program"
     "$here/collect.sh" ${collect_from:+--sysroot "$sysroot"} "$work/context/roots/$program" \
@@ -104,8 +104,9 @@ for program in $programs; do
   # Of the two image formats docker's is the one that knows HEALTHCHECK.
   buildah build --format docker --platform "$platform" ${base:+--build-arg "BASE=$base"} \
     --build-arg "VERSION=$version" --build-arg "REVISION=$revision" \
-    --file "$here/Containerfile" --target "$program" --tag "$prefix/$program:$tag" "$@" "$root"
+    --file "$here/Containerfile" --target "$program" --tag "$prefix/$program:${tag:-latest}" "$@" "$root"
+  [ -n "$tag" ] || buildah tag "$prefix/$program:latest" "$prefix/$program:$version"
 done
 for program in $programs; do
-  buildah images --format '{{.Name}}:{{.Tag}} {{.Size}}' "$prefix/$program:$tag"
+  buildah images --format '{{.Name}}:{{.Tag}} {{.Size}}' "$prefix/$program:${tag:-latest}"
 done

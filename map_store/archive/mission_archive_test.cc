@@ -174,9 +174,9 @@ std::string AsFormat6(const MissionState& of) {
   // That nothing has retired takes eight bytes, and sixteen for each local map.
   // That none was deleted takes eight, and that nothing has become a part of a local map as many.
   // That an agent has no trajectory of its own takes sixteen; when local maps arrived takes
-  // sixteen, and as many for each.
+  // sixteen, and as many for each. A uid takes eight more than it has digits.
   state.resize(state.size() - profile.Take().size() - 32 - 40 * of.order.size() -
-               16 * of.agents.size());
+               16 * of.agents.size() - 8 - of.uid.size());
   return state;
 }
 
@@ -316,9 +316,9 @@ TEST_F(MissionArchiveTest, AStateFromBeforeSettingsIsReadAndHasNone) {
   map_store::NewerFields(newer, state.profile);
   // That no local map was deleted takes eight bytes, and that none is a part as many for each; that
   // an agent has no trajectory of its own takes sixteen; when local maps arrived takes sixteen, and
-  // as many for each.
+  // as many for each. A uid takes eight more than it has digits.
   bytes.resize(bytes.size() - newer.Take().size() - 24 - 24 * state.order.size() -
-               16 * state.agents.size());
+               16 * state.agents.size() - 8 - state.uid.size());
   const auto read = map_store::DecodeState(bytes, nullptr);
   ASSERT_TRUE(read.ok()) << read.status();
   EXPECT_EQ(read->profile.description, "kept");

@@ -39,7 +39,7 @@ namespace {
 // format 6 missions have no profile, and the store lets go of nothing; in format 7 profiles have no
 // revision and no settings of robots, local maps stay as they are, and none is deleted; up to
 // format 8 what agents that only localise say is not kept, nor in which order parts of local maps
-// arrived.
+// arrived; up to format 9 a mission has no uid.
 constexpr uint32_t kOldestStateFormat = 3;
 constexpr uint32_t kFirstWithAnchors = 5;
 constexpr uint32_t kFirstWithProfile = 7;
@@ -47,7 +47,8 @@ constexpr uint32_t kFirstWithSettings = 8;
 constexpr uint32_t kFirstWithJoined = 8;
 constexpr uint32_t kFirstWithTracks = 9;
 constexpr uint32_t kFirstWithArrivals = 9;
-constexpr uint32_t kStateFormat = 9;
+constexpr uint32_t kFirstWithUid = 10;
+constexpr uint32_t kStateFormat = 10;
 
 absl::Status CheckRecordedCameras(const LocalMapState& local_map) {
   if (local_map.recorded_cameras.size() > local_map.cameras.size()) {
@@ -141,6 +142,7 @@ std::string EncodeState(const MissionState& state) {
   JoinedFields(writer, state);
   TrackFields(writer, state);
   writer(state.arrivals.gone(), state.arrivals.names());
+  writer(state.uid);
   return writer.Take();
 }
 
@@ -202,6 +204,7 @@ absl::StatusOr<MissionState> DecodeState(std::string_view bytes, const FeatureLo
   } else {
     BeginArrivals(state);
   }
+  if (format >= kFirstWithUid) reader(state.uid);
   if (!reader.done()) return Unreadable("a mission's snapshot");
   RETURN_IF_ERROR(ValidateState(state));
   IndexPoints(state);

@@ -220,6 +220,10 @@ template <typename Archive, MayBeConst<ProfileRecord> T>
 void Fields(Archive& archive, T& record) {
   archive(record.profile);
 }
+template <typename Archive, MayBeConst<UidRecord> T>
+void Fields(Archive& archive, T& record) {
+  archive(record.uid);
+}
 template <typename Archive, MayBeConst<LocalisedRecord> T>
 void Fields(Archive& archive, T& record) {
   archive(record.agent, record.part.run, record.part.number, record.part.recorded_camera,

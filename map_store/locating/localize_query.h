@@ -40,6 +40,9 @@ struct LocalizeAnswer {
   int word_matches = 0;
   int pose_inliers = 0;
   int inliers = 0;
+  int inliers_needed = 0;
+  int visible_points = 0;
+  int chance_inliers = 0;
   std::optional<Camera> fitting_camera;
   // These are set with kLocated.
   IslandId island;

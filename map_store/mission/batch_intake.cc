@@ -62,23 +62,28 @@ absl::StatusOr<BatchIntake::Known> BatchIntake::CheckAndValidate(
   return known;
 }
 
-absl::StatusOr<BatchIntake::Known> BatchIntake::ApplyInTurn(uint64_t session_id,
-                                                            const BatchRecord& record,
-                                                            const BatchWords& words) {
+absl::StatusOr<BatchIntake::Applied> BatchIntake::ApplyInTurn(uint64_t session_id,
+                                                              const BatchRecord& record,
+                                                              const BatchWords& words) {
   absl::MutexLock turn(&strand_.turn());
   {
     absl::ReaderMutexLock lock(&strand_.mutex());
-    // As long as this is the next batch, its local map is as it was validated against.
     ASSIGN_OR_RETURN(const Known known, Check(session_id, record.agent, *record.batch));
-    if (known.has_value()) return known;
+    if (known.has_value()) return Applied{.known = known};
   }
   RETURN_IF_ERROR(strand_.Append(record));
+  Applied applied;
   {
     StateWriteLock lock(strand_);
     map_store::Apply(record, words, strand_.options(), strand_.mutable_state());
+    // Once the turn is over somebody may have the local map forgotten.
+    const MapUpdateBatch& batch = *record.batch;
+    const LocalMapState* local_map = strand_.state().FindLocalMap(batch.local_map);
+    applied.begins = local_map != nullptr && !batch.full_keyframes.empty() &&
+                     local_map->arrived.size() <= batch.full_keyframes.size();
   }
   NoteEvents(record);
-  return std::nullopt;
+  return applied;
 }
 
 void BatchIntake::NoteEvents(const BatchRecord& record) {
@@ -112,25 +117,22 @@ absl::StatusOr<Acknowledgement> BatchIntake::Apply(uint64_t session_id, const st
                                                    const MapUpdateBatch& batch,
                                                    const BatchTransfer* measured) {
   const absl::Time begin = strand_.environment().clock();
-  ASSIGN_OR_RETURN(Known known, CheckAndValidate(session_id, agent, batch));
-  if (!known.has_value()) {
+  Applied applied;
+  ASSIGN_OR_RETURN(applied.known, CheckAndValidate(session_id, agent, batch));
+  if (!applied.known.has_value()) {
     const uint64_t bytes = StoredBytes(batch);
     RETURN_IF_ERROR(CheckRoom(strand_, NameOfBatch(batch), 2 * bytes, bytes));
     const BatchWords words = ComputeWords(batch, strand_.environment().vocabulary);
-    ASSIGN_OR_RETURN(known, ApplyInTurn(session_id, MakeRecord(agent, batch), words));
+    ASSIGN_OR_RETURN(applied, ApplyInTurn(session_id, MakeRecord(agent, batch), words));
   }
   // A batch that came again may not be durable yet.
-  if (known.has_value()) {
+  if (applied.known.has_value()) {
     RETURN_IF_ERROR(strand_.Sync());
-    return *known;
+    return *applied.known;
   }
-  bool begins = false;
   {
     const BatchTransfer transfer = measured != nullptr ? *measured : EstimateTransfer(batch);
     StateWriteLock lock(strand_);
-    const LocalMapState& local_map = *strand_.state().FindLocalMap(batch.local_map);
-    begins =
-        !batch.full_keyframes.empty() && local_map.arrived.size() <= batch.full_keyframes.size();
     CountTransfer(batch, transfer,
                   absl::ToDoubleMilliseconds(strand_.environment().clock() - begin),
                   strand_.mutable_state().statistics);
@@ -143,7 +145,7 @@ absl::StatusOr<Acknowledgement> BatchIntake::Apply(uint64_t session_id, const st
   RETURN_IF_ERROR(durable);
   // With its first keyframe a local map may have a place in the global frame, which its owner is
   // told.
-  if (begins) listeners_.Call(session_id);
+  if (applied.begins) listeners_.Call(session_id);
   return Acknowledgement{batch.local_map, batch.number};
 }
 

@@ -36,6 +36,11 @@ class BatchIntake {
  private:
   // The answer to give at once to a batch that was applied before; nullopt: it is the next one.
   using Known = std::optional<Acknowledgement>;
+  struct Applied {
+    Known known;
+    // With this batch the local map has its first keyframe.
+    bool begins = false;
+  };
 
   absl::StatusOr<Known> Check(uint64_t session_id, const std::string& agent,
                               const MapUpdateBatch& batch) const
@@ -47,8 +52,8 @@ class BatchIntake {
   BatchRecord MakeRecord(const std::string& agent, const MapUpdateBatch& batch) const;
   // Returns an acknowledgement if the same session has sent the batch twice and the other one was
   // applied meanwhile.
-  absl::StatusOr<Known> ApplyInTurn(uint64_t session_id, const BatchRecord& record,
-                                    const BatchWords& words);
+  absl::StatusOr<Applied> ApplyInTurn(uint64_t session_id, const BatchRecord& record,
+                                      const BatchWords& words);
   void NoteEvents(const BatchRecord& record) ABSL_EXCLUSIVE_LOCKS_REQUIRED(strand_.turn());
 
   MissionStrand& strand_;

@@ -74,6 +74,7 @@ PolicyLimits FusionCoordinator::Limits() const {
 
 std::optional<FusionAction> FusionCoordinator::NextAction(FusionLane lane) const {
   if (strand_.deleted() || !strand_.environment().has_worker) return std::nullopt;
+  if (strand_.IsDamaged()) return std::nullopt;
   for (const FusionAction& action : DecideActions(Summarise(), Limits())) {
     if (LaneOf(action) == lane) return action;
   }
@@ -167,16 +168,16 @@ void FusionCoordinator::ReleaseLane(FusionLane lane) {
   lane_released_.SignalAll();
 }
 
-JobEnd FusionCoordinator::FinishJob(FusionLane lane, const FusionJob& job,
+JobEnd FusionCoordinator::FinishJob(FusionLane lane, FusionJob job,
                                     absl::StatusOr<FusionResult> result) {
   absl::Status status = result.status();
-  bool try_later = absl::IsUnavailable(status);
+  const bool may_wait = !strand_.options().deterministic;
   if (result.ok()) {
     status = Commit(job, *result);
     // Only the journal can have refused: nothing is wrong with the work.
-    try_later = !status.ok();
+    if (!status.ok() && may_wait) return KeepRefused(lane, std::move(job), *std::move(result));
   }
-  try_later = try_later && !strand_.options().deterministic;
+  const bool try_later = may_wait && absl::IsUnavailable(status);
   if (!status.ok() && !try_later) {
     StateWriteLock lock(strand_);
     if (!job.cancelled->load()) NoteFailure(job, status);
@@ -184,6 +185,30 @@ JobEnd FusionCoordinator::FinishJob(FusionLane lane, const FusionJob& job,
   ReleaseLane(lane);
   if (status.ok()) TellOthers();
   return try_later ? JobEnd::kTryLater : JobEnd::kDone;
+}
+
+JobEnd FusionCoordinator::KeepRefused(FusionLane lane, FusionJob job, FusionResult result) {
+  if (strand_.IsDamaged()) {
+    ReleaseLane(lane);
+    return JobEnd::kDone;
+  }
+  const absl::Time next_try =
+      strand_.environment().clock() + absl::Milliseconds(strand_.options().retry_ms);
+  absl::MutexLock lock(&refused_mutex_);
+  refused_[static_cast<size_t>(lane)] = Refused{std::move(job), std::move(result), next_try};
+  return JobEnd::kRefused;
+}
+
+std::optional<JobEnd> FusionCoordinator::RetryCommit(FusionLane lane) {
+  std::optional<Refused> refused;
+  {
+    absl::MutexLock lock(&refused_mutex_);
+    std::optional<Refused>& kept = refused_[static_cast<size_t>(lane)];
+    if (!kept.has_value()) return std::nullopt;
+    if (strand_.environment().clock() < kept->next_try) return JobEnd::kRefused;
+    refused.swap(kept);
+  }
+  return FinishJob(lane, std::move(refused->job), std::move(refused->result));
 }
 
 void FusionCoordinator::CancelJobs() {

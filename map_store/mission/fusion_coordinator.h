@@ -2,6 +2,7 @@
 #ifndef CORBSLAM_MAP_STORE_MISSION_FUSION_COORDINATOR_H_
 #define CORBSLAM_MAP_STORE_MISSION_FUSION_COORDINATOR_H_
 
+#include <array>
 #include <atomic>
 #include <cstdint>
 #include <functional>
@@ -28,7 +29,8 @@ namespace corbslam::map_store {
 // Says what became of a job whose worker has answered.
 enum class JobEnd {
   kDone,      // Its result is in the state, or is known to be worth nothing.
-  kTryLater,  // The worker is not there, or the journal takes nothing.
+  kTryLater,  // The worker is not there.
+  kRefused,   // The mission's journal takes nothing now: the result is kept for RetryCommit.
 };
 
 // What is committed of an adjustment, made before the writers' turn.
@@ -49,7 +51,11 @@ class FusionCoordinator {
   // nullopt: there is none.
   std::optional<FusionJob> StartJob(FusionLane lane);
   // Commits the result, or notes the failure.
-  JobEnd FinishJob(FusionLane lane, const FusionJob& job, absl::StatusOr<FusionResult> result);
+  JobEnd FinishJob(FusionLane lane, FusionJob job, absl::StatusOr<FusionResult> result)
+      ABSL_LOCKS_EXCLUDED(refused_mutex_);
+  // Commits a result again that the journal has refused, once it is time to try, so that no worker
+  // computes it anew. Returns nullopt where the lane has none.
+  std::optional<JobEnd> RetryCommit(FusionLane lane) ABSL_LOCKS_EXCLUDED(refused_mutex_);
   void CancelJobs();
 
   // Forgets what was fused; the lanes then derive it again.
@@ -83,6 +89,15 @@ class FusionCoordinator {
     bool chooses_lookups = false;  // True: it is not yet said where the keyframe is looked up.
   };
 
+  // A result that the journal refused; its lane stays busy.
+  struct Refused {
+    FusionJob job;
+    FusionResult result;
+    absl::Time next_try;
+  };
+
+  JobEnd KeepRefused(FusionLane lane, FusionJob job, FusionResult result)
+      ABSL_LOCKS_EXCLUDED(refused_mutex_);
   PolicyLimits Limits() const;
   FusionSummary Summarise() const ABSL_SHARED_LOCKS_REQUIRED(strand_.mutex());
   std::optional<FusionAction> NextAction(FusionLane lane) const
@@ -153,6 +168,8 @@ class FusionCoordinator {
   FusionLanes lanes_ ABSL_GUARDED_BY(strand_.mutex());
   // Of whoever has the graph lane.
   QueryViews query_views_;
+  absl::Mutex refused_mutex_;
+  std::array<std::optional<Refused>, kFusionLanes.size()> refused_ ABSL_GUARDED_BY(refused_mutex_);
 };
 
 }  // namespace corbslam::map_store

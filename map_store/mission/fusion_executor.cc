@@ -31,21 +31,35 @@ FusionExecutor::Turn FusionExecutor::RunOne(Mission& mission, FusionLane lane) {
   return turn;
 }
 
+FusionExecutor::Turn FusionExecutor::TurnOf(JobEnd end) {
+  switch (end) {
+    case JobEnd::kTryLater:
+      return Turn::kTryLater;
+    case JobEnd::kRefused:
+      return Turn::kRefused;
+    case JobEnd::kDone:
+      break;
+  }
+  return Turn::kDone;
+}
+
 FusionExecutor::Turn FusionExecutor::RunJob(Mission& mission, FusionLane lane) {
-  const std::optional<FusionJob> job = mission.fusion().StartJob(lane);
+  if (const auto retried = mission.fusion().RetryCommit(lane)) return TurnOf(*retried);
+  std::optional<FusionJob> job = mission.fusion().StartJob(lane);
   if (!job.has_value()) return Turn::kNothingToDo;
   const ProgressCallback progress = [this, &job](double) {
     return !job->cancelled->load() && !signal_.stopped();
   };
   absl::StatusOr<FusionResult> result = RunRequest(job->work, *worker_, progress);
   watch_.Note(result.status());
-  const JobEnd end = mission.fusion().FinishJob(lane, *job, std::move(result));
-  return end == JobEnd::kDone ? Turn::kDone : Turn::kTryLater;
+  return TurnOf(mission.fusion().FinishJob(lane, *std::move(job), std::move(result)));
 }
 
 void FusionExecutor::RunLane(FusionLane lane) {
-  for (uint64_t seen = 0; signal_.Wait(seen);) {
+  absl::Duration most = absl::InfiniteDuration();
+  for (uint64_t seen = 0; signal_.Wait(seen, most);) {
     bool try_later = false;
+    bool refused = false;
     bool did_something = false;
     // In each round a mission's turn comes after one request of each other mission.
     for (const std::weak_ptr<Mission>& listed : missions_()) {
@@ -58,7 +72,10 @@ void FusionExecutor::RunLane(FusionLane lane) {
       }
       did_something = did_something || turn == Turn::kDone;
       try_later = try_later || turn == Turn::kTryLater;
+      refused = refused || turn == Turn::kRefused;
     }
+    // The journal of one mission that takes nothing keeps no other mission waiting.
+    most = refused ? retry_after_ : absl::InfiniteDuration();
     // The other lane may have something to do now, and this one again.
     if (did_something) signal_.Wake();
     if (!try_later) continue;

@@ -48,8 +48,9 @@ class FusionExecutor {
   std::optional<WorkerOutage> worker_outage() const { return watch_.outage(); }
 
  private:
-  enum class Turn { kNothingToDo, kDone, kTryLater };
+  enum class Turn { kNothingToDo, kDone, kTryLater, kRefused };
 
+  static Turn TurnOf(JobEnd end);
   Turn RunOne(Mission& mission, FusionLane lane);
   Turn RunJob(Mission& mission, FusionLane lane);
   void RunLane(FusionLane lane);

@@ -59,6 +59,39 @@ TEST(MemoryBudgetTest, MakesRoomBeforeItRefuses) {
   EXPECT_FALSE(budget.IsShort());
 }
 
+TEST(MemoryBudgetTest, WhoCanComeAgainIsRefusedAtOnceAndRoomIsMadeMeanwhile) {
+  MemoryBudget budget(
+      100 * kMiB, [] { return 120 * kMiB; }, &absl::Now);
+  budget.SetRoomMaker([] {
+    ADD_FAILURE() << "a robot's batch waits for it";
+    return false;
+  });
+  EXPECT_FALSE(budget.TakeWanted());
+  EXPECT_EQ(budget.CheckAtOnce("a batch", kMiB).code(), absl::StatusCode::kResourceExhausted);
+  EXPECT_EQ(budget.refused(), 1u);
+  EXPECT_TRUE(budget.TakeWanted());
+  EXPECT_FALSE(budget.TakeWanted());
+}
+
+TEST(MemoryBudgetTest, WhatTheAllocatorKeepsDoesNotCount) {
+  int measured = 0;
+  uint64_t resident = 60 * kMiB;
+  MemoryBudget budget(
+      100 * kMiB, [&] { return resident; }, &absl::Now,
+      [&] {
+        ++measured;
+        return 50 * kMiB;
+      });
+  EXPECT_TRUE(budget.Check("a batch", 30 * kMiB).ok());
+  EXPECT_FALSE(budget.IsShort());
+  EXPECT_EQ(measured, 0) << "while there is room, the heap is not looked at";
+  resident = 130 * kMiB;
+  EXPECT_TRUE(budget.Check("a batch", 30 * kMiB).ok());
+  EXPECT_TRUE(budget.CheckAtOnce("a batch", 30 * kMiB).ok());
+  EXPECT_FALSE(budget.IsShort());
+  EXPECT_FALSE(budget.CheckAtOnce("a batch", 60 * kMiB).ok());
+}
+
 class FullStore : public ::corbslam::testing::TwoRobots {
  protected:
   static MapStoreOptions Options(uint64_t budget) {

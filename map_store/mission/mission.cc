@@ -40,6 +40,7 @@ Mission::Mission(std::string name, MissionEnvironment environment)
       sessions_(strand_, events_),
       batches_(strand_, sessions_.listeners(), events_),
       localised_(strand_),
+      pictures_(strand_),
       fusion_(strand_, events_, [this] { sessions_.listeners().CallAllBut(0); }),
       retiring_(strand_, fusion_, [this] { sessions_.listeners().CallAllBut(0); }),
       joining_(strand_, fusion_, retiring_, [this] { sessions_.listeners().CallAllBut(0); }),

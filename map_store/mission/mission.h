@@ -17,6 +17,7 @@
 #include "map_store/mission/mission_snapshots.h"
 #include "map_store/mission/mission_strand.h"
 #include "map_store/mission/mission_summary.h"
+#include "map_store/mission/picture_intake.h"
 #include "map_store/mission/picture_localization.h"
 #include "map_store/mission/profile_keeper.h"
 
@@ -29,10 +30,17 @@ class Mission {
 
   absl::Status Recover() { return strand_.Recover(); }
   void Restore(MissionState state) { strand_.Restore(std::move(state)); }
+  // These do what those of MissionStrand do.
+  void BeginAs(std::string uid) { strand_.BeginAs(std::move(uid)); }
+  void EnsureUid() { strand_.EnsureUid(); }
+  std::string uid() const {
+    return WithState([](const MissionState& state) { return state.uid; });
+  }
 
   MissionSessions& sessions() { return sessions_; }
   BatchIntake& batches() { return batches_; }
   LocalisedIntake& localised() { return localised_; }
+  PictureIntake& pictures() { return pictures_; }
   FusionCoordinator& fusion() { return fusion_; }
   const FusionCoordinator& fusion() const { return fusion_; }
   MissionRetiring& retiring() { return retiring_; }
@@ -85,6 +93,7 @@ class Mission {
   MissionSessions sessions_;
   BatchIntake batches_;
   LocalisedIntake localised_;
+  PictureIntake pictures_;
   FusionCoordinator fusion_;
   MissionRetiring retiring_;
   MissionJoining joining_;

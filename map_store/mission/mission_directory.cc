@@ -21,7 +21,7 @@ void Sleeper::NoteAsleep(uint64_t disk_bytes) {
   summary.info.asleep = true;
   summary.info.disk_bytes = summary.load.disk_bytes = disk_bytes;
   summary.load.memory_bytes = 0;
-  summary.load.connected_agents = 0;
+  summary.load.connected_agents = summary.info.connected_agents = 0;
 }
 
 absl::StatusOr<MissionDirectory::EntryPtr> MissionDirectory::Find(absl::string_view name) const {

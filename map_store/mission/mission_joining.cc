@@ -14,7 +14,7 @@ std::optional<LocalMapJoining> MissionJoining::Choose(const MissionState& state)
 }
 
 bool MissionJoining::IsDue() const {
-  if (!IsWanted()) return false;
+  if (!IsWanted() || strand_.IsDamaged()) return false;
   absl::ReaderMutexLock lock(&strand_.mutex());
   const MissionState& state = strand_.state();
   if (strand_.deleted() || rests_at_.load() == state.version + 1) return false;

@@ -12,7 +12,7 @@
 namespace corbslam::map_store {
 
 bool MissionRetiring::IsDue() const {
-  if (!IsWanted()) return false;
+  if (!IsWanted() || strand_.IsDamaged()) return false;
   absl::ReaderMutexLock lock(&strand_.mutex());
   return !strand_.deleted() && passes_.IsDue(strand_.state());
 }

@@ -33,9 +33,15 @@ absl::Status CheckNotHeld(absl::string_view mission, const AgentState& agent,
 }  // namespace
 
 absl::Status MissionSessions::CheckRequest(const SessionRequest& request) const {
-  if (strand_.deleted()) return strand_.Deleted();
   const MissionState& state = strand_.state();
   const auto agent = state.agents.find(request.agent);
+  if (strand_.deleted()) {
+    const bool was_here = request.mission_uid.empty()
+                              ? agent != state.agents.end() && request.instance != 0 &&
+                                    agent->second.instance == request.instance
+                              : request.mission_uid == state.uid;
+    return was_here ? MissionDeletedError(strand_.name()) : strand_.Deleted();
+  }
   if (agent != state.agents.end()) {
     RETURN_IF_ERROR(CheckNotHeld(strand_.name(), agent->second, request));
   }
@@ -60,11 +66,14 @@ absl::StatusOr<MissionSessions::Opened> MissionSessions::Enter(uint64_t session_
   MissionState& state = strand_.mutable_state();
   const absl::Time now = strand_.environment().clock();
   Opened opened;
-  opened.grant.capabilities = {.points_follow = true,
-                               .coded_features = true,
-                               .localise_only = true,
-                               .keeps_localised = true,
-                               .takes_reports = true};
+  opened.grant.mission_uid = state.uid;
+  opened.grant.capabilities = {
+      .points_follow = true,
+      .coded_features = true,
+      .localise_only = true,
+      .keeps_localised = true,
+      .keyframe_pictures = strand_.options().max_picture_bytes_per_mission > 0,
+      .takes_reports = true};
   for (const LocalMapId& id : request.local_maps) {
     LocalMapState* local_map = state.FindLocalMap(id);
     if (local_map != nullptr) ExpireParked(now, strand_.options(), *local_map);

@@ -1,5 +1,7 @@
 #include "map_store/mission/mission_strand.h"
 
+#include <glog/logging.h>
+
 #include <algorithm>
 #include <chrono>
 #include <cstdint>
@@ -7,6 +9,8 @@
 
 #include "absl/strings/str_cat.h"
 #include "map_store/records/record_application.h"
+#include "map_store/state/mission_uid.h"
+#include "slam/exchange/session_end.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::map_store {
@@ -38,6 +42,7 @@ struct ApplyAgain {
   void operator()(const RetireRecord& record) { Apply(record, state); }
   void operator()(const JoinRecord& record) { Apply(record, state); }
   void operator()(const ForgetRecord& record) { Apply(record, state); }
+  void operator()(const UidRecord& record) { Apply(record, state); }
   void operator()(const LocalisedRecord& record) { Apply(record, options, state); }
 };
 
@@ -91,6 +96,37 @@ void MissionStrand::Restore(MissionState state) {
   Begin(std::move(state));
 }
 
+void MissionStrand::BeginAs(std::string uid) {
+  absl::MutexLock turn(&turn_);
+  uid_is_recorded_ = false;
+  absl::MutexLock lock(&mutex_);
+  state_.uid = std::move(uid);
+}
+
+void MissionStrand::EnsureUid() {
+  absl::MutexLock turn(&turn_);
+  if (!state_in_turn().uid.empty()) return;
+  {
+    absl::MutexLock lock(&mutex_);
+    state_.uid = DrawMissionUid(name_);
+  }
+  uid_is_recorded_ = false;
+  RecordUid();
+}
+
+void MissionStrand::RecordUid() {
+  const UidRecord record{state_in_turn().uid};
+  const absl::StatusOr<Journal::Position> appended = environment_.journal->Append(name_, record);
+  if (!appended.ok()) {
+    LOG(WARNING) << "the uid of mission " << name_
+                 << " is written with its next record: " << appended.status();
+    return;
+  }
+  appended_ = *appended;
+  uid_is_recorded_ = true;
+  if (environment_.note_uid != nullptr) environment_.note_uid(name_, record.uid);
+}
+
 void MissionStrand::Begin(MissionState state) {
   state.version = (state.version / kVersionsOfALife + 1) * kVersionsOfALife;
   absl::MutexLock lock(&mutex_);
@@ -137,7 +173,9 @@ absl::Status MissionStrand::Deleted() const {
 }
 
 absl::Status MissionStrand::Append(const JournalRecord& record) {
+  if (IsDeleted()) return MissionDeletedError(name_);
   ASSIGN_OR_RETURN(appended_, environment_.journal->Append(name_, record));
+  if (!uid_is_recorded_) RecordUid();
   return absl::OkStatus();
 }
 
@@ -145,7 +183,12 @@ MissionStrand::WriteTimes MissionStrand::write_times() const {
   return {absl::Nanoseconds(written_ns_.load()), absl::Nanoseconds(longest_write_ns_.load())};
 }
 
-absl::Status MissionStrand::Sync() { return environment_.journal->Sync(name_, appended_); }
+absl::Status MissionStrand::Sync() {
+  if (IsDeleted()) return MissionDeletedError(name_);
+  const absl::Status synced = environment_.journal->Sync(name_, appended_);
+  // A deletion closes the journal under whoever syncs.
+  return synced.ok() || !IsDeleted() ? synced : MissionDeletedError(name_);
+}
 
 StateWriteLock::StateWriteLock(MissionStrand& strand) : strand_(strand) {
   strand_.gate().Lock();

@@ -32,6 +32,8 @@ struct MissionEnvironment {
   // The strand calls this, without locks, when there may be something to fuse.
   std::function<void()> wake_fusion;
   bool has_worker = false;
+  // Is told, with a mission's turn taken, when a mission's uid is in the journal; may be null.
+  std::function<void(const std::string& mission, const std::string& uid)> note_uid;
   MemoryBudget* memory = nullptr;
 };
 
@@ -54,6 +56,11 @@ class MissionStrand {
   // Reads what the journal has of the mission; called before anything else. DATA_LOSS names what
   // can't be read.
   absl::Status Recover() ABSL_LOCKS_EXCLUDED(mutex_);
+  // Gives a mission of which nothing was written its uid, which the journal has from its first
+  // record on; called before anything else.
+  void BeginAs(std::string uid) ABSL_LOCKS_EXCLUDED(turn_, mutex_);
+  // Gives a mission that was read, and is older than uids, its own.
+  void EnsureUid() ABSL_LOCKS_EXCLUDED(turn_, mutex_);
   // Takes over a state from elsewhere, which the journal has already; called before anything else.
   void Restore(MissionState state) ABSL_LOCKS_EXCLUDED(mutex_);
   // Returns what the mission was after the record at `position`, from the journal, without
@@ -112,21 +119,30 @@ class MissionStrand {
   // Returns NOT_FOUND, with the mission's name.
   absl::Status Deleted() const;
 
+  // Returns ABORTED (session_end.h) once the mission is deleted: what is deleted stays deleted.
   absl::Status Append(const JournalRecord& record) ABSL_EXCLUSIVE_LOCKS_REQUIRED(turn_);
   // Returns the position of the last record that was appended; 0: none.
   Journal::Position appended() const { return appended_; }
-  // Makes all that was appended so far durable.
+  // Returns whether something of the mission's journal was found damaged: nothing is appended to it
+  // any more, so that work for it is in vain.
+  bool IsDamaged() const { return !environment_.journal->Damage(name_).ok(); }
+  // Makes all that was appended so far durable. Returns ABORTED, likewise, if the mission is
+  // deleted.
   absl::Status Sync() ABSL_LOCKS_EXCLUDED(turn_, mutex_);
 
  private:
   friend class StateWriteLock;
 
   void Begin(MissionState state) ABSL_LOCKS_EXCLUDED(mutex_);
+  // Writes down the mission's uid; should that fail, the next record tries again.
+  void RecordUid() ABSL_EXCLUSIVE_LOCKS_REQUIRED(turn_) ABSL_LOCKS_EXCLUDED(mutex_);
 
   const std::string name_;
   const MissionEnvironment environment_;
 
   absl::Mutex turn_ ABSL_ACQUIRED_BEFORE(gate_);
+  // False: the journal has no uid yet, and is to have the state's.
+  bool uid_is_recorded_ ABSL_GUARDED_BY(turn_) = true;
   mutable absl::Mutex gate_ ABSL_ACQUIRED_BEFORE(mutex_);
   std::atomic<Journal::Position> appended_ = 0;
   mutable absl::Mutex mutex_;

@@ -9,7 +9,7 @@ namespace {
 
 // Grows with each change of the fields below: a summary of another format is not used, and the
 // mission is read instead.
-constexpr uint32_t kSummaryFormat = 3;
+constexpr uint32_t kSummaryFormat = 4;
 
 }  // namespace
 
@@ -23,6 +23,7 @@ void Fields(Archive& archive, T& info) {
   archive(info.name, info.revision, info.agents, info.local_maps, info.islands, info.keyframes,
           info.map_points, info.fusion_idle, info.waiting_queries, info.memory_bytes, info.profile);
   NewerFields(archive, info.profile);
+  archive(info.uid);
 }
 
 template <typename Archive, MayBeConst<MissionLoad> T>

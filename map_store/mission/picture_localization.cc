@@ -160,6 +160,9 @@ class Search {
     answer_.word_matches = result.word_matches;
     answer_.pose_inliers = result.pose_inliers;
     answer_.inliers = result.inliers;
+    answer_.inliers_needed = result.inliers_needed;
+    answer_.visible_points = result.visible_points;
+    answer_.chance_inliers = result.chance_inliers;
     answer_.fitting_camera = result.fitting_camera;
     if (result.stage != LocateStage::kLocated) return;
     answer_.island = island;

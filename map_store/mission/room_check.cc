@@ -7,7 +7,7 @@ namespace corbslam::map_store {
 
 absl::Status CheckRoom(const MissionStrand& strand, const std::string& what, uint64_t memory_bytes,
                        uint64_t disk_bytes) {
-  RETURN_IF_ERROR(strand.environment().memory->Check(what, memory_bytes));
+  RETURN_IF_ERROR(strand.environment().memory->CheckAtOnce(what, memory_bytes));
   const uint64_t limit =
       strand.WithState([](const MissionState& state) { return state.profile.limits.disk_bytes; });
   // Finding out what is there reads the mission's folder.

@@ -42,7 +42,10 @@ void Sleepers::Run() {
   StepBehindRobots(kSleeperStepsLower, "missions that fall asleep");
   while (signal_.WaitFor(kBetweenLooks)) {
     PutUnusedToSleep();
-    while (memory_.IsShort() && !signal_.stopped() && MakeRoom(/*in_haste=*/false)) {
+    // Robots were refused: they come again in a moment.
+    const bool in_haste = memory_.TakeWanted();
+    if (in_haste) ReturnFreeMemoryAbove(0);
+    while (memory_.IsShort() && !signal_.stopped() && MakeRoom(in_haste)) {
       ReturnFreeMemory();
     }
   }

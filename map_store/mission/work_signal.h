@@ -28,14 +28,14 @@ class WorkSignal {
     return stopped_;
   }
 
-  // Waits for a wake that this thread has not seen; `seen`, the thread's own count, is 0 at first.
-  // Returns false once stopped.
-  bool Wait(uint64_t& seen) const {
+  // Waits for a wake that this thread has not seen, and for `most` at most; `seen`, the thread's
+  // own count, is 0 at first. Returns false once stopped.
+  bool Wait(uint64_t& seen, absl::Duration most = absl::InfiniteDuration()) const {
     absl::MutexLock lock(&mutex_);
     const auto woken = [&]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
       return stopped_ || wakes_ != seen;
     };
-    mutex_.Await(absl::Condition(&woken));
+    mutex_.AwaitWithTimeout(absl::Condition(&woken), most);
     seen = wakes_;
     return !stopped_;
   }

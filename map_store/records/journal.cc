@@ -2,7 +2,19 @@
 
 namespace corbslam::map_store {
 
-absl::StatusOr<Journal::Position> InMemoryJournal::Append(absl::string_view, const JournalRecord&) {
+std::vector<KeyframeId> RemovedBy(const JournalRecord& record) {
+  std::vector<KeyframeId> removed;
+  const auto* update = std::get_if<BatchRecord>(&record);
+  if (update == nullptr) return removed;
+  for (const KeyframeRemoval& removal : update->batch->removed_keyframes) {
+    removed.push_back(removal.id);
+  }
+  return removed;
+}
+
+absl::StatusOr<Journal::Position> InMemoryJournal::Append(absl::string_view mission,
+                                                          const JournalRecord& record) {
+  pictures_.Remove(mission, RemovedBy(record));
   absl::MutexLock lock(&mutex_);
   return ++records_;
 }

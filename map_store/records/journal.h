@@ -3,6 +3,7 @@
 #ifndef CORBSLAM_MAP_STORE_RECORDS_JOURNAL_H_
 #define CORBSLAM_MAP_STORE_RECORDS_JOURNAL_H_
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <limits>
@@ -15,6 +16,8 @@
 #include "absl/strings/string_view.h"
 #include "absl/synchronization/mutex.h"
 #include "map_store/records/journal_records.h"
+#include "map_store/records/picture_cache.h"
+#include "slam/exchange/uplink.h"
 
 namespace corbslam::map_store {
 
@@ -26,6 +29,16 @@ struct JournalSnapshot {
   // became parts of has keyframes of several names.
   std::vector<KeyframeId> keyframes;
 };
+
+// A mission that was deleted; an empty uid: nobody knows it.
+struct DeletedMission {
+  std::string name;
+  std::string uid;
+  friend bool operator==(const DeletedMission&, const DeletedMission&) = default;
+};
+
+// Returns the keyframes that an owner's batch removes; none for other records.
+std::vector<KeyframeId> RemovedBy(const JournalRecord& record);
 
 // Keeps the records of missions; records of one mission are appended one at a time. Thread-safe.
 class Journal {
@@ -83,6 +96,13 @@ class Journal {
   // The deletion is durable when this returns.
   virtual absl::Status DeleteMission(absl::string_view mission) = 0;
 
+  // Of so many missions that were deleted last is remembered that they were.
+  static constexpr size_t kMaxDeleted = 10'000;
+  // Remembers, durably as far as this journal is, that the mission is deleted.
+  virtual absl::Status NoteDeleted(const DeletedMission&) { return absl::OkStatus(); }
+  // Returns what is remembered, the oldest first.
+  virtual std::vector<DeletedMission> ListDeleted() const { return {}; }
+
   // A mission that is put aside takes no memory and no open files. Recover brings it back, and
   // nothing else does but DeleteMission: until then all that would write returns UNAVAILABLE. The
   // caller does these three for one mission one at a time.
@@ -100,6 +120,28 @@ class Journal {
     return absl::NotFoundError(std::string(mission));
   }
 
+  // Pictures of keyframes are for people: they are kept as far as there is room, and nothing of a
+  // map needs one.
+
+  // Keeps the picture, unless its keyframe has one; beyond `max_bytes` of them the mission's oldest
+  // go. It outlives the process sometime, as the next records do. An error: it is not kept.
+  virtual absl::Status PutPicture(absl::string_view, const KeyframePicture&, uint64_t max_bytes) {
+    (void)max_bytes;
+    return absl::UnimplementedError("this journal keeps no pictures");
+  }
+  // Returns what is kept of the keyframe. NOT_FOUND: nothing.
+  virtual absl::StatusOr<KeyframePicture> ReadPicture(absl::string_view,
+                                                      KeyframeId keyframe) const {
+    return absl::NotFoundError("there is no picture of keyframe " + ToString(keyframe));
+  }
+  // Calls `visit` with each of the mission's pictures, the oldest first, until it returns an error.
+  virtual absl::Status ForEachPicture(
+      absl::string_view,
+      const std::function<absl::Status(const KeyframePicture& picture)>& visit) const {
+    (void)visit;
+    return absl::OkStatus();
+  }
+
   // Returns OK if the journal takes records now, else the error that Append would give. After a
   // failed write the journal finds out by trying, so that somebody should call this now and then.
   virtual absl::Status CheckWritable() = 0;
@@ -111,7 +153,8 @@ class Journal {
   virtual uint64_t DiskBytes(absl::string_view) const { return 0; }
 };
 
-// Keeps nothing and only counts: a journal for tests and for stores without a disk. Thread-safe.
+// Keeps nothing but some pictures, and only counts: a journal for tests and for stores without a
+// disk. Thread-safe.
 class InMemoryJournal : public Journal {
  public:
   void Prepare(BatchRecord&) const override {}
@@ -130,12 +173,25 @@ class InMemoryJournal : public Journal {
   }
   absl::StatusOr<Position> Recover(absl::string_view, const Replay&) const override { return 0; }
   bool KeepsRecords() const override { return false; }
-  absl::Status DeleteMission(absl::string_view) override { return absl::OkStatus(); }
+  absl::Status DeleteMission(absl::string_view mission) override {
+    pictures_.RemoveMission(mission);
+    return absl::OkStatus();
+  }
+  absl::Status PutPicture(absl::string_view mission, const KeyframePicture& picture,
+                          uint64_t max_bytes) override {
+    pictures_.Put(mission, picture, max_bytes);
+    return absl::OkStatus();
+  }
+  absl::StatusOr<KeyframePicture> ReadPicture(absl::string_view mission,
+                                              KeyframeId keyframe) const override {
+    return pictures_.Read(mission, keyframe);
+  }
   absl::Status CheckWritable() override { return absl::OkStatus(); }
 
   uint64_t records() const;
 
  private:
+  PictureCache pictures_;
   mutable absl::Mutex mutex_;
   uint64_t records_ ABSL_GUARDED_BY(mutex_) = 0;
 };

@@ -89,6 +89,11 @@ struct ProfileRecord {
   MissionProfile profile;
 };
 
+// The mission was named apart from earlier and later ones of its name.
+struct UidRecord {
+  std::string uid;
+};
+
 // The store let go of keyframes and points of closed local maps.
 struct RetireRecord {
   Retirement retirement;
@@ -113,9 +118,10 @@ struct LocalisedRecord {
 
 // Events that are no records (queries without candidates, workers' failures) are decided again
 // after a restart.
-using JournalRecord = std::variant<BatchRecord, QueryRecord, FuseRecord, FuseRefusedRecord,
-                                   AdjustRecord, RederiveRecord, RetractRecord, ProfileRecord,
-                                   RetireRecord, JoinRecord, ForgetRecord, LocalisedRecord>;
+using JournalRecord =
+    std::variant<BatchRecord, QueryRecord, FuseRecord, FuseRefusedRecord, AdjustRecord,
+                 RederiveRecord, RetractRecord, ProfileRecord, RetireRecord, JoinRecord,
+                 ForgetRecord, LocalisedRecord, UidRecord>;
 
 }  // namespace corbslam::map_store
 

@@ -15,6 +15,7 @@
 #include "map_store/joining/forgetting.h"
 #include "map_store/records/retraction.h"
 #include "map_store/retiring/retirement.h"
+#include "map_store/state/mission_uid.h"
 #include "map_store/view/placement.h"
 #include "slam/util/status_macros.h"
 
@@ -172,6 +173,8 @@ void Apply(const ForgetRecord& record, MissionState& state) {
 
 void Apply(const ProfileRecord& record, MissionState& state) { state.profile = record.profile; }
 
+void Apply(const UidRecord& record, MissionState& state) { state.uid = record.uid; }
+
 void Apply(const LocalisedRecord& record, const MapStoreOptions& options, MissionState& state) {
   NoteUse(record.received_at, state);
   AddPart(record.part, options.max_localised_frames_per_agent, state.agents[record.agent].track);
@@ -318,6 +321,10 @@ absl::Status CheckReplay(const JournalRecord& record, const MissionState& state)
   if (const auto* profile = std::get_if<ProfileRecord>(&record)) {
     const absl::Status valid = ValidateProfile(profile->profile);
     return valid.ok() ? valid : absl::DataLossError(valid.message());
+  }
+  if (const auto* uid = std::get_if<UidRecord>(&record)) {
+    if (IsMissionUid(uid->uid)) return absl::OkStatus();
+    return absl::DataLossError("a mission's uid is none");
   }
   if (const auto* localised = std::get_if<LocalisedRecord>(&record)) {
     return CheckLocalised(*localised, state);

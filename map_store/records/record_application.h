@@ -34,6 +34,7 @@ void Apply(const RetractRecord& record, const MapStoreOptions& options, MissionS
 void Apply(const RetireRecord& record, MissionState& state);
 void Apply(const JoinRecord& record, MissionState& state);
 void Apply(const ForgetRecord& record, MissionState& state);
+void Apply(const UidRecord& record, MissionState& state);
 void Apply(const ProfileRecord& record, MissionState& state);
 void Apply(const LocalisedRecord& record, const MapStoreOptions& options, MissionState& state);
 

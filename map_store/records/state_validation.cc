@@ -7,6 +7,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "map_store/ingest/batch_validation.h"
+#include "map_store/state/mission_uid.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::map_store {
@@ -213,6 +214,7 @@ absl::Status ValidateState(const MissionState& state) {
   if (const absl::Status profile = ValidateProfile(state.profile); !profile.ok()) {
     return absl::DataLossError(absl::StrCat("the mission's profile: ", profile.message()));
   }
+  RETURN_IF_ERROR(Check(state.uid.empty() || IsMissionUid(state.uid), "the mission's uid"));
   for (const auto& [id, local_map] : state.local_maps) RETURN_IF_ERROR(ValidateLocalMap(local_map));
   RETURN_IF_ERROR(ValidateAgents(state));
   RETURN_IF_ERROR(ValidateIslands(state));

@@ -128,17 +128,6 @@ std::set<LocalMapId> LocalMapsOf(const Retirement& retirement) {
   return local_maps;
 }
 
-// What was let go calls for no adjustment: nothing stands elsewhere.
-void TouchByRetirement(const std::set<LocalMapId>& local_maps, MissionState& state) {
-  std::set<IslandId> islands;
-  for (const LocalMapId& id : local_maps) islands.insert(state.global.island_of.at(id));
-  for (const IslandId& id : islands) {
-    const bool dirty = state.global.islands.at(id).dirty;
-    TouchByFusion(state, id);
-    state.global.islands.at(id).dirty = dirty;
-  }
-}
-
 }  // namespace
 
 absl::Status CheckRetirement(const Retirement& retirement, const MissionState& state) {
@@ -176,7 +165,9 @@ void ApplyRetirement(const Retirement& retirement, MissionState& state) {
   for (const MapPointId& point : unseen) RemovePoint(point, state);
   for (const RetiredKeyframe& retired : retirement.keyframes) Remove(retired, state);
   recorders.clear();
-  TouchByRetirement(local_maps, state);
+  std::set<IslandId> islands;
+  for (const LocalMapId& id : local_maps) islands.insert(state.global.island_of.at(id));
+  for (const IslandId& id : islands) TouchByRetirement(state, id, local_maps);
 }
 
 }  // namespace corbslam::map_store

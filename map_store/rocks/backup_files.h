@@ -20,6 +20,8 @@ namespace corbslam::map_store {
 
 struct BackupOptions {
   std::string directory;
+  // The id of the store whose folder it was, if this one takes it over (backup_owner.h).
+  std::string take_over_from = "";
   // Bytes a second that a backup writes at most; 0: as fast as it goes.
   uint64_t bytes_per_s = uint64_t{32} << 20;
   // Bytes of the folder's disk that a backup leaves free.

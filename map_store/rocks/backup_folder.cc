@@ -4,11 +4,13 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <map>
 #include <system_error>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "map_store/ingest/batch_validation.h"
+#include "map_store/rocks/backup_owner.h"
 #include "map_store/rocks/journal_folder.h"
 #include "map_store/rocks/mission_header.h"
 #include "map_store/rocks/rocks_journal.h"
@@ -25,6 +27,26 @@ absl::Status CheckApart(const std::string& backups, const std::string& data) {
                    ": neither may be in the other; what loses the one would lose both. Take "
                    "another folder, best on another disk"));
 }
+
+// Tells backups of missions that had one name apart: those that say no uid by their database.
+class MissionNamer {
+ public:
+  explicit MissionNamer(const std::vector<rocksdb::BackupInfo>& backups) {
+    for (const rocksdb::BackupInfo& backup : backups) {
+      const absl::StatusOr<BackupNote> note = DecodeBackupNote(backup.app_metadata);
+      if (!note.ok() || note->facts.mission_uid.empty()) continue;
+      uids_[note->mark.identity] = note->facts.mission_uid;
+    }
+  }
+  std::string NameOf(const BackupNote& note) const {
+    if (!note.facts.mission_uid.empty()) return note.facts.mission_uid;
+    const auto it = uids_.find(note.mark.identity);
+    return it == uids_.end() ? note.mark.identity : it->second;
+  }
+
+ private:
+  std::map<std::string, std::string> uids_;  // By the database's identity.
+};
 
 // A name that leads out of the folder of backups.
 absl::Status CheckBackupName(absl::string_view mission) {
@@ -48,7 +70,17 @@ absl::StatusOr<std::unique_ptr<BackupFolder>> BackupFolder::Open(const RocksJour
   // RocksDB opens a backup's database by an absolute path only.
   BackupOptions absolute = options;
   absolute.directory = std::filesystem::absolute(options.directory, error).string();
-  return std::unique_ptr<BackupFolder>(new BackupFolder(journal, std::move(absolute)));
+  const std::string& data = journal->options().directory;
+  ASSIGN_OR_RETURN(const std::string store_id, EnsureStoreId(data));
+  RETURN_IF_ERROR(ClaimBackupFolder(absolute.directory, store_id, data, absolute.take_over_from));
+  std::unique_ptr<BackupFolder> folder(new BackupFolder(journal, std::move(absolute), store_id));
+  folder->LoadHealth();
+  return folder;
+}
+
+absl::Status BackupFolder::CheckOwner() const {
+  // Where the file has gone, this store is the owner still.
+  return ClaimBackupFolder(options_.directory, store_id_, journal_->options().directory, "");
 }
 
 std::string BackupFolder::FolderOf(absl::string_view mission) const {
@@ -66,6 +98,7 @@ absl::StatusOr<StoredBackup> BackupFolder::Store(absl::string_view mission,
   RETURN_IF_ERROR(journal_->Mark(mission).status());
   absl::MutexLock writing(&writing_);
   if (interrupted_) return absl::AbortedError("the store is about to end");
+  RETURN_IF_ERROR(CheckOwner());
   const std::string folder = FolderOf(mission);
   ASSIGN_OR_RETURN(const std::unique_ptr<rocksdb::BackupEngine> engine,
                    OpenToWrite(folder, options_));
@@ -76,8 +109,11 @@ absl::StatusOr<StoredBackup> BackupFolder::Store(absl::string_view mission,
                                      << "there: " << collected.ToString();
     return number.status();
   }
+  NoteHealth(mission, *number, absl::OkStatus());
   ASSIGN_OR_RETURN(const rocksdb::BackupInfo info, ReadInfo(*engine, mission, *number));
-  return map_store::Describe(mission, info);
+  ASSIGN_OR_RETURN(StoredBackup made, map_store::Describe(mission, info));
+  AddHealth(made);
+  return made;
 }
 
 absl::StatusOr<uint32_t> BackupFolder::Write(rocksdb::BackupEngine& engine,
@@ -87,6 +123,7 @@ absl::StatusOr<uint32_t> BackupFolder::Write(rocksdb::BackupEngine& engine,
   uint32_t number = 0;
   absl::Status room;
   rocksdb::IOStatus made;
+  absl::Status compared;
   RETURN_IF_ERROR(journal_->Lend(
       mission, [&](rocksdb::DB& db, const std::function<bool()>& goes_on) -> rocksdb::Status {
         BackupNote note{facts, {}, kJournalFormat, CorbslamVersion()};
@@ -104,15 +141,22 @@ absl::StatusOr<uint32_t> BackupFolder::Write(rocksdb::BackupEngine& engine,
           if (interrupted_ || !goes_on()) engine.StopBackup();
         };
         // Its errors may be the backups' disk's, which say nothing of the mission.
+        // The files are there until the backup was compared with them.
+        const rocksdb::Status kept = db.DisableFileDeletions();
+        if (!kept.ok()) return kept;
         made = engine.CreateNewBackupWithMetadata(how, &db, Encode(note), &number);
-        return rocksdb::Status::OK();
+        if (made.ok()) compared = CompareNew(db, mission, number, goes_on);
+        return db.EnableFileDeletions(/*force=*/false);
       }));
   RETURN_IF_ERROR(room);
   RETURN_IF_ERROR(ToBackupStatus(folder, made));
-  // The sizes; comparing checksums would read all of it again.
-  const rocksdb::IOStatus whole = engine.VerifyBackup(number, /*verify_with_checksum=*/false);
-  RETURN_IF_ERROR(ToBackupStatus(PlaceOf(mission, number), whole));
-  return number;
+  if (compared.ok()) return number;
+  // One that is not sound is none.
+  const rocksdb::IOStatus removed = engine.DeleteBackup(number);
+  LOG_IF(WARNING, !removed.ok()) << PlaceOf(mission, number)
+                                 << " is damaged and stays: " << removed.ToString();
+  if (absl::IsCancelled(compared)) return absl::AbortedError(compared.message());
+  return compared;
 }
 
 bool BackupFolder::IsStillThere(absl::string_view mission, const BackupNote& note) const {
@@ -132,20 +176,28 @@ bool BackupFolder::IsCurrent(const StoredBackup& backup) const {
 
 absl::Status BackupFolder::Purge(absl::string_view mission, size_t keep) {
   absl::MutexLock writing(&writing_);
+  RETURN_IF_ERROR(CheckOwner());
   ASSIGN_OR_RETURN(const std::unique_ptr<rocksdb::BackupEngine> engine,
                    OpenToWrite(FolderOf(mission), options_));
   std::vector<rocksdb::BackupInfo> backups;
   engine->GetBackupInfo(&backups);
-  size_t kept = 0;
+  const MissionNamer namer(backups);
+  std::map<std::string, size_t> kept;
   std::sort(backups.begin(), backups.end(),
             [](const auto& a, const auto& b) { return a.backup_id > b.backup_id; });
   for (const rocksdb::BackupInfo& backup : backups) {
     const absl::StatusOr<BackupNote> note = DecodeBackupNote(backup.app_metadata);
     // What this program can't read, a newer one may.
-    if (!note.ok() || note->facts.archived || kept++ < std::max<size_t>(keep, 1)) continue;
+    if (!note.ok() || note->facts.archived) continue;
+    size_t& of_mission = kept[namer.NameOf(*note)];
+    if (of_mission < std::max<size_t>(keep, 1)) {
+      of_mission += IsDamaged(mission, backup.backup_id) ? 0 : 1;
+      continue;
+    }
     if (IsHeld(mission, backup.backup_id)) continue;
     const rocksdb::IOStatus removed = engine->DeleteBackup(backup.backup_id);
     RETURN_IF_ERROR(ToBackupStatus(PlaceOf(mission, backup.backup_id), removed));
+    ForgetHealth(mission, backup.backup_id);
   }
   std::vector<rocksdb::BackupID> damaged;
   engine->GetCorruptedBackups(&damaged);
@@ -158,9 +210,12 @@ absl::Status BackupFolder::Purge(absl::string_view mission, size_t keep) {
 
 absl::Status BackupFolder::Remove(absl::string_view mission, uint32_t number) {
   absl::MutexLock writing(&writing_);
+  RETURN_IF_ERROR(CheckOwner());
   ASSIGN_OR_RETURN(const std::unique_ptr<rocksdb::BackupEngine> engine,
                    OpenToWrite(FolderOf(mission), options_));
-  return ToBackupStatus(PlaceOf(mission, number), engine->DeleteBackup(number));
+  RETURN_IF_ERROR(ToBackupStatus(PlaceOf(mission, number), engine->DeleteBackup(number)));
+  ForgetHealth(mission, number);
+  return absl::OkStatus();
 }
 
 }  // namespace corbslam::map_store

@@ -95,6 +95,7 @@ absl::StatusOr<std::vector<StoredBackup>> BackupFolder::List(absl::string_view m
     StoredBackup backup{std::string(mission), info.backup_id, info.size, note->facts};
     // The process may have ended between the backup and the deletion.
     if (backup.facts.archived && IsStillThere(mission, *note)) backup.facts.archived = false;
+    AddHealth(backup);
     backups.push_back(std::move(backup));
   }
   std::ranges::sort(backups, {}, &StoredBackup::number);
@@ -105,7 +106,9 @@ absl::StatusOr<StoredBackup> BackupFolder::Find(absl::string_view mission, uint3
   ASSIGN_OR_RETURN(const std::unique_ptr<rocksdb::BackupEngineReadOnly> engine,
                    OpenToRead(FolderOf(mission)));
   ASSIGN_OR_RETURN(const rocksdb::BackupInfo info, ReadInfo(*engine, mission, number));
-  return map_store::Describe(mission, info);
+  ASSIGN_OR_RETURN(StoredBackup found, map_store::Describe(mission, info));
+  AddHealth(found);
+  return found;
 }
 
 absl::Status BackupFolder::Verify(absl::string_view mission, uint32_t number) const {
@@ -115,11 +118,13 @@ absl::Status BackupFolder::Verify(absl::string_view mission, uint32_t number) co
   ASSIGN_OR_RETURN(const rocksdb::BackupInfo info, ReadInfo(*engine, mission, number));
   const rocksdb::IOStatus compared = engine->VerifyBackup(number, /*verify_with_checksum=*/true);
   const std::string place = PlaceOf(mission, number);
+  absl::Status verified = ToBackupStatus(place, compared);
   if (compared.IsNotFound() || compared.IsCorruption() || compared.IsPathNotFound()) {
-    return absl::DataLossError(absl::StrCat("backup ", place, ": ", compared.ToString()));
+    verified = absl::DataLossError(absl::StrCat("backup ", place, ": ", compared.ToString()));
   }
-  RETURN_IF_ERROR(ToBackupStatus(place, compared));
-  return ReadAll(info, place);
+  if (verified.ok()) verified = ReadAll(info, place);
+  if (verified.ok() || absl::IsDataLoss(verified)) NoteHealth(mission, number, verified);
+  return verified;
 }
 
 absl::StatusOr<std::unique_ptr<Journal>> BackupFolder::Open(absl::string_view mission,

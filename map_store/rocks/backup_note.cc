@@ -26,9 +26,9 @@ absl::Status ReadNumber(const NoteLines& lines, const std::string& key, Number* 
 std::string Encode(const BackupNote& note) {
   return absl::StrCat("created_ns=", absl::ToUnixNanos(note.facts.created),
                       "\nrevision=", note.facts.revision, "\nkeyframes=", note.facts.keyframes,
-                      "\narchived=", note.facts.archived ? 1 : 0, "\nidentity=", note.mark.identity,
-                      "\nsequence=", note.mark.sequence, "\nformat=", note.format,
-                      "\nprogram=", note.program, "\n");
+                      "\narchived=", note.facts.archived ? 1 : 0, "\nuid=", note.facts.mission_uid,
+                      "\nidentity=", note.mark.identity, "\nsequence=", note.mark.sequence,
+                      "\nformat=", note.format, "\nprogram=", note.program, "\n");
 }
 
 absl::StatusOr<BackupNote> DecodeBackupNote(absl::string_view text) {
@@ -48,6 +48,7 @@ absl::StatusOr<BackupNote> DecodeBackupNote(absl::string_view text) {
   RETURN_IF_ERROR(ReadNumber(lines, "format", &note.format));
   note.facts.created = absl::FromUnixNanos(created_ns);
   note.facts.archived = archived != 0;
+  note.facts.mission_uid = lines["uid"];
   note.mark.identity = lines["identity"];
   note.program = lines["program"];
   return note;

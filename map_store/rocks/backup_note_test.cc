@@ -7,7 +7,7 @@ namespace {
 
 TEST(BackupNoteTest, IsReadAsItWasWrittenAndPassesOverWhatIsNewer) {
   BackupNote note;
-  note.facts = {absl::FromUnixNanos(1'700'000'000'123'456'789), 7, 4711, true};
+  note.facts = {absl::FromUnixNanos(1'700'000'000'123'456'789), 7, 4711, true, "0123"};
   note.mark = {"a-b=c", 99};
   note.format = 11;
   note.program = "0.1.0";
@@ -17,6 +17,7 @@ TEST(BackupNoteTest, IsReadAsItWasWrittenAndPassesOverWhatIsNewer) {
   EXPECT_EQ(read->facts.revision, 7u);
   EXPECT_EQ(read->facts.keyframes, 4711u);
   EXPECT_TRUE(read->facts.archived);
+  EXPECT_EQ(read->facts.mission_uid, "0123");
   EXPECT_EQ(read->mark, note.mark);
   EXPECT_EQ(read->format, 11u);
   EXPECT_EQ(read->program, "0.1.0");

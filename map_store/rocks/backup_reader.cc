@@ -38,6 +38,17 @@ absl::StatusOr<Journal::Position> BackupReader::Recover(absl::string_view name,
   return absl::NotFoundError(absl::StrCat("the backup is of mission ", mission()));
 }
 
+absl::StatusOr<KeyframePicture> BackupReader::ReadPicture(absl::string_view,
+                                                          KeyframeId keyframe) const {
+  return journal_->ReadPicture(keyframe);
+}
+
+absl::Status BackupReader::ForEachPicture(
+    absl::string_view,
+    const std::function<absl::Status(const KeyframePicture& picture)>& visit) const {
+  return journal_->ForEachPicture(visit);
+}
+
 absl::Status BackupReader::Damage(absl::string_view) const { return journal_->Damage(); }
 
 }  // namespace corbslam::map_store

@@ -29,6 +29,11 @@ class BackupReader : public ReadOnlyJournal {
 
   absl::StatusOr<Position> Recover(absl::string_view mission, const Replay& replay) const override;
   absl::Status Damage(absl::string_view mission) const override;
+  absl::StatusOr<KeyframePicture> ReadPicture(absl::string_view mission,
+                                              KeyframeId keyframe) const override;
+  absl::Status ForEachPicture(
+      absl::string_view mission,
+      const std::function<absl::Status(const KeyframePicture& picture)>& visit) const override;
 
  private:
   BackupReader(std::string mission, std::unique_ptr<MissionJournal> journal,

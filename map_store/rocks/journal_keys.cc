@@ -62,6 +62,19 @@ std::string FeaturesKey(std::string_view mission, KeyframeId keyframe) {
   return key;
 }
 
+std::string PictureKey(std::string_view mission, KeyframeId keyframe) {
+  std::string key = MissionPrefix(JournalPart::kPicture, mission);
+  AppendBigEndian(keyframe.local_map.value, &key);
+  AppendBigEndian(keyframe.index, &key);
+  return key;
+}
+
+std::string PictureOrderKey(std::string_view mission, uint64_t order) {
+  std::string key = MissionPrefix(JournalPart::kPictureOrder, mission);
+  AppendBigEndian(order, &key);
+  return key;
+}
+
 uint64_t PositionOf(std::string_view record_key) {
   constexpr size_t kSize = sizeof(uint64_t);
   if (record_key.size() < kSize) return 0;

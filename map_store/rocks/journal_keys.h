@@ -18,6 +18,8 @@ enum class JournalPart : char {
   kRecord = 'R',
   kSnapshot = 'S',
   kFeatures = 'K',
+  kPicture = 'I',
+  kPictureOrder = 'J',
 };
 
 // Returns the prefix with which all of a mission's keys of that part begin.
@@ -32,6 +34,9 @@ std::string MissionKey(std::string_view mission);
 std::string RecordKey(std::string_view mission, uint64_t position);
 std::string SnapshotKey(std::string_view mission, uint64_t position, uint32_t chunk);
 std::string FeaturesKey(std::string_view mission, KeyframeId keyframe);
+std::string PictureKey(std::string_view mission, KeyframeId keyframe);
+// Under this stands which keyframe's picture came as the mission's `order`-th.
+std::string PictureOrderKey(std::string_view mission, uint64_t order);
 
 // These return the number at the end of a record's key, and the keyframe at the end of a key of
 // features. Keys that are too short give 0 and an invalid id.

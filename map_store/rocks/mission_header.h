@@ -16,11 +16,11 @@ namespace corbslam::map_store {
 // points are not anchored, in format 9 every lens is a RadialTangential of five numbers, up to
 // format 10 all missions are in one database, in format 11 missions have no profile and no
 // keyframes retire, in format 12 profiles have no revision and no settings of robots, and no local
-// map becomes a part of another or is deleted, and in format 13 what robots that only localise say
-// is not kept.
+// map becomes a part of another or is deleted, in format 13 what robots that only localise say is
+// not kept, and in format 14 missions have no uid.
 inline constexpr uint32_t kOldestJournalFormat = 5;
 inline constexpr uint32_t kLastSharedFormat = 10;
-inline constexpr uint32_t kJournalFormat = 14;
+inline constexpr uint32_t kJournalFormat = 15;
 
 // Returns the format's number as it stands under its key. DATA_LOSS for bytes that are no number,
 // FAILED_PRECONDITION for a format that this program doesn't read; `written_by` is the version of

@@ -2,6 +2,7 @@
 
 #include <rocksdb/write_batch.h>
 
+#include <algorithm>
 #include <utility>
 
 #include "absl/functional/function_ref.h"
@@ -109,10 +110,16 @@ absl::StatusOr<Journal::Position> MissionJournal::Append(const BatchBytes& bytes
   const Position position = NextPosition();
   batch.Put(RecordKey(name_, position), bytes.record);
   bool is_marked = false;
+  std::vector<BookedPicture> gone;
   {
     absl::MutexLock lock(&mutex_);
     is_marked = is_marked_;
+    for (const KeyframeId& id : removed) {
+      if (const auto picture = pictures_.Take(id)) gone.push_back(*picture);
+    }
+    may_be_wasteful_ |= !gone.empty();
   }
+  AddRemovals(gone, batch);
   if (!is_marked) batch.Put(MissionKey(name_), Encode(MissionHeader()));
   RETURN_IF_ERROR(ToStatus(database_->Write(batch, false)));
   absl::MutexLock lock(&mutex_);
@@ -129,7 +136,8 @@ absl::StatusOr<Journal::Position> MissionJournal::Append(const BatchBytes& bytes
 absl::Status MissionJournal::Sync(Position position) {
   if (!options_.sync) return absl::OkStatus();
   absl::MutexLock lock(&mutex_);
-  while (synced_ < position) {
+  // A position of an earlier mission of the name may be larger than all of this one's.
+  while (synced_ < std::min(position, written_)) {
     // One thread syncs for all that were written by then; the others wait for it.
     if (syncing_) {
       synced_changed_.Wait(&mutex_);
@@ -167,10 +175,13 @@ absl::Status MissionJournal::WriteSnapshot(const JournalSnapshot& snapshot) {
   RETURN_IF_ERROR(Damage());
   RETURN_IF_ERROR(CheckRoom(options_, snapshot.state.size()));
   std::vector<KeyframeId> unneeded;
+  std::vector<BookedPicture> gone;
   bool replaces_its_like = false;
   {
     absl::MutexLock lock(&mutex_);
     unneeded = contents_.FindUnneeded(snapshot);
+    gone = pictures_.FindUnneeded(snapshot.position,
+                                  {snapshot.keyframes.begin(), snapshot.keyframes.end()});
     replaces_its_like = contents_.snapshot_position() == snapshot.position;
   }
   rocksdb::WriteBatch turn;
@@ -186,11 +197,13 @@ absl::Status MissionJournal::WriteSnapshot(const JournalSnapshot& snapshot) {
     RETURN_IF_ERROR(WriteChunks(snapshot));
   }
   AddTurn(name_, snapshot, unneeded, turn);
+  AddRemovals(gone, turn);
   RETURN_IF_ERROR(ToStatus(database_->Write(turn, true)));
   absl::MutexLock lock(&mutex_);
   is_marked_ = true;
   may_be_wasteful_ = true;
   contents_.NoteSnapshot(snapshot.position, snapshot.state.size(), unneeded);
+  for (const BookedPicture& picture : gone) pictures_.Take(picture.keyframe);
   return absl::OkStatus();
 }
 

@@ -17,6 +17,7 @@
 #include "absl/time/time.h"
 #include "map_store/archive/feature_archive.h"
 #include "map_store/records/journal.h"
+#include "map_store/records/picture_book.h"
 #include "map_store/rocks/backup_note.h"
 #include "map_store/rocks/journal_options.h"
 #include "map_store/rocks/log_file_check.h"
@@ -25,6 +26,7 @@
 namespace rocksdb {
 class DB;
 class Status;
+class WriteBatch;
 }  // namespace rocksdb
 
 namespace corbslam::map_store {
@@ -56,6 +58,11 @@ class MissionJournal {
   absl::Status Create(const MissionState& state);
   absl::StatusOr<Position> Recover(const Journal::Replay& replay) const;
   absl::Status CheckWritable();
+
+  absl::Status PutPicture(const KeyframePicture& picture, uint64_t max_bytes);
+  absl::StatusOr<KeyframePicture> ReadPicture(KeyframeId keyframe) const;
+  absl::Status ForEachPicture(
+      const std::function<absl::Status(const KeyframePicture& picture)>& visit) const;
 
   // Returns DATA_LOSS, with what is wrong and what to do, once something was found damaged.
   absl::Status Damage() const;
@@ -91,6 +98,9 @@ class MissionJournal {
   void WriteMark() ABSL_LOCKS_EXCLUDED(marking_, mutex_);
   absl::Status LoadRecords(Position snapshot_position);
   absl::Status LoadFeatures();
+  absl::Status LoadPictures();
+  // Adds to the write that these pictures go.
+  void AddRemovals(const std::vector<BookedPicture>& gone, rocksdb::WriteBatch& batch) const;
   absl::StatusOr<Features> ReadFeatures(KeyframeId id) const;
   // Returns null where the replay wants no features.
   FeatureLoader LoaderFor(const Journal::Replay& replay) const;
@@ -132,6 +142,7 @@ class MissionJournal {
   absl::CondVar synced_changed_;
   // Replays find out which keyframes were removed.
   mutable MissionContents contents_ ABSL_GUARDED_BY(mutex_);
+  PictureBook pictures_ ABSL_GUARDED_BY(mutex_);
   bool is_marked_ ABSL_GUARDED_BY(mutex_) = false;  // Whether it has a header.
   Position last_ ABSL_GUARDED_BY(mutex_) = 0;
   // The last records that were written, and that are durable.

@@ -34,7 +34,9 @@ absl::Status MissionJournal::ToReadStatus(const rocksdb::Status& status) const {
 
 absl::Status MissionJournal::Load() {
   RETURN_IF_ERROR(LoadRecordsOnly());
-  return Note(WithPlace(LoadFeatures(), absl::StrCat("journal ", database_->directory())));
+  const std::string place = absl::StrCat("journal ", database_->directory());
+  RETURN_IF_ERROR(Note(WithPlace(LoadFeatures(), place)));
+  return Note(WithPlace(LoadPictures(), place));
 }
 
 absl::Status MissionJournal::LoadRecordsOnly() {

@@ -41,7 +41,7 @@ bool MissionJournal::IsWasteful() const {
   {
     absl::MutexLock lock(&mutex_);
     if (!may_be_wasteful_) return false;
-    live = contents_.live_bytes();
+    live = contents_.live_bytes() + pictures_.bytes();
   }
   return DiskBytes() > live + live / 4 + kLittle;
 }
@@ -68,7 +68,7 @@ absl::Status MissionJournal::CheckRoomToTidy() const {
   std::error_code error;
   const auto space = std::filesystem::space(options_.directory, error);
   absl::MutexLock lock(&mutex_);
-  const uint64_t live = contents_.live_bytes();
+  const uint64_t live = contents_.live_bytes() + pictures_.bytes();
   if (error || space.available >= live + kLittle) return absl::OkStatus();
   return absl::ResourceExhaustedError(
       absl::StrCat("journal ", database_->directory(), ": tidying up takes ", live,

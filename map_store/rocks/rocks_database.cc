@@ -104,6 +104,7 @@ rocksdb::Status RocksDatabase::OpenLocked(Mode mode) {
                                      : rocksdb::DB::Open(options, directory_, &opened);
   if (!status.ok()) return status;
   db_.reset(opened);
+  only_reads_ = only_reads;
   return status;
 }
 
@@ -115,13 +116,22 @@ void RocksDatabase::Destroy(const std::string& directory) {
 void RocksDatabase::Close() {
   closing_.store(true);
   absl::MutexLock tidied(&tidying_);
-  std::shared_ptr<rocksdb::DB> closed;
-  {
-    absl::MutexLock lock(&mutex_);
-    closed.swap(db_);
-  }
-  // Whoever reads at this moment ends soon.
-  while (closed.use_count() > 1) absl::SleepFor(absl::Milliseconds(1));
+  std::unique_ptr<rocksdb::DB> closed;
+  absl::MutexLock lock(&mutex_);
+  closed.swap(db_);
+  // Whoever reads at this moment ends soon, and nobody can begin any more.
+  const auto is_free = [this]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { return users_ == 0; };
+  mutex_.Await(absl::Condition(&is_free));
+}
+
+std::shared_ptr<rocksdb::DB> RocksDatabase::Use() const {
+  absl::MutexLock lock(&mutex_);
+  if (db_ == nullptr) return nullptr;
+  ++users_;
+  return {db_.get(), [this](rocksdb::DB*) {
+            absl::MutexLock done(&mutex_);
+            --users_;
+          }};
 }
 
 rocksdb::Status RocksDatabase::Tidy() {
@@ -172,7 +182,7 @@ rocksdb::Status RocksDatabase::Reopen() {
   const absl::Time now = absl::Now();
   // After corruption (see below) only a new process may open it. Two databases in one folder can't
   // be.
-  if (last_failure_.IsCorruption() || now < last_try_ + kBetweenTries || db_.use_count() > 1) {
+  if (last_failure_.IsCorruption() || now < last_try_ + kBetweenTries || users_ > 0) {
     return last_failure_;
   }
   last_try_ = now;
@@ -230,7 +240,28 @@ rocksdb::Status RocksDatabase::SyncLog() {
 rocksdb::Status RocksDatabase::Get(const std::string& key, std::string* value) const {
   const std::shared_ptr<rocksdb::DB> db = Use();
   if (db == nullptr) return rocksdb::Status::Aborted("the journal is closed");
+  bool only_reads = false;
+  {
+    absl::MutexLock lock(&mutex_);
+    only_reads = only_reads_;
+  }
+  if (only_reads) return Seek(*db, key, value);
   return db->Get(rocksdb::ReadOptions(), key, value);
+}
+
+// A database that is only read finds no value by Get that lies in a file of its own (blob), up to
+// RocksDB 7.8 at least, and says NotFound; an iterator finds it.
+rocksdb::Status RocksDatabase::Seek(rocksdb::DB& db, const std::string& key, std::string* value) {
+  rocksdb::ReadOptions options;
+  const std::string end = key + '\0';
+  const rocksdb::Slice bound(end);
+  options.iterate_upper_bound = &bound;
+  const std::unique_ptr<rocksdb::Iterator> it(db.NewIterator(options));
+  it->Seek(key);
+  if (!it->status().ok()) return it->status();
+  if (!it->Valid()) return rocksdb::Status::NotFound();
+  *value = it->value().ToString();
+  return rocksdb::Status::OK();
 }
 
 }  // namespace corbslam::map_store

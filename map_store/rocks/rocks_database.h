@@ -99,11 +99,10 @@ class RocksDatabase {
   rocksdb::Status Reopen() ABSL_LOCKS_EXCLUDED(mutex_);
   rocksdb::Status Fail(const rocksdb::Status& status) ABSL_LOCKS_EXCLUDED(mutex_);
   void NoteWritten(uint64_t written);
-  // The database stays open as long as the caller holds the pointer.
-  std::shared_ptr<rocksdb::DB> Use() const ABSL_LOCKS_EXCLUDED(mutex_) {
-    absl::MutexLock lock(&mutex_);
-    return db_;
-  }
+  // The database stays open as long as the caller holds the pointer, which is null if it is closed.
+  std::shared_ptr<rocksdb::DB> Use() const ABSL_LOCKS_EXCLUDED(mutex_);
+  // Reads one value by an iterator.
+  static rocksdb::Status Seek(rocksdb::DB& db, const std::string& key, std::string* value);
 
   const std::string directory_;
   rocksdb::Env* const env_;
@@ -114,7 +113,10 @@ class RocksDatabase {
   absl::Mutex tidying_;
   mutable absl::Mutex mutex_;
   // Null if opening the database again failed.
-  std::shared_ptr<rocksdb::DB> db_ ABSL_GUARDED_BY(mutex_);
+  std::unique_ptr<rocksdb::DB> db_ ABSL_GUARDED_BY(mutex_);
+  // How many have it in use.
+  mutable size_t users_ ABSL_GUARDED_BY(mutex_) = 0;
+  bool only_reads_ ABSL_GUARDED_BY(mutex_) = false;
   rocksdb::Status last_failure_ ABSL_GUARDED_BY(mutex_);
   absl::Time last_try_ ABSL_GUARDED_BY(mutex_) = absl::InfinitePast();
   std::atomic<bool> failed_ = false;

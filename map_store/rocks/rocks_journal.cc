@@ -8,6 +8,7 @@
 #include "absl/strings/str_cat.h"
 #include "map_store/archive/feature_archive.h"
 #include "map_store/archive/record_archive.h"
+#include "map_store/rocks/deleted_file.h"
 #include "map_store/rocks/files_check.h"
 #include "map_store/rocks/journal_scrubber.h"
 #include "map_store/rocks/journal_tidier.h"
@@ -34,16 +35,6 @@ std::shared_ptr<const BatchBytes> BytesOf(const JournalRecord& record) {
     return batch->bytes != nullptr ? batch->bytes : EncodeBatch(*batch);
   }
   return std::make_shared<const BatchBytes>(BatchBytes{map_store::EncodeRecord(record), {}});
-}
-
-std::vector<KeyframeId> RemovedBy(const JournalRecord& record) {
-  std::vector<KeyframeId> removed;
-  const auto* update = std::get_if<BatchRecord>(&record);
-  if (update == nullptr) return removed;
-  for (const KeyframeRemoval& removal : update->batch->removed_keyframes) {
-    removed.push_back(removal.id);
-  }
-  return removed;
 }
 
 uint64_t SizeOf(const BatchBytes& bytes) {
@@ -153,6 +144,26 @@ absl::StatusOr<std::vector<std::string>> RocksJournal::ListMissions() const {
   return names;
 }
 
+absl::Status RocksJournal::PutPicture(absl::string_view mission, const KeyframePicture& picture,
+                                      uint64_t max_bytes) {
+  // A picture makes no mission: it may have been deleted just now.
+  ASSIGN_OR_RETURN(const MissionPtr found, FindMission(mission));
+  return found->PutPicture(picture, max_bytes);
+}
+
+absl::StatusOr<KeyframePicture> RocksJournal::ReadPicture(absl::string_view mission,
+                                                          KeyframeId keyframe) const {
+  ASSIGN_OR_RETURN(const MissionPtr found, FindMission(mission));
+  return found->ReadPicture(keyframe);
+}
+
+absl::Status RocksJournal::ForEachPicture(
+    absl::string_view mission,
+    const std::function<absl::Status(const KeyframePicture& picture)>& visit) const {
+  ASSIGN_OR_RETURN(const MissionPtr found, FindMission(mission));
+  return found->ForEachPicture(visit);
+}
+
 absl::StatusOr<Journal::Position> RocksJournal::Recover(absl::string_view mission,
                                                         const Replay& replay) const {
   const absl::StatusOr<MissionPtr> found =
@@ -181,6 +192,15 @@ absl::Status RocksJournal::DeleteMission(absl::string_view mission) {
   LOG_IF(WARNING, !removed.ok()) << "a deleted mission's files are left, until the next start: "
                                  << removed;
   return absl::OkStatus();
+}
+
+absl::Status RocksJournal::NoteDeleted(const DeletedMission& mission) {
+  absl::MutexLock making(&making_);
+  return AddToDeletedFile(options_.directory, mission);
+}
+
+std::vector<DeletedMission> RocksJournal::ListDeleted() const {
+  return ReadDeletedFile(options_.directory);
 }
 
 absl::Status RocksJournal::Damage(absl::string_view mission) const {

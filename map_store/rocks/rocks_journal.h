@@ -54,9 +54,18 @@ class RocksJournal : public Journal {
   absl::StatusOr<std::vector<std::string>> ListMissions() const override;
   absl::StatusOr<Position> Recover(absl::string_view mission, const Replay& replay) const override;
   absl::Status DeleteMission(absl::string_view mission) override;
+  absl::Status NoteDeleted(const DeletedMission& mission) override;
+  std::vector<DeletedMission> ListDeleted() const override;
   void TidyUp(absl::string_view mission) override;
   absl::Status PutAside(absl::string_view mission, absl::string_view summary) override;
   absl::StatusOr<std::string> ReadSummary(absl::string_view mission) const override;
+  absl::Status PutPicture(absl::string_view mission, const KeyframePicture& picture,
+                          uint64_t max_bytes) override;
+  absl::StatusOr<KeyframePicture> ReadPicture(absl::string_view mission,
+                                              KeyframeId keyframe) const override;
+  absl::Status ForEachPicture(
+      absl::string_view mission,
+      const std::function<absl::Status(const KeyframePicture& picture)>& visit) const override;
   absl::Status CheckWritable() override;
   absl::Status Damage(absl::string_view mission) const override;
   uint64_t DiskBytes(absl::string_view mission) const override;
@@ -87,6 +96,8 @@ class RocksJournal : public Journal {
   // Opens the database that guards the folder, and finds the missions. The guard keeps other
   // processes out, and programs that would take the folder for an empty one.
   absl::Status OpenGuard();
+  // Keeps what an older program wrote, and says where.
+  absl::Status KeepOlder(uint32_t format);
   // Makes the folder of missions, from what the guard's place holds in a format of before (0:
   // nothing).
   absl::Status MakeFolders(uint32_t format);

@@ -7,6 +7,7 @@
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
+#include "map_store/rocks/deleted_file.h"
 #include "map_store/rocks/files_check.h"
 #include "map_store/rocks/journal_keys.h"
 #include "map_store/rocks/journal_scrubber.h"
@@ -17,6 +18,7 @@
 #include "map_store/rocks/rocks_database.h"
 #include "map_store/rocks/rocks_journal.h"
 #include "map_store/rocks/summary_file.h"
+#include "map_store/rocks/upgrade_copy.h"
 #include "slam/util/lock_holder.h"
 #include "slam/util/program_version.h"
 #include "slam/util/status_macros.h"
@@ -85,6 +87,7 @@ absl::StatusOr<std::unique_ptr<RocksJournal>> RocksJournal::Open(
   }
   RETURN_IF_ERROR(journal->OpenGuard());
   RETURN_IF_ERROR(journal->LoadMissions());
+  ShortenDeletedFile(options.directory);
   journal->tidier_ =
       std::make_unique<JournalTidier>([made = journal.get()] { return made->OpenMissions(); });
   journal->StartScrubber();
@@ -104,15 +107,30 @@ absl::Status RocksJournal::OpenGuard() {
       (absl::IsDataLoss(format.status()) && !folder_.exists())) {
     return absl::Status(format.status().code(), place + std::string(format.status().message()));
   }
-  if (!folder_.exists()) return MakeFolders(format.ok() ? *format : 0);
+  if (!folder_.exists()) {
+    if (format.ok() && *format <= kLastSharedFormat) RETURN_IF_ERROR(KeepOlder(*format));
+    return MakeFolders(format.ok() ? *format : 0);
+  }
   // Once there is a folder of missions, the guard has nothing that could be lost.
   if (!format.ok() || *format <= kLastSharedFormat) return MakeGuard();
   // Programs that read no newer format are kept out before the first mission has one.
-  if (*format != kJournalFormat) return WriteGuard();
+  if (*format != kJournalFormat) {
+    RETURN_IF_ERROR(KeepOlder(*format));
+    return WriteGuard();
+  }
   std::string program;
   const bool is_known = guard_->Get(map_store::ProgramKey(), &program).ok();
   // Nothing depends on it.
   if (!is_known || program != CorbslamVersion()) WriteGuard().IgnoreError();
+  return absl::OkStatus();
+}
+
+absl::Status RocksJournal::KeepOlder(uint32_t format) {
+  RETURN_IF_ERROR(KeepBeforeUpgrade(options_.directory, format));
+  LOG(WARNING) << "journal " << options_.directory << ": it is of format " << format
+               << " and becomes " << kJournalFormat << "; as it was, for the program before this "
+               << "one, it is kept in " << UpgradeCopyPath(options_.directory, format)
+               << ", to be deleted when nobody wants to go back";
   return absl::OkStatus();
 }
 

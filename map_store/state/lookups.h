@@ -51,8 +51,10 @@ struct UncomparedPair {
 
 struct MissionInfo {
   std::string name;
+  std::string uid;  // MissionState::uid; empty: nobody knows it.
   uint64_t revision = 0;
   size_t agents = 0;
+  size_t connected_agents = 0;
   size_t local_maps = 0;
   size_t islands = 0;
   size_t keyframes = 0;
@@ -224,6 +226,8 @@ struct OverlapInfo {
   uint64_t revision = 0;  // The revision that took it into the graph; 0: none.
   // Says, for people, what happened beyond the verdict: "waits for fusing", "worker failed: ...".
   std::string note;
+  // Pixels of the query and of the candidate; only where one overlap was asked for.
+  std::vector<std::pair<Eigen::Vector2d, Eigen::Vector2d>> matches;
 };
 
 struct OverlapFilter {

@@ -161,4 +161,15 @@ void TouchByFusion(MissionState& state, IslandId id) {
   island.dirty = true;
 }
 
+void TouchByRetirement(MissionState& state, IslandId id, const std::set<LocalMapId>& local_maps) {
+  Island& island = state.global.islands.at(id);
+  island.version = ++state.version;
+  CloseChangeLogs(island, state);
+  for (const LocalMapId& local_map : local_maps) {
+    if (state.global.island_of.at(local_map) != id) continue;
+    state.FindLocalMap(local_map)->places_version = state.version;
+  }
+  island.shared_version = island.version;
+}
+
 }  // namespace corbslam::map_store

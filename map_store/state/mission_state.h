@@ -270,6 +270,9 @@ struct AgentState {
 
 struct MissionState {
   std::string name;
+  // Tells the mission from earlier and later ones of its name (mission_uid.h); empty: it is older
+  // than that, and has not been loaded since.
+  std::string uid;
   MissionProfile profile;
   std::map<std::string, AgentState> agents;
   std::map<LocalMapId, LocalMapState> local_maps;
@@ -368,6 +371,10 @@ LocalMapState& AddLocalMap(MissionState& state, LocalMapId id, const std::string
 // of it, or by fusion. They close the change logs of the island's local maps.
 void TouchByOwner(MissionState& state, LocalMapId local_map, bool share);
 void TouchByFusion(MissionState& state, IslandId island);
+// Notes that the store itself changed some of the island's local maps, of which others stand where
+// they stood. Nothing is to be adjusted for that.
+void TouchByRetirement(MissionState& state, IslandId island,
+                       const std::set<LocalMapId>& local_maps);
 
 }  // namespace corbslam::map_store
 

@@ -43,6 +43,12 @@ class JournalWrapper : public map_store::Journal {
   absl::StatusOr<Position> Recover(absl::string_view mission, const Replay& replay) const override {
     return journal_->Recover(mission, replay);
   }
+  absl::Status NoteDeleted(const map_store::DeletedMission& mission) override {
+    return journal_->NoteDeleted(mission);
+  }
+  std::vector<map_store::DeletedMission> ListDeleted() const override {
+    return journal_->ListDeleted();
+  }
   absl::Status DeleteMission(absl::string_view mission) override {
     return journal_->DeleteMission(mission);
   }
@@ -52,6 +58,19 @@ class JournalWrapper : public map_store::Journal {
   }
   absl::StatusOr<std::string> ReadSummary(absl::string_view mission) const override {
     return journal_->ReadSummary(mission);
+  }
+  absl::Status PutPicture(absl::string_view mission, const KeyframePicture& picture,
+                          uint64_t max_bytes) override {
+    return journal_->PutPicture(mission, picture, max_bytes);
+  }
+  absl::StatusOr<KeyframePicture> ReadPicture(absl::string_view mission,
+                                              KeyframeId keyframe) const override {
+    return journal_->ReadPicture(mission, keyframe);
+  }
+  absl::Status ForEachPicture(
+      absl::string_view mission,
+      const std::function<absl::Status(const KeyframePicture&)>& visit) const override {
+    return journal_->ForEachPicture(mission, visit);
   }
   absl::Status CheckWritable() override { return journal_->CheckWritable(); }
   absl::Status Damage(absl::string_view mission) const override {

@@ -78,8 +78,10 @@ absl::Status NoSuchLocalMap(LocalMapId id) {
 MissionInfo DescribeMission(const MissionState& state) {
   MissionInfo info;
   info.name = state.name;
+  info.uid = state.uid;
   info.revision = state.global.revision;
   info.agents = state.agents.size();
+  for (const auto& [name, agent] : state.agents) info.connected_agents += agent.session != 0;
   info.local_maps = state.local_maps.size();
   info.islands = state.global.islands.size();
   info.keyframes = CountKeyframes(state);

@@ -12,6 +12,9 @@ namespace corbslam::map_store {
 
 namespace {
 
+// For each item of a piece so many points may be looked at.
+constexpr size_t kLooksPerItem = 16;
+
 bool HasLocalMap(const Island& island, LocalMapId id) {
   return std::ranges::find(island.local_maps, id) != island.local_maps.end();
 }
@@ -192,10 +195,14 @@ bool MapWatcher::TakePoints(const MissionState& state, Part& part, size_t& room,
   const auto& points = local_map.map.points();
   for (auto it = points.lower_bound(part.next_point); it != points.end(); ++it) {
     const MapPointId id = it->first;
-    if (room == 0) {
+    // A look costs far less than telling, but an island may have millions of points of which a few
+    // have moved: robots' batches come in between.
+    if (room == 0 || looks_ == 0) {
       part.next_point = id;
+      room = 0;
       return false;
     }
+    --looks_;
     if (!part.whole) {
       const auto placed = map_store::FindPlaced(id, state.global);
       if (!placed.has_value() || placed->revision() <= revision_) continue;
@@ -216,6 +223,7 @@ std::optional<MapChanges> MapWatcher::Next(const MissionState& state, size_t max
   changes.version = version_of_change_;
   changes.revision = revision_of_change_;
   size_t room = std::max<size_t>(max_items, 1);
+  looks_ = room * kLooksPerItem;
   while (!parts_.empty() && room > 0) {
     Part& part = parts_.front();
     // If the local map is in another island meanwhile, the next change tells all of it.

@@ -101,6 +101,7 @@ v1::WhyNoPose ToProto(WhyNoPose why) {
     case WhyNoPose::kMappingPaused:
       return v1::WHY_NO_POSE_MAPPING_PAUSED;
     case WhyNoPose::kNotRecognised:
+    case WhyNoPose::kAnotherCamera:
       return v1::WHY_NO_POSE_NOT_RECOGNISED;
   }
   return v1::WHY_NO_POSE_UNSPECIFIED;

@@ -14,6 +14,7 @@
 #include "services/command_line/help_formatter.h"
 #include "services/command_line/man_page.h"
 #include "services/command_line/secrets.h"
+#include "services/command_line/values.h"
 
 namespace corbslam::services {
 namespace {
@@ -53,6 +54,17 @@ bool IsUnset(const CLI::App& app, const std::string& name) {
          option->get_default_str().empty();
 }
 
+// CLI11 lets through what the standard library throws at a switch's value.
+void ParseWithoutOthersExceptions(CLI::App& app, int argc, const char* const* argv) {
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Error&) {
+    throw;
+  } catch (const std::exception&) {
+    throw CLI::ConversionError("a switch has a value that is neither true nor false");
+  }
+}
+
 bool HasRareFlags(const CLI::App& app) {
   for (const std::string& group : app.get_groups()) {
     if (group == kRareGroup) return true;
@@ -84,6 +96,7 @@ CommandLine::CommandLine(CLI::App* app, const std::string& program)
   AddPrinters();
   SetFormatter(*app_, std::make_shared<HelpFormatter>());
   ReadFromEnvironment(*app_, prefix_);
+  CheckEveryValue(*app_);
 }
 
 void CommandLine::AddPrinters() {
@@ -109,14 +122,17 @@ void CommandLine::CheckEnvironment() const {
 
 void CommandLine::Parse(int argc, const char* const* argv) {
   try {
-    app_->parse(argc, argv);
+    ParseWithoutOthersExceptions(*app_, argc, argv);
     CheckEnvironment();
   } catch (const CLI::Success&) {
     throw;
   } catch (const CLI::ParseError& error) {
-    const std::string sources = SourcesOf(error.what());
-    if (sources.empty()) throw;
-    throw CLI::ParseError(absl::StrCat(error.what(), " (", sources, ")"), error.get_exit_code());
+    const std::string said = InOurWords(error.what());
+    const std::string sources = SourcesOf(said);
+    if (sources.empty() && said == error.what()) throw;
+    throw CLI::ParseError(
+        absl::StrCat(said, sources.empty() ? "" : " (", sources, sources.empty() ? "" : ")"),
+        error.get_exit_code());
   }
 }
 

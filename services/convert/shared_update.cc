@@ -310,6 +310,7 @@ void AddCapabilities(const Capabilities& capabilities, Message* proto) {
   if (capabilities.coded_features) proto->add_capabilities(v1::CAPABILITY_CODED_FEATURES);
   if (capabilities.localise_only) proto->add_capabilities(v1::CAPABILITY_LOCALISE_ONLY);
   if (capabilities.keeps_localised) proto->add_capabilities(v1::CAPABILITY_LOCALISED_KEPT);
+  if (capabilities.keyframe_pictures) proto->add_capabilities(v1::CAPABILITY_KEYFRAME_PICTURES);
   if (capabilities.takes_reports) proto->add_capabilities(v1::CAPABILITY_AGENT_REPORTS);
 }
 
@@ -322,6 +323,7 @@ Capabilities ReadCapabilities(const Message& proto) {
     capabilities.coded_features |= capability == v1::CAPABILITY_CODED_FEATURES;
     capabilities.localise_only |= capability == v1::CAPABILITY_LOCALISE_ONLY;
     capabilities.keeps_localised |= capability == v1::CAPABILITY_LOCALISED_KEPT;
+    capabilities.keyframe_pictures |= capability == v1::CAPABILITY_KEYFRAME_PICTURES;
     capabilities.takes_reports |= capability == v1::CAPABILITY_AGENT_REPORTS;
   }
   return capabilities;
@@ -385,6 +387,7 @@ void ToProto(const SessionRequest& request, v1::OpenSession* proto) {
   proto->set_share(ToProto(request.share.mode));
   if (request.share.mode == ShareMode::kNearby) proto->set_share_radius_m(request.share.radius_m);
   proto->set_localise_only(request.localise_only);
+  proto->set_mission_uid(request.mission_uid);
 }
 
 absl::StatusOr<SessionRequest> FromProto(const v1::OpenSession& proto) {
@@ -410,6 +413,7 @@ absl::StatusOr<SessionRequest> FromProto(const v1::OpenSession& proto) {
   }
   ASSIGN_OR_RETURN(request.share, ReadShareScope(proto));
   request.localise_only = proto.localise_only();
+  request.mission_uid = proto.mission_uid();
   if (request.localise_only && !request.local_maps.empty()) {
     return absl::InvalidArgumentError(
         "local_maps is not empty, though an agent with localise_only has none");
@@ -432,6 +436,7 @@ void ToProto(const SessionGrant& grant, v1::SessionGrant* proto) {
     ToProto(entry, proto->add_acknowledged());
   }
   AddCapabilities(grant.capabilities, proto);
+  proto->set_mission_uid(grant.mission_uid);
 }
 
 absl::StatusOr<SessionGrant> FromProto(const v1::SessionGrant& proto) {
@@ -441,6 +446,7 @@ absl::StatusOr<SessionGrant> FromProto(const v1::SessionGrant& proto) {
     grant.acknowledged.push_back(acknowledgement);
   }
   grant.capabilities = ReadCapabilities(proto);
+  grant.mission_uid = proto.mission_uid();
   return grant;
 }
 

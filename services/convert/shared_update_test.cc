@@ -122,6 +122,7 @@ TEST(SessionTest, RequestAndGrantPassTheWire) {
                          0xfeed, /*take_over=*/true};
   request.capabilities.coded_features = true;
   request.downlink_bytes_per_second = 32000;
+  request.mission_uid = "0123456789abcdef";
   v1::OpenSession proto;
   ToProto(request, &proto);
   EXPECT_EQ(proto.mission(), "missions/m");
@@ -136,6 +137,7 @@ TEST(SessionTest, RequestAndGrantPassTheWire) {
   EXPECT_TRUE(read->capabilities.coded_features);
   EXPECT_FALSE(read->capabilities.points_follow);
   EXPECT_EQ(read->downlink_bytes_per_second, 32000u);
+  EXPECT_EQ(read->mission_uid, "0123456789abcdef");
   proto.set_agent("a/b");
   EXPECT_FALSE(FromProto(proto).ok());
 }
@@ -143,6 +145,7 @@ TEST(SessionTest, RequestAndGrantPassTheWire) {
 TEST(SessionTest, WhatIsUnderstoodPassesTheWire) {
   SessionGrant grant;
   grant.capabilities.points_follow = true;
+  grant.mission_uid = "fedc";
   v1::SessionGrant proto;
   ToProto(grant, &proto);
   // A newer store sends a capability that is not known here.
@@ -151,6 +154,7 @@ TEST(SessionTest, WhatIsUnderstoodPassesTheWire) {
   ASSERT_TRUE(read.ok()) << read.status();
   EXPECT_TRUE(read->capabilities.points_follow);
   EXPECT_FALSE(read->capabilities.coded_features);
+  EXPECT_EQ(read->mission_uid, "fedc");
   // An older store sends no capabilities.
   EXPECT_FALSE(FromProto(v1::SessionGrant())->capabilities.points_follow);
 }

@@ -15,9 +15,17 @@ inline grpc::Status ToGrpcStatus(const absl::Status& status) {
   return {static_cast<grpc::StatusCode>(status.code()), std::string(status.message())};
 }
 
+// Returns the server's words, or what it means that there are none.
+inline std::string WordsOf(const grpc::Status& status) {
+  if (!status.error_message().empty()) return status.error_message();
+  return status.error_code() == grpc::StatusCode::UNIMPLEMENTED
+             ? "the server there does not know this call: is it another kind of server, or older?"
+             : "the server there says no more";
+}
+
 inline absl::Status FromGrpcStatus(const grpc::Status& status) {
   if (status.ok()) return absl::OkStatus();
-  return absl::Status(static_cast<absl::StatusCode>(status.error_code()), status.error_message());
+  return absl::Status(static_cast<absl::StatusCode>(status.error_code()), WordsOf(status));
 }
 
 }  // namespace corbslam::services

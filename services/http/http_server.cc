@@ -2,12 +2,13 @@
 
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
-#include <deque>
+#include <map>
 #include <thread>
 #include <utility>
 
 #include "services/http/http_connection.h"
 #include "services/http/http_listener.h"
+#include "services/runtime/file_limit.h"
 #include "slam/util/status_macros.h"
 #include "slam/util/thread_priority.h"
 
@@ -45,13 +46,23 @@ class HttpServer::Loop {
 
  private:
   void Serve(tcp::socket socket) {
-    std::erase_if(open_, [](const auto& connection) { return connection.expired(); });
-    while (open_.size() >= options_.max_connections) {
-      if (const auto oldest = open_.front().lock()) oldest->Close();
-      open_.pop_front();
+    std::erase_if(open_, [this](const auto& entry) {
+      if (entry.second.expired()) book_.Leave(entry.first);
+      return entry.second.expired();
+    });
+    boost::system::error_code error;
+    const tcp::endpoint peer = socket.remote_endpoint(error);
+    if (error) return;
+    const ConnectionBook::Id id = next_id_++;
+    const ConnectionBook::Verdict verdict = book_.Enter(
+        id, HostOfIp(peer.address().to_string()), LimitsWithin(FileLimit(), options_.connections));
+    if (verdict.makes_room.has_value()) {
+      const auto oldest = open_.find(*verdict.makes_room);
+      if (const auto connection = oldest->second.lock()) connection->Close();
+      open_.erase(oldest);
     }
     const auto connection = std::make_shared<HttpConnection>(std::move(socket), &handler_);
-    open_.push_back(connection);
+    open_.emplace(id, connection);
     connection->Start(options_.max_connection_time);
   }
 
@@ -59,7 +70,9 @@ class HttpServer::Loop {
   const HttpHandler handler_;
   boost::asio::io_context context_{/*concurrency_hint=*/1};
   HttpListener listener_;
-  std::deque<std::weak_ptr<HttpConnection>> open_;  // The oldest comes first.
+  ConnectionBook book_;
+  ConnectionBook::Id next_id_ = 1;
+  std::map<ConnectionBook::Id, std::weak_ptr<HttpConnection>> open_;
   std::thread thread_;
 };
 

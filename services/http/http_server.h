@@ -2,7 +2,6 @@
 #ifndef CORBSLAM_SERVICES_HTTP_HTTP_SERVER_H_
 #define CORBSLAM_SERVICES_HTTP_HTTP_SERVER_H_
 
-#include <cstddef>
 #include <memory>
 #include <string>
 
@@ -10,14 +9,16 @@
 #include "absl/time/time.h"
 #include "services/http/http_listener.h"
 #include "services/http/http_message.h"
+#include "services/runtime/connection_book.h"
 
 namespace corbslam::services {
 
 // Bounds what strangers can take of this process.
 struct HttpServerOptions {
-  // Most connections that are open at once. The oldest is closed for each further one: a client
-  // that sends its request at once is answered at once, one that waits makes room for others.
-  size_t max_connections = 32;
+  // Most connections that are open at once, in all and of one host. The oldest of the host that has
+  // most is closed for each further one: a client that sends its request at once is answered at
+  // once, one that waits makes room for others.
+  ConnectionLimits connections = {.all = 32, .of_host = 16};
   // Limit from the connection's beginning to the last byte of the answer.
   absl::Duration max_connection_time = absl::Seconds(10);
 };

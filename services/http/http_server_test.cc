@@ -175,7 +175,7 @@ TEST_F(HttpServerTest, WhoDoesNotReadTheAnswerEndsInTime) {
 }
 
 TEST_F(HttpServerTest, ManyConnectionsMakeRoomForTheNext) {
-  Start(Echo, {.max_connections = 4, .max_connection_time = absl::Hours(1)});
+  Start(Echo, {.connections = {.all = 4, .of_host = 4}, .max_connection_time = absl::Hours(1)});
   std::vector<RawConnection> idle;
   for (int i = 0; i < 100; ++i) {
     idle.emplace_back(address());

@@ -12,14 +12,15 @@ namespace corbslam::services {
 grpc::ServerUnaryReactor* MapStoreService::ArchiveMission(grpc::CallbackServerContext* context,
                                                           const v1::ArchiveMissionRequest* request,
                                                           v1::StoredBackup* response) {
-  return AnswerOn(backup_pool_, context, [this, request, response]() -> absl::Status {
-    ASSIGN_OR_RETURN(const std::string mission, ParseMissionName(request->name()));
-    RETURN_IF_ERROR(CheckKeepsBackups(options_.backups));
-    ASSIGN_OR_RETURN(const map_store::StoredBackup made, options_.backups->Archive(mission));
-    LOG(INFO) << LogFields{.mission = mission} << "mission archived as backup " << made.number;
-    ToProto(made, response);
-    return absl::OkStatus();
-  });
+  return AnswerLong(
+      backup_pool_, context, request->name(), [this, request, response]() -> absl::Status {
+        ASSIGN_OR_RETURN(const std::string mission, ParseMissionName(request->name()));
+        RETURN_IF_ERROR(CheckKeepsBackups(options_.backups));
+        ASSIGN_OR_RETURN(const map_store::StoredBackup made, options_.backups->Archive(mission));
+        LOG(INFO) << LogFields{.mission = mission} << "mission archived as backup " << made.number;
+        ToProto(made, response);
+        return absl::OkStatus();
+      });
 }
 
 }  // namespace corbslam::services

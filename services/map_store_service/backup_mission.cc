@@ -1,4 +1,5 @@
 #include <memory>
+#include <utility>
 
 #include "services/convert/resource_names.h"
 #include "services/map_store_service/map_store_service.h"
@@ -19,7 +20,17 @@ constexpr size_t kPieceBytes = 1 << 20;
 grpc::ServerWriteReactor<v1::BackupMissionResponse>* MapStoreService::BackupMission(
     grpc::CallbackServerContext* context, const v1::BackupMissionRequest* request) {
   using Reactor = StreamReactor<v1::BackupMissionResponse>;
-  return Reactor::Start(pool_, limits_.Enter(context->peer()),
+  absl::StatusOr<std::shared_ptr<const void>> ticket = EnterLongWork(*context, request->name());
+  if (ticket.ok()) {
+    absl::StatusOr<std::shared_ptr<const void>> stream = limits_.Enter(context->peer());
+    if (stream.ok()) {
+      using Both = std::pair<std::shared_ptr<const void>, std::shared_ptr<const void>>;
+      ticket = std::make_shared<const Both>(*std::move(ticket), *std::move(stream));
+    } else {
+      ticket = stream.status();
+    }
+  }
+  return Reactor::Start(long_pool_, std::move(ticket),
                         [this, name = request->name()]() -> absl::StatusOr<Reactor::Next> {
                           ASSIGN_OR_RETURN(const std::string mission, ParseMissionName(name));
                           ASSIGN_OR_RETURN(MissionBackup taken, store_.BackUpMission(mission));

@@ -17,9 +17,12 @@ grpc::ServerUnaryReactor* MapStoreService::CreateMission(grpc::CallbackServerCon
                                                          v1::Mission* response) {
   return AnswerOn(pool_, context, [this, request, response]() -> absl::Status {
     ASSIGN_OR_RETURN(const std::string mission, ParseMissionName(request->mission().name()));
+    RETURN_IF_ERROR(CheckAskedLimits(request->mission(), {map_store::ProfileField::kLimits,
+                                                          map_store::ProfileField::kAgentLimits,
+                                                          map_store::ProfileField::kRetention}));
     RETURN_IF_ERROR(store_.CreateMission(mission, ProfileFromProto(request->mission())));
-    LOG(INFO) << LogFields{.mission = mission} << "mission created";
     ASSIGN_OR_RETURN(const MissionInfo info, store_.GetMission(mission));
+    LOG(INFO) << LogFields{.mission = mission} << "mission created, uid " << info.uid;
     ToProto(info, response);
     return absl::OkStatus();
   });

@@ -33,17 +33,18 @@ void ForgottenToProto(const map_store::ForgottenLocalMaps& forgotten,
 grpc::ServerUnaryReactor* MapStoreService::ForgetLocalMaps(
     grpc::CallbackServerContext* context, const v1::ForgetLocalMapsRequest* request,
     v1::ForgetLocalMapsResponse* response) {
-  return AnswerOn(pool_, context, [this, request, response]() -> absl::Status {
-    ASSIGN_OR_RETURN(const AgentPath path, ParseAgentName(request->parent(), false));
-    ASSIGN_OR_RETURN(const map_store::ForgottenLocalMaps forgotten,
-                     store_.ForgetLocalMaps(path.mission, FromProto(path.agent, *request)));
-    ForgottenToProto(forgotten, response);
-    LOG(INFO) << LogFields{.mission = path.mission}
-              << (request->dry_run() ? "local maps that would be deleted of agent "
-                                     : "local maps deleted of agent ")
-              << path.agent << ": " << forgotten.local_maps.size();
-    return absl::OkStatus();
-  });
+  return AnswerLong(
+      long_pool_, context, request->parent(), [this, request, response]() -> absl::Status {
+        ASSIGN_OR_RETURN(const AgentPath path, ParseAgentName(request->parent(), false));
+        ASSIGN_OR_RETURN(const map_store::ForgottenLocalMaps forgotten,
+                         store_.ForgetLocalMaps(path.mission, FromProto(path.agent, *request)));
+        ForgottenToProto(forgotten, response);
+        LOG(INFO) << LogFields{.mission = path.mission}
+                  << (request->dry_run() ? "local maps that would be deleted of agent "
+                                         : "local maps deleted of agent ")
+                  << path.agent << ": " << forgotten.local_maps.size();
+        return absl::OkStatus();
+      });
 }
 
 }  // namespace corbslam::services

@@ -1,3 +1,5 @@
+#include <utility>
+
 #include "services/convert/features.h"
 #include "services/convert/resource_names.h"
 #include "services/map_store_service/lookups_to_proto.h"
@@ -16,9 +18,16 @@ grpc::ServerUnaryReactor* MapStoreService::GetKeyframe(grpc::CallbackServerConte
   return AnswerOn(pool_, context, [this, request, response]() -> absl::Status {
     if (!v1::KeyframeView_IsValid(request->view())) {
       return absl::InvalidArgumentError(
-          absl::StrCat("view is ", static_cast<int>(request->view()), ", must be 0 to 2"));
+          absl::StrCat("view is ", static_cast<int>(request->view()), ", must be 0 to 3"));
     }
     ASSIGN_OR_RETURN(const KeyframePath path, ParseKeyframeName(request->name()));
+    if (request->view() == v1::KEYFRAME_VIEW_PICTURE) {
+      ASSIGN_OR_RETURN(auto picture, store_.GetPicture(path.mission, path.keyframe));
+      if (picture.has_value()) {
+        response->set_picture(std::move(picture->jpeg));
+        response->set_picture_scale(picture->scale);
+      }
+    }
     const bool is_full = request->view() == v1::KEYFRAME_VIEW_FULL;
     ASSIGN_OR_RETURN(const KeyframeInfo info,
                      store_.GetKeyframe(path.mission, path.keyframe, /*with_sights=*/is_full));

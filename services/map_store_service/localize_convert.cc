@@ -60,6 +60,9 @@ void ToProto(const std::string& mission, const map_store::LocalizeAnswer& answer
   response->set_word_matches(Count(answer.word_matches));
   response->set_pose_inliers(Count(answer.pose_inliers));
   response->set_inliers(Count(answer.inliers));
+  response->set_inliers_needed(Count(answer.inliers_needed));
+  response->set_visible_points(Count(answer.visible_points));
+  response->set_chance_inliers(Count(answer.chance_inliers));
   if (answer.fitting_camera.has_value()) {
     ToProto(*answer.fitting_camera, response->mutable_fitting_camera());
   }

@@ -64,6 +64,8 @@ void ToProto(const MissionInfo& info, v1::Mission* proto) {
   proto->set_damage(info.damage);
   ToProto(info.profile, proto);
   proto->set_asleep(info.asleep);
+  proto->set_uid(info.uid);
+  proto->set_connected_agents(Count(info.connected_agents));
   if (!info.worker_outage.has_value()) return;
   proto->set_worker_away_since_ns(absl::ToUnixNanos(info.worker_outage->begin));
   proto->set_worker_error(info.worker_outage->cause);
@@ -147,6 +149,13 @@ void ToProto(absl::string_view mission, const OverlapInfo& info, v1::Overlap* pr
   proto->set_number(info.id);
   proto->set_name(OverlapName(mission, info.id));
   proto->set_note(info.note);
+  for (const auto& [query, candidate] : info.matches) {
+    v1::OverlapMatch* const match = proto->add_matches();
+    match->set_query_x_px(static_cast<float>(query.x()));
+    match->set_query_y_px(static_cast<float>(query.y()));
+    match->set_candidate_x_px(static_cast<float>(candidate.x()));
+    match->set_candidate_y_px(static_cast<float>(candidate.y()));
+  }
 }
 
 void ToProto(absl::string_view mission, const MissionStatistics& statistics,

@@ -21,6 +21,7 @@
 #include "services/map_store_service/streams/stream_limits.h"
 #include "services/map_store_service/streams/sync_observer.h"
 #include "services/server/task_pool.h"
+#include "services/server/work_slots.h"
 
 namespace corbslam::services {
 
@@ -33,7 +34,8 @@ using MapStoreBackupMethods =
                 v1::MapStore::WithCallbackMethod_ArchiveMission<
                     v1::MapStore::WithCallbackMethod_ForgetLocalMaps<v1::MapStore::Service>>>>>>;
 using MapStoreSettingsMethods = v1::MapStore::WithCallbackMethod_SetRobotSettings<
-    v1::MapStore::WithCallbackMethod_GetRobotSettings<MapStoreBackupMethods>>;
+    v1::MapStore::WithCallbackMethod_GetRobotSettings<
+        v1::MapStore::WithCallbackMethod_GetOverlap<MapStoreBackupMethods>>>;
 using MapStoreMethods = v1::MapStore::WithRawCallbackMethod_Sync<v1::MapStore::WithCallbackMethod_WatchMap<
     v1::MapStore::WithCallbackMethod_WatchEvents<v1::MapStore::WithCallbackMethod_ReplayMap<
         v1::MapStore::WithCallbackMethod_ListMissions<v1::MapStore::WithCallbackMethod_GetMission<
@@ -106,7 +108,7 @@ class MapStoreService : public MapStoreMethods {
         limits_(options.streams),
         pool_(options.threads, options.streams.max_waiting_calls) {
     // Who needs a mission that is asleep gives its thread to others meanwhile.
-    for (TaskPool* pool : {&pool_, &replay_pool_, locating_.get()}) {
+    for (TaskPool* pool : {&pool_, &replay_pool_, &long_pool_, locating_.get()}) {
       pool->SetDeferrer([store](const absl::Status& error, TaskPool::Again again) {
         const std::optional<std::string> mission = map_store::AsleepMission(error);
         return mission.has_value() ? store->WhenAwake(*mission, std::move(again)) : error;
@@ -120,6 +122,12 @@ class MapStoreService : public MapStoreMethods {
   // How many replays are made or told at one time.
   static constexpr size_t kMaxReplays = 4;
   static constexpr size_t kMaxWaitingForBackups = 16;
+  // How many backups, restores, sleeps, deletions and the like are worked on at one time.
+  static constexpr int kMaxLongWork = 4;
+  // How many of them there are with those that wait: in all, of one caller, about one mission.
+  static constexpr size_t kMaxLongCalls = 32;
+  static constexpr size_t kMaxLongCallsOfCaller = 16;
+  static constexpr size_t kMaxLongCallsOfMission = 8;
 
   // Ends Sync, WatchMap and WatchEvents with UNAVAILABLE, once what they had to say is said; no new
   // stream begins. The server is about to stop.
@@ -132,6 +140,8 @@ class MapStoreService : public MapStoreMethods {
   size_t waiting_tasks() const { return pool_.waiting(); }
   const StreamLimits& streams() const { return limits_; }
   const ReplaySlots& replays() const { return replay_slots_; }
+  // Returns the number of calls that take long and are under way, or wait.
+  size_t long_work() const { return long_work_.size(); }
 
   grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>* Sync(
       grpc::CallbackServerContext* context) override;
@@ -207,6 +217,9 @@ class MapStoreService : public MapStoreMethods {
   grpc::ServerUnaryReactor* ListOverlaps(grpc::CallbackServerContext* context,
                                          const v1::ListOverlapsRequest* request,
                                          v1::ListOverlapsResponse* response) override;
+  grpc::ServerUnaryReactor* GetOverlap(grpc::CallbackServerContext* context,
+                                       const v1::GetOverlapRequest* request,
+                                       v1::Overlap* response) override;
   grpc::ServerUnaryReactor* AskForExactPlaces(grpc::CallbackServerContext* context,
                                               const v1::AskForExactPlacesRequest* request,
                                               v1::AskForExactPlacesResponse* response) override;
@@ -230,6 +243,13 @@ class MapStoreService : public MapStoreMethods {
   StayCheck MayStay(const grpc::CallbackServerContext& context) const {
     return options_.may_stay != nullptr ? options_.may_stay(context) : nullptr;
   }
+  // Counts work that takes long, for its caller and the mission in `name`.
+  absl::StatusOr<std::shared_ptr<const void>> EnterLongWork(
+      const grpc::CallbackServerContext& context, const std::string& name);
+  // As AnswerOn, for what takes long.
+  grpc::ServerUnaryReactor* AnswerLong(TaskPool& pool, grpc::CallbackServerContext* context,
+                                       const std::string& name,
+                                       const std::function<absl::Status()>& answer);
   absl::Status AnswerLocalize(const v1::LocalizeRequest& request,
                               const std::function<bool()>& goes_on, v1::LocalizeResponse* response);
   static MapStoreServiceOptions Observed(MapStoreServiceOptions options, SyncObserver* observer) {
@@ -245,6 +265,13 @@ class MapStoreService : public MapStoreMethods {
   TaskPool pool_;
   // Its one thread makes replays, one after the other: they would keep look-ups waiting for long.
   TaskPool replay_pool_{0, kMaxReplays};
+  // Its threads replay or write whole missions.
+  const std::unique_ptr<TaskPool> long_ = TaskPool::ForLongWork(kMaxLongWork, kMaxLongCalls);
+  TaskPool& long_pool_ = *long_;
+  WorkSlots long_work_{{.what = "backups, restores, sleeps and deletions",
+                        .all = kMaxLongCalls,
+                        .of_caller = kMaxLongCallsOfCaller,
+                        .of_resource = kMaxLongCallsOfMission}};
   // Its one thread makes, reads and lists backups, which takes as long as a disk does.
   TaskPool backup_pool_{0, kMaxWaitingForBackups};
   // Its threads wait for workers most of the time.

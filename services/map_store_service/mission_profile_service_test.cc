@@ -154,6 +154,25 @@ TEST_F(MissionProfileServiceTest, SaysWhatIsWrongWithIt) {
   EXPECT_EQ(store_->ListMissions({})->items.size(), 0u);
 }
 
+// What a client makes of -1.
+TEST_F(MissionProfileServiceTest, NoLimitIsBeyondAllThatThereIs) {
+  using Code = grpc::StatusCode;
+  constexpr uint64_t kMinusOne = std::numeric_limits<uint64_t>::max();
+  v1::Mission mission = MakeMission();
+  mission.mutable_limits()->set_keyframes(kMinusOne);
+  ExpectRefused(Create(mission), Code::INVALID_ARGUMENT,
+                "limits.keyframes is 18446744073709551615");
+  mission = MakeMission();
+  mission.mutable_limits()->set_disk_bytes(kMinusOne);
+  ExpectRefused(Create(mission), Code::INVALID_ARGUMENT, "limits.disk_bytes");
+  mission = MakeMission();
+  (*mission.mutable_agent_limits())["alpha"].set_keyframes(kMinusOne);
+  ExpectRefused(Create(mission), Code::INVALID_ARGUMENT, "agent_limits[alpha].keyframes");
+  mission = MakeMission();
+  mission.set_retention_s(kMinusOne);
+  ExpectRefused(Create(mission), Code::INVALID_ARGUMENT, "retention_s");
+}
+
 TEST_F(MissionProfileServiceTest, ChangesOnlyWhatTheMaskNames) {
   using Code = grpc::StatusCode;
   ASSERT_TRUE(Create(MakeMission()).ok());

@@ -2,10 +2,12 @@
 
 #include <map>
 #include <string>
+#include <utility>
 
 #include "absl/strings/escaping.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/string_view.h"
+#include "slam/util/status_macros.h"
 
 namespace corbslam::services {
 
@@ -36,6 +38,27 @@ const std::map<absl::string_view, ProfileField>& Paths() {
       {"limits", ProfileField::kLimits},           {"agent_limits", ProfileField::kAgentLimits},
       {"retention_s", ProfileField::kRetention},   {"origin", ProfileField::kOrigin}};
   return paths;
+}
+
+// Nothing that a store has is so many.
+constexpr uint64_t kMostAsked = uint64_t{1} << 50;
+constexpr uint64_t kLongestRetention_s = uint64_t{100} * 366 * 86'400;
+
+absl::Status CheckAskedAtMost(absl::string_view field, uint64_t value, uint64_t most) {
+  if (value <= most) return absl::OkStatus();
+  return absl::InvalidArgumentError(
+      absl::StrCat(field, " is ", value, ", must be at most ", most, ": was it negative?"));
+}
+
+absl::Status CheckAsked(absl::string_view field, const v1::MissionLimits& limits) {
+  for (const auto& [name, value] :
+       {std::pair("keyframes", limits.keyframes()),
+        std::pair("memory_bytes", limits.memory_bytes()),
+        std::pair("disk_bytes", limits.disk_bytes()),
+        std::pair("uplink_bytes_per_second", limits.uplink_bytes_per_second())}) {
+    RETURN_IF_ERROR(CheckAskedAtMost(absl::StrCat(field, ".", name), value, kMostAsked));
+  }
+  return absl::OkStatus();
 }
 
 }  // namespace
@@ -74,6 +97,22 @@ MissionProfile ProfileFromProto(const v1::Mission& proto) {
                              .altitude_m = proto.origin().altitude_m(),
                              .heading_deg = proto.origin().heading_deg()};
   return profile;
+}
+
+absl::Status CheckAskedLimits(const v1::Mission& proto, const std::vector<ProfileField>& fields) {
+  for (const ProfileField field : fields) {
+    if (field == ProfileField::kLimits) {
+      RETURN_IF_ERROR(CheckAsked("limits", proto.limits()));
+    } else if (field == ProfileField::kAgentLimits) {
+      for (const auto& [agent, limits] : proto.agent_limits()) {
+        RETURN_IF_ERROR(CheckAsked(
+            absl::StrCat("agent_limits[", absl::CHexEscape(agent.substr(0, 80)), "]"), limits));
+      }
+    } else if (field == ProfileField::kRetention) {
+      RETURN_IF_ERROR(CheckAskedAtMost("retention_s", proto.retention_s(), kLongestRetention_s));
+    }
+  }
+  return absl::OkStatus();
 }
 
 absl::StatusOr<std::vector<ProfileField>> FieldsFromProto(const google::protobuf::FieldMask& mask) {

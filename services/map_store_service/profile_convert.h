@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "corbslam/v1/resources.pb.h"
 #include "google/protobuf/field_mask.pb.h"
@@ -15,6 +16,11 @@ void ToProto(const map_store::MissionProfile& profile, v1::Mission* proto);
 // Reads what can be set; output-only fields are ignored. The values are not checked yet
 // (ValidateProfile).
 map_store::MissionProfile ProfileFromProto(const v1::Mission& proto);
+
+// Returns INVALID_ARGUMENT for a limit or retention that is asked for and that nothing reaches: a
+// negative number of the caller's, most likely. Missions may have such from before.
+absl::Status CheckAskedLimits(const v1::Mission& proto,
+                              const std::vector<map_store::ProfileField>& fields);
 
 // INVALID_ARGUMENT for a mask that is empty or names what can't be changed.
 absl::StatusOr<std::vector<map_store::ProfileField>> FieldsFromProto(

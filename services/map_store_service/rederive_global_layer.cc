@@ -11,7 +11,7 @@ namespace corbslam::services {
 grpc::ServerUnaryReactor* MapStoreService::RederiveGlobalLayer(
     grpc::CallbackServerContext* context, const v1::RederiveGlobalLayerRequest* request,
     v1::RederiveGlobalLayerResponse*) {
-  return AnswerOn(pool_, context, [this, request]() -> absl::Status {
+  return AnswerLong(long_pool_, context, request->name(), [this, request]() -> absl::Status {
     ASSIGN_OR_RETURN(const std::string mission, ParseMissionName(request->name()));
     RETURN_IF_ERROR(store_.RederiveGlobalLayer(mission));
     LOG(INFO) << LogFields{.mission = mission} << "fusion begins afresh";

@@ -76,16 +76,16 @@ grpc::ServerWriteReactor<v1::WatchMapResponse>* MapStoreService::ReplayMap(
   using Reactor = StreamReactor<v1::WatchMapResponse>;
   const absl::StatusOr<Question> question = Read(*request);
   if (!question.ok()) return Reactor::Start(replay_pool_, question.status(), nullptr);
-  return Reactor::Start(replay_pool_, Enter(context->peer(), limits_, replay_slots_),
-                        [this, context, asked = *question]() -> absl::StatusOr<Reactor::Next> {
-                          const auto goes_on = [context] { return !context->IsCancelled(); };
-                          ASSIGN_OR_RETURN(std::vector<MapChanges> pieces,
-                                           store_.ReplayMap(asked.mission, asked.options, goes_on));
-                          const auto past = std::make_shared<Past>(std::move(pieces));
-                          return [past](v1::WatchMapResponse& response) {
-                            return past->FillNext(response);
-                          };
-                        });
+  return Reactor::Start(
+      replay_pool_, Enter(context->peer(), limits_, replay_slots_),
+      [this, context, asked = *question]() -> absl::StatusOr<Reactor::Next> {
+        const auto goes_on = [context] { return !context->IsCancelled(); };
+        ASSIGN_OR_RETURN(std::vector<MapChanges> pieces,
+                         store_.ReplayMap(asked.mission, asked.options, goes_on));
+        const auto past = std::make_shared<Past>(std::move(pieces));
+        return [past](v1::WatchMapResponse& response) { return past->FillNext(response); };
+      },
+      &pool_);
 }
 
 }  // namespace corbslam::services

@@ -31,14 +31,16 @@ class RestoreReactor : public grpc::ServerReadReactor<v1::RestoreMissionRequest>
                        private StreamTask<RestoreJob> {
  public:
   using Check = std::function<absl::Status(const std::string& mission)>;
+  using Enter = std::function<absl::StatusOr<std::shared_ptr<const void>>(const std::string& name)>;
 
   RestoreReactor(MapStore& store, TaskPool& pool, StreamLimits& limits, absl::string_view peer,
-                 Check may_restore, v1::Mission* response)
+                 Check may_restore, Enter enter, v1::Mission* response)
       : StreamTask(pool, Threads::kLookUps),
         store_(store),
         limits_(limits.options()),
         ticket_(limits.Enter(peer)),
         may_restore_(std::move(may_restore)),
+        enter_(std::move(enter)),
         response_(*response),
         restorer_(store.StartRestoring()) {
     if (!ticket_.ok()) {
@@ -89,6 +91,7 @@ class RestoreReactor : public grpc::ServerReadReactor<v1::RestoreMissionRequest>
       end = *end_;
     }
     if (ticket_.ok()) ticket_->reset();
+    work_.reset();
     Finish(ToGrpcStatus(end));
   }
 
@@ -108,6 +111,7 @@ class RestoreReactor : public grpc::ServerReadReactor<v1::RestoreMissionRequest>
     if (mission_.empty()) {
       ASSIGN_OR_RETURN(const std::string mission, ParseMissionName(request_.name()));
       RETURN_IF_ERROR(may_restore_(mission));
+      ASSIGN_OR_RETURN(work_, enter_(request_.name()));
       mission_ = mission;
     }
     return restorer_.Add(request_.piece());
@@ -128,11 +132,13 @@ class RestoreReactor : public grpc::ServerReadReactor<v1::RestoreMissionRequest>
   // An error if there were too many streams before this one.
   absl::StatusOr<std::unique_ptr<StreamLimits::Ticket>> ticket_;
   const Check may_restore_;
+  const Enter enter_;
   v1::Mission& response_;
   // Only gRPC uses it between StartRead and OnReadDone, and only DoJob otherwise.
   v1::RestoreMissionRequest request_;
   // Only DoJob uses these.
   std::string mission_;
+  std::shared_ptr<const void> work_;
   MissionRestorer restorer_;
 
   bool has_piece_ ABSL_GUARDED_BY(mutex_) = false;
@@ -156,7 +162,11 @@ grpc::ServerReadReactor<v1::RestoreMissionRequest>* MapStoreService::RestoreMiss
     if (options_.may_restore == nullptr) return absl::OkStatus();
     return options_.may_restore(*context, mission);
   };
-  return new RestoreReactor(store_, pool_, limits_, context->peer(), may_restore, response);
+  const auto enter = [this, context](const std::string& name) {
+    return EnterLongWork(*context, name);
+  };
+  return new RestoreReactor(store_, long_pool_, limits_, context->peer(), may_restore, enter,
+                            response);
 }
 
 }  // namespace corbslam::services

@@ -7,6 +7,7 @@
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "services/convert/resource_names.h"
+#include "services/convert/robot_settings_check.h"
 #include "services/map_store_service/map_store_service.h"
 #include "services/map_store_service/settings_to_proto.h"
 #include "services/observe/logging/log_fields.h"
@@ -27,7 +28,8 @@ absl::StatusOr<AgentPath> ParseWhose(const std::string& name) {
   return AgentPath{mission, ""};
 }
 
-// Reads what the store has to know of settings. It has no keys: who signed them it can't tell.
+// Reads settings that robots could run with: the store does not keep others, which would end or
+// confuse every robot that is told them. It has no keys: who signed them it can't tell.
 absl::StatusOr<SignedSettings> SettingsFromProto(const v1::SignedRobotSettings& proto,
                                                  const AgentPath& whose) {
   v1::RobotSettings settings;
@@ -39,6 +41,7 @@ absl::StatusOr<SignedSettings> SettingsFromProto(const v1::SignedRobotSettings& 
   if (!settings.ParseFromString(proto.settings())) {
     return absl::InvalidArgumentError("settings.settings can't be read as a RobotSettings");
   }
+  RETURN_IF_ERROR(CheckRobotSettings(settings));
   if (settings.mission() != MissionName(whose.mission) || settings.agent() != whose.agent) {
     return absl::InvalidArgumentError(absl::StrCat(
         "the signed settings are of mission \"", absl::CHexEscape(settings.mission().substr(0, 80)),

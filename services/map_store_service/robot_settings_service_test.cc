@@ -112,7 +112,7 @@ TEST_F(RobotSettingsServiceTest, RefusesWhatIsOlderOrOfOthers) {
   }
   ExpectRefused(Set("missions/lab/agents/bravo", Make(8, "alpha")),
                 grpc::StatusCode::INVALID_ARGUMENT, "agent \"alpha\"");
-  ExpectRefused(Set("missions/lab", Make(0)), grpc::StatusCode::INVALID_ARGUMENT, "version 0");
+  ExpectRefused(Set("missions/lab", Make(0)), grpc::StatusCode::INVALID_ARGUMENT, "version is 0");
   ExpectRefused(Set("missions/moon", Make(1)), grpc::StatusCode::INVALID_ARGUMENT, "missions/moon");
   v1::SignedRobotSettings wrong = Make(9, "alpha");
   wrong.set_signature("short");

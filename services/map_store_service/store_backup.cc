@@ -12,14 +12,15 @@ namespace corbslam::services {
 grpc::ServerUnaryReactor* MapStoreService::StoreBackup(grpc::CallbackServerContext* context,
                                                        const v1::StoreBackupRequest* request,
                                                        v1::StoredBackup* response) {
-  return AnswerOn(backup_pool_, context, [this, request, response]() -> absl::Status {
-    ASSIGN_OR_RETURN(const std::string mission, ParseMissionName(request->name()));
-    RETURN_IF_ERROR(CheckKeepsBackups(options_.backups));
-    ASSIGN_OR_RETURN(const map_store::StoredBackup made, options_.backups->Store(mission));
-    LOG(INFO) << LogFields{.mission = mission} << "backup " << made.number << " stored";
-    ToProto(made, response);
-    return absl::OkStatus();
-  });
+  return AnswerLong(
+      backup_pool_, context, request->name(), [this, request, response]() -> absl::Status {
+        ASSIGN_OR_RETURN(const std::string mission, ParseMissionName(request->name()));
+        RETURN_IF_ERROR(CheckKeepsBackups(options_.backups));
+        ASSIGN_OR_RETURN(const map_store::StoredBackup made, options_.backups->Store(mission));
+        LOG(INFO) << LogFields{.mission = mission} << "backup " << made.number << " stored";
+        ToProto(made, response);
+        return absl::OkStatus();
+      });
 }
 
 }  // namespace corbslam::services

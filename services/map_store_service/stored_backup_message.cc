@@ -11,6 +11,11 @@ void ToProto(const map_store::StoredBackup& backup, v1::StoredBackup* proto) {
   proto->set_revision(backup.facts.revision);
   proto->set_keyframes(backup.facts.keyframes);
   proto->set_archived(backup.facts.archived);
+  proto->set_mission_uid(backup.facts.mission_uid);
+  if (backup.verified != absl::InfinitePast()) {
+    proto->set_verified_ns(absl::ToUnixNanos(backup.verified));
+  }
+  proto->set_damage(backup.damage);
 }
 
 absl::Status CheckKeepsBackups(const map_store::StoredBackups* backups) {

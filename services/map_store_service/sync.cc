@@ -8,6 +8,7 @@
 #include "map_store/ingest/quota.h"
 #include "map_store/view/asleep_words.h"
 #include "services/convert/agent_report.h"
+#include "services/convert/keyframe_picture.h"
 #include "services/convert/limits.h"
 #include "services/convert/localised_frames.h"
 #include "services/convert/resource_names.h"
@@ -170,7 +171,7 @@ void SyncReactor::HandleRequest() {
     status = WaitUntilAwake(status);
     if (status.ok()) return;
   }
-  const bool is_paced = asked_->has_batch() || asked_->has_localised();
+  const bool is_paced = asked_->has_batch() || asked_->has_localised() || asked_->has_picture();
   asked_.reset();
   if (session_id_) {
     for (SyncObserver* observer : observers_) observer->OnReceived(who_, asked_bytes_);
@@ -246,6 +247,9 @@ absl::Status SyncReactor::Handle(const v1::SyncRequest& request) {
   }
   if (request.has_batch()) return Apply(request.batch());
   if (request.has_localised()) return NoteLocalised(request.localised());
+  if (request.has_picture()) {
+    return store_.KeepPicture(*session_id_, FromProto(request.picture()));
+  }
   if (request.has_report()) return NoteReport(request.report());
   return absl::InvalidArgumentError("a message has no part that is known");
 }

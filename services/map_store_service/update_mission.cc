@@ -24,6 +24,7 @@ grpc::ServerUnaryReactor* MapStoreService::UpdateMission(grpc::CallbackServerCon
     ASSIGN_OR_RETURN(const std::string mission, ParseMissionName(request->mission().name()));
     ASSIGN_OR_RETURN(const std::vector<ProfileField> fields,
                      FieldsFromProto(request->update_mask()));
+    RETURN_IF_ERROR(CheckAskedLimits(request->mission(), fields));
     std::optional<uint64_t> expected;
     if (request->has_expected_revision()) expected = request->expected_revision();
     RETURN_IF_ERROR(

@@ -9,14 +9,15 @@ namespace corbslam::services {
 grpc::ServerUnaryReactor* MapStoreService::VerifyStoredBackup(
     grpc::CallbackServerContext* context, const v1::VerifyStoredBackupRequest* request,
     v1::StoredBackup* response) {
-  return AnswerOn(backup_pool_, context, [this, request, response]() -> absl::Status {
-    ASSIGN_OR_RETURN(const BackupPath path, ParseBackupName(request->backup()));
-    RETURN_IF_ERROR(CheckKeepsBackups(options_.backups));
-    ASSIGN_OR_RETURN(const map_store::StoredBackup verified,
-                     options_.backups->Verify(path.mission, path.number));
-    ToProto(verified, response);
-    return absl::OkStatus();
-  });
+  return AnswerLong(backup_pool_, context, request->backup(),
+                    [this, request, response]() -> absl::Status {
+                      ASSIGN_OR_RETURN(const BackupPath path, ParseBackupName(request->backup()));
+                      RETURN_IF_ERROR(CheckKeepsBackups(options_.backups));
+                      ASSIGN_OR_RETURN(const map_store::StoredBackup verified,
+                                       options_.backups->Verify(path.mission, path.number));
+                      ToProto(verified, response);
+                      return absl::OkStatus();
+                    });
 }
 
 }  // namespace corbslam::services

@@ -27,8 +27,13 @@ void AddBackupFlags(CLI::App& app, BackupFlags& flags) {
       ->check(CLI::Range(0.0, 100000.0))
       ->group(kRareGroup)
       ->capture_default_str();
+  app.add_option("--backup-take-over", flags.take_over_from,
+                 "Id of the store whose folder --backup-dir was, which is gone, and whose place "
+                 "this one takes; the refusal names it")
+      ->group(kRareGroup);
   app.add_option("--scrub-mb-per-s", flags.scrub_mb_per_s,
-                 "MB a second of the data folder that are read again to find damage; 0: never")
+                 "MB a second of the data folder, and as many of the backups, that are read again "
+                 "to find damage; 0: never")
       ->check(CLI::Range(0.0, 100000.0))
       ->group(kRareGroup)
       ->capture_default_str();

@@ -18,6 +18,8 @@ struct BackupFlags {
   std::string every = "1h";
   size_t keep = 24;
   double mb_per_s = 32;
+  // The id of the store whose folder it was; empty: none.
+  std::string take_over_from;
   double scrub_mb_per_s = 1;
 };
 

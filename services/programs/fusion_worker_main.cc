@@ -17,6 +17,7 @@
 #include "services/programs/start_lines.h"
 #include "services/programs/worker_observers.h"
 #include "services/security/flags.h"
+#include "services/server/self_watch.h"
 #include "services/server/server.h"
 #include "slam/util/status_macros.h"
 #include "slam/util/thread_priority.h"
@@ -87,7 +88,13 @@ absl::Status Run(const Flags& flags) {
             << flags.service.max_requests;
   const auto minutes = observers.LogEachMinute(service);
   AnnounceAddress(server->address());
+  SelfWatch watch(
+      {.address = server->reachable(), .on_change = [&server](const absl::Status& status) {
+         server->SetAlive(status.ok());
+         server->SetReady(status.ok());
+       }});
   WaitForStopSignal();
+  watch.Stop();
   server->Shutdown(absl::Seconds(flags.drain_s));
   return absl::OkStatus();
 }

@@ -1,5 +1,8 @@
 #include "services/programs/limit_flags.h"
 
+#include <cstdint>
+#include <type_traits>
+
 #include "services/command_line/help_formatter.h"
 
 namespace corbslam::services {
@@ -8,9 +11,18 @@ using map_store::MapStoreOptions;
 
 namespace {
 
+// No limit means more: nothing counts or weighs as much, or waits as long.
+template <typename Value>
+Value MostOf() {
+  return std::is_floating_point_v<Value> ? Value(1e9) : Value(uint64_t{1} << 50);
+}
+
 template <typename Value>
 void Add(CLI::App& app, const char* flag, Value& value, const char* what) {
-  app.add_option(flag, value, what)->capture_default_str()->group(kRareGroup);
+  app.add_option(flag, value, what)
+      ->check(CLI::Range(Value(0), MostOf<Value>()))
+      ->capture_default_str()
+      ->group(kRareGroup);
 }
 
 }  // namespace
@@ -30,6 +42,8 @@ void AddStoreLimitFlags(CLI::App& app, MapStoreOptions& options) {
       "Steps for pairs of keyframes and for parents that a batch takes");
   Add(app, "--max-agent-bytes", options.max_bytes_per_agent, "Bytes stored for one agent");
   Add(app, "--max-mission-bytes", options.max_bytes_per_mission, "Bytes stored for one mission");
+  Add(app, "--max-picture-bytes", options.max_picture_bytes_per_mission,
+      "Bytes of keyframes' pictures kept of a mission, the oldest go; 0: none");
   Add(app, "--max-backup-bytes", options.max_backup_bytes, "Bytes of a backup to be restored");
   Add(app, "--max-parked", options.max_parked_references,
       "References of a local map to what has not arrived");

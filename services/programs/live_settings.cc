@@ -11,6 +11,7 @@
 #include "services/agent_service/mask_png.h"
 #include "services/client/store/call_status.h"
 #include "services/convert/resource_names.h"
+#include "services/programs/kept_settings.h"
 #include "services/security/pem_files.h"
 #include "slam/util/status_macros.h"
 
@@ -38,35 +39,46 @@ absl::StatusOr<v1::RobotSettingsList> AskStore(const std::shared_ptr<grpc::Chann
 
 }  // namespace
 
-absl::StatusOr<std::unique_ptr<LiveSettings>> LiveSettings::Make(LiveSettingsOptions options) {
-  std::optional<SettingsBook> book;
-  if (!options.files.key.empty()) {
-    ASSIGN_OR_RETURN(const std::string pem, ReadSecurityFile("--settings-key", options.files.key));
-    ASSIGN_OR_RETURN(std::vector<Ed25519Key> keys, ReadEd25519PublicKeys("settings key", pem));
-    book.emplace(std::move(keys), options.mission, options.agent);
-  }
-  // The constructor is private.
-  return std::unique_ptr<LiveSettings>(new LiveSettings(std::move(options), std::move(book)));
+std::future<absl::StatusOr<v1::RobotSettingsList>> AskForSettings(
+    std::shared_ptr<grpc::Channel> channel, const SettingsFlags& files, const std::string& mission,
+    const std::string& agent) {
+  const bool asks = channel != nullptr && !files.key.empty();
+  return std::async(std::launch::async, [=]() -> absl::StatusOr<v1::RobotSettingsList> {
+    if (!asks) return v1::RobotSettingsList();
+    return AskStore(channel, AgentName(mission, agent));
+  });
 }
 
-LiveSettings::LiveSettings(LiveSettingsOptions options, std::optional<SettingsBook> book)
-    : options_(std::move(options)),
-      book_(std::move(book)),
-      flags_(options_.flags),
-      begun_(options_.flags) {}
+LiveSettings::LiveSettings(LiveSettingsOptions options)
+    : options_(std::move(options)), flags_(options_.flags), begun_(options_.flags) {}
 
-SettableFlags LiveSettings::Begin(const std::shared_ptr<grpc::Channel>& channel) {
-  const bool asks = channel != nullptr && !options_.files.key.empty();
-  absl::StatusOr<v1::RobotSettingsList> told = v1::RobotSettingsList();
-  if (asks) told = AskStore(channel, AgentName(options_.mission, options_.agent));
+void LiveSettings::ReadKeys() {
+  if (book_.has_value() || options_.files.key.empty()) return;
+  const auto read = [this]() -> absl::StatusOr<std::vector<Ed25519Key>> {
+    ASSIGN_OR_RETURN(const std::string pem, ReadSecurityFile("--settings-key", options_.files.key));
+    return ReadEd25519PublicKeys("settings key", pem);
+  };
+  absl::StatusOr<std::vector<Ed25519Key>> keys = read();
+  if (keys.ok()) {
+    book_.emplace(*std::move(keys), options_.mission, options_.agent);
+    return;
+  }
+  Refuse(absl::Status(
+      keys.status().code(),
+      absl::StrCat("--settings-key ", options_.files.key,
+                   ": no settings are taken until it can be read: ", keys.status().message())));
+}
+
+SettableFlags LiveSettings::Begin(const absl::StatusOr<v1::RobotSettingsList>& told) {
   absl::MutexLock lock(&mutex_);
-  if (!options_.files.kept.empty()) {
+  ReadKeys();
+  if (!options_.files.kept.empty() && book_.has_value()) {
     const absl::StatusOr<v1::RobotSettingsList> kept = ReadKept(options_.files.kept);
     if (!kept.ok()) Refuse(kept.status());
-    if (kept.ok()) Take(*kept);
+    if (kept.ok()) Take(*kept, /*keep=*/false);
   }
   if (told.ok()) {
-    Take(*told);
+    Take(*told, /*keep=*/true);
   } else {
     LOG(WARNING) << "the map store does not say which settings it has for this robot, which begins "
                  << (lines_.empty() ? "with its flags alone: " : "with those that it kept: ")
@@ -76,34 +88,42 @@ SettableFlags LiveSettings::Begin(const std::shared_ptr<grpc::Channel>& channel)
   return begun_ = flags_;
 }
 
-bool LiveSettings::Take(const v1::RobotSettingsList& list) {
+absl::Status LiveSettings::Fits(const v1::RobotSettings& of_all,
+                                const v1::RobotSettings& own) const {
+  SettableFlags flags = options_.flags;
+  UseSettings(of_all, own, options_.given, flags);
+  RETURN_IF_ERROR(options_.check(flags));
+  ASSIGN_OR_RETURN(const PictureMask mask, DecodeMask(flags.mask_png));
+  return options_.orders->CheckMask(mask);
+}
+
+bool LiveSettings::Take(const v1::RobotSettingsList& list, bool keep) {
   if (list.settings().empty()) return false;
+  ReadKeys();
   if (!book_.has_value()) {
-    if (!std::exchange(said_ignored_, true)) {
+    if (options_.files.key.empty() && !std::exchange(said_ignored_, true)) {
       LOG(WARNING) << "the map store has settings for this robot, which are left out: "
                       "--settings-key names no key that they may be signed with";
     }
     return false;
   }
-  const SettingsBook::Taken taken = book_->Take(list);
+  const SettingsBook::Taken taken =
+      book_->Take(list, [this](const v1::RobotSettings& of_all, const v1::RobotSettings& own) {
+        return Fits(of_all, own);
+      });
   for (const absl::Status& why : taken.refused) Refuse(why);
+  if (taken.learned && keep) Keep();
   if (!taken.changed) return false;
-  SettableFlags flags = options_.flags;
-  const std::vector<std::string> lines =
-      UseSettings(book_->of_all(), book_->own(), options_.given, flags);
-  if (const absl::Status fits = options_.check(flags); !fits.ok()) {
-    Refuse(absl::Status(fits.code(), absl::StrCat("the map store's settings don't fit this robot, "
-                                                  "which goes on without the new ones: ",
-                                                  fits.message())));
-    return false;
-  }
-  flags_ = std::move(flags);
-  lines_ = lines;
+  flags_ = options_.flags;
+  lines_ = UseSettings(book_->of_all(), book_->own(), options_.given, flags_);
   for (const std::string& line : lines_) LOG(INFO) << "settings of the map store: " << line;
-  if (options_.files.kept.empty()) return true;
+  return true;
+}
+
+void LiveSettings::Keep() {
+  if (options_.files.kept.empty()) return;
   const absl::Status kept = WriteKept(book_->list(), options_.files.kept);
   LOG_IF(ERROR, !kept.ok()) << kept;
-  return true;
 }
 
 void LiveSettings::Refuse(const absl::Status& why) {
@@ -142,18 +162,18 @@ void LiveSettings::SayWhatNeedsARestart() const {
 void LiveSettings::OnSettings(const v1::RobotSettingsList& list) {
   absl::MutexLock lock(&mutex_);
   const std::string mask = flags_.mask_png;
-  if (!Take(list)) return;
+  if (!Take(list, /*keep=*/true)) return;
   options_.rate->Set(flags_.max_rate_hz);
-  options_.orders->SetLimits(options_.limits(flags_));
+  options_.orders->SetLimits(options_.limits(begun_, flags_));
   if (flags_.mask_png != mask) SetMask();
   SayWhatNeedsARestart();
 }
 
 nlohmann::ordered_json LiveSettings::Report() const {
   absl::MutexLock lock(&mutex_);
-  if (!book_.has_value()) return nullptr;
-  return {{"version_of_all", book_->of_all().version()},
-          {"version_of_robot", book_->own().version()},
+  if (options_.files.key.empty()) return nullptr;
+  return {{"version_of_all", book_.has_value() ? book_->of_all().version() : 0},
+          {"version_of_robot", book_.has_value() ? book_->own().version() : 0},
           {"taken", lines_},
           {"refused", refused_}};
 }

@@ -6,6 +6,7 @@
 #include <grpcpp/channel.h>
 
 #include <functional>
+#include <future>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -36,19 +37,28 @@ struct LiveSettingsOptions {
   std::shared_ptr<FrameRateLimit> rate;
   // Says whether the robot can run with such flags.
   std::function<absl::Status(const SettableFlags&)> check;
-  // Returns the limits that such flags are.
-  std::function<client_agent::ChangedLimits(const SettableFlags&)> limits;
+  // Returns the limits that such flags are for a robot that began with others.
+  std::function<client_agent::ChangedLimits(const SettableFlags& begun, const SettableFlags&)>
+      limits;
 };
 
-// Says in the log which settings it takes from where, and which it refuses and why. Thread-safe.
+// Asks the store, on a thread of its own and for ten seconds at most, which settings it has for the
+// robot; none without a channel or without a key to check them with. Whoever waits for the answer
+// waits so long.
+std::future<absl::StatusOr<v1::RobotSettingsList>> AskForSettings(
+    std::shared_ptr<grpc::Channel> channel, const SettingsFlags& files, const std::string& mission,
+    const std::string& agent);
+
+// Says in the log which settings it takes from where, and which it refuses and why: nothing of that
+// ends a robot. A file of keys that can't be read is read again whenever settings come.
+// Thread-safe.
 class LiveSettings {
  public:
-  // Reads the files: INVALID_ARGUMENT (CheckSettingsFlags).
-  static absl::StatusOr<std::unique_ptr<LiveSettings>> Make(LiveSettingsOptions options);
+  explicit LiveSettings(LiveSettingsOptions options);
 
-  // Before the robot begins: asks the store, for ten seconds at most, and returns the flags that it
-  // is to begin with. Where the store does not answer, what was kept holds.
-  SettableFlags Begin(const std::shared_ptr<grpc::Channel>& channel);
+  // Before the robot begins, and once AgentOrders knows its camera: returns the flags that it is to
+  // begin with, by what it kept and by what the store answered, if it did.
+  SettableFlags Begin(const absl::StatusOr<v1::RobotSettingsList>& told);
   // Gives the robot, which is there now, the mask that it begins with.
   void GiveMask();
   // Takes what the store tells later.
@@ -58,10 +68,12 @@ class LiveSettings {
   nlohmann::ordered_json Report() const;
 
  private:
-  LiveSettings(LiveSettingsOptions options, std::optional<SettingsBook> book);
-
-  // Takes settings and returns whether the robot is to run with other flags than before.
-  bool Take(const v1::RobotSettingsList& list) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void ReadKeys() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  absl::Status Fits(const v1::RobotSettings& of_all, const v1::RobotSettings& own) const;
+  // Takes settings and returns whether the robot is to run with other flags than before. `keep`:
+  // they are for the file, too.
+  bool Take(const v1::RobotSettingsList& list, bool keep) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void Keep() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void Refuse(const absl::Status& why) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void SetMask() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void SayWhatNeedsARestart() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);

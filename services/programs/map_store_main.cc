@@ -15,6 +15,7 @@
 #include "map_store/mission/mission_load.h"
 #include "map_store/rocks/rocks_journal.h"
 #include "services/command_line/help_formatter.h"
+#include "services/command_line/values.h"
 #include "services/convert/resource_names.h"
 #include "services/map_store_service/map_store_service.h"
 #include "services/observe/event_log/server_minutes.h"
@@ -32,6 +33,7 @@
 #include "services/security/guarded_map_store.h"
 #include "services/server/memory_limit.h"
 #include "services/server/readiness_watch.h"
+#include "services/server/self_watch.h"
 #include "services/server/server.h"
 #include "slam/util/status_macros.h"
 #include "slam/vocabulary/vocabulary.h"
@@ -47,6 +49,9 @@ using map_store::RocksJournal;
 using map_store::RocksJournalOptions;
 
 namespace {
+
+// More of a mission has none.
+constexpr size_t kMostItems = size_t{1} << 50;
 
 constexpr double kSleepAfter_s = 600;
 
@@ -178,6 +183,10 @@ absl::Status Run(Flags flags) {
       [auditor = security.server.auditor](const std::string& mission, const std::string& why) {
         if (auditor != nullptr) auditor->OnOwnDoing("mission_expired", MissionName(mission), why);
       });
+  store.SetUidListener(
+      [auditor = security.server.auditor](const std::string& mission, const std::string& uid) {
+        if (auditor != nullptr) auditor->OnOwnDoing("mission_named", MissionName(mission), uid);
+      });
   RETURN_IF_ERROR(store.Recover());
   ASSIGN_OR_RETURN(const std::unique_ptr<StoreBackups> backups,
                    StoreBackups::Make(flags.backup, &store, rocks));
@@ -188,16 +197,27 @@ absl::Status Run(Flags flags) {
   MapStoreService service(&store, service_options);
   GuardedMapStore guarded(&service, security.access);
   const RevokedStreamsEnder revoked(&service, security.access);
-  ASSIGN_OR_RETURN(const auto metrics, observers->Serve(store, service, backups->MakeCollector()));
+  ASSIGN_OR_RETURN(
+      const auto metrics,
+      observers->Serve(store, service, backups->MakeCollector(),
+                       {{"journal", flags.data_dir, flags.min_free_mb << 20},
+                        {"backups", flags.data_dir.empty() ? "" : flags.backup.directory}}));
   security.server.rpc_observer = observers->OfCalls();
   ASSIGN_OR_RETURN(const std::unique_ptr<Server> server,
                    Server::Start(flags.listen, {&guarded}, security.server));
   LOG(INFO) << DescribeStart(flags, server->address(), store.ListLoads().size());
   const auto minutes = observers->LogEachMinute(store, flags.data_dir);
   AnnounceAddress(server->address());
-  ReadinessWatch readiness(server.get(), [&store] { return store.CheckWritable(); });
+  SelfWatch watch(
+      {.address = server->reachable(),
+       .on_change = [&server](const absl::Status& status) { server->SetAlive(status.ok()); }});
+  ReadinessWatch readiness(server.get(), [&store, &watch]() -> absl::Status {
+    RETURN_IF_ERROR(watch.status());
+    return store.CheckWritable();
+  });
   backups->Start();
   WaitForStopSignal();
+  watch.Stop();
   readiness.Stop();
   server->SetReady(false);
   backups->Stop();
@@ -224,7 +244,8 @@ void AddFlags(CLI::App& app, Flags& flags) {
          "--memory-budget", flags.memory_budget_bytes,
          "Memory of the process, as 6GiB or 600MiB, beyond which nothing is taken in; 0: no "
          "limit. Default: three quarters of the container's or the machine's")
-      ->transform(CLI::AsSizeValue(/*kb_is_1000=*/false));
+      ->transform(BytesWithin({.may_be_0 = true}))
+      ->type_name(kBytesType);
   app.add_option("--sleep-after", flags.store.sleep_after_s,
                  "Seconds after which a mission that nobody uses leaves memory, and is read again "
                  "when somebody wants it; needs --data-dir; 0: never")
@@ -247,6 +268,7 @@ void AddFlags(CLI::App& app, Flags& flags) {
       ->capture_default_str();
   app.add_option("--cull-target", flags.store.cull_target,
                  "Keyframes of an island beyond which the most redundant are culled; 0: none")
+      ->check(CLI::Range(size_t{0}, kMostItems))
       ->group(kRareGroup)
       ->capture_default_str();
   app.add_flag("--keep-everything", flags.keep_everything,
@@ -257,10 +279,12 @@ void AddFlags(CLI::App& app, Flags& flags) {
       ->group(kRareGroup);
   app.add_option("--keep-local-maps", flags.store.keep_local_maps,
                  "A robot's newest closed local maps that stay as they are")
+      ->check(CLI::Range(size_t{0}, kMostItems))
       ->group(kRareGroup)
       ->capture_default_str();
   app.add_option("--max-shared-keyframes", flags.store.max_shared_keyframes,
                  "Others' keyframes that one agent is sent at most")
+      ->check(CLI::Range(size_t{0}, kMostItems))
       ->capture_default_str();
   app.add_option("--shared-bytes", flags.service.shared_bytes, "Bytes of one shared update, about")
       ->check(CLI::Range(size_t{1024}, size_t{2} << 20))

@@ -1,6 +1,7 @@
 // map_viewer shows the maps of a map store in browsers, live.
 #include <glog/logging.h>
 
+#include <algorithm>
 #include <memory>
 #include <optional>
 #include <string>
@@ -19,6 +20,7 @@
 #include "services/programs/start_lines.h"
 #include "services/programs/viewer_observers.h"
 #include "services/security/flags.h"
+#include "services/server/self_watch.h"
 #include "services/server/server.h"
 #include "services/viewer/page_files.h"
 #include "services/viewer/truths.h"
@@ -100,6 +102,17 @@ absl::StatusOr<std::shared_ptr<const AccessControl>> MakeAccess(const Flags& fla
   return MakeTokenAccess(tokens);
 }
 
+// Returns a channel over which the store can be asked about browsers' tokens; null: none are shown,
+// or the way to the store is no place for them.
+absl::StatusOr<std::shared_ptr<grpc::Channel>> MakeTokenChannel(const Flags& flags,
+                                                                bool takes_tokens) {
+  if (!takes_tokens || flags.security.insecure) return nullptr;
+  SecurityOptions without_token = flags.security;
+  without_token.token_file.clear();
+  ASSIGN_OR_RETURN(const auto credentials, MakeChannelCredentials(without_token));
+  return MakeChannel(flags.store, credentials);
+}
+
 // Returns null if browsers come without TLS.
 absl::StatusOr<std::shared_ptr<const WebTls>> MakeWebTls(const Flags& flags) {
   if (flags.web_certificate.empty() && flags.web_key.empty()) return nullptr;
@@ -156,7 +169,12 @@ absl::Status Run(Flags flags) {
   absl::StatusOr<PageFiles> page = PageFiles::Load(flags.page);
   if (!page.ok()) LOG(ERROR) << page.status().message();
   WarnOfOpenDoors(flags, access == nullptr, flags.web.tls != nullptr);
+  // Each page has more connections for what it asks.
+  flags.web.connections.all = std::max(flags.web.connections.all, 4 * flags.web.max_streams);
+  flags.web.connections.of_host =
+      std::max(flags.web.connections.of_host, 2 * flags.web.max_streams);
   const auto channel = MakeChannel(flags.store, credentials);
+  ASSIGN_OR_RETURN(flags.viewer.token_channel, MakeTokenChannel(flags, access != nullptr));
   Viewer viewer(channel, std::move(robots), access, std::move(page), flags.viewer);
   ASSIGN_OR_RETURN(const std::unique_ptr<WebServer> server,
                    WebServer::Start(flags.listen, &viewer, flags.web));
@@ -167,7 +185,9 @@ absl::Status Run(Flags flags) {
             << (access == nullptr ? "to everybody" : "to who has a token");
   const auto minutes = LogViewerEachMinute(channel, viewer, *server);
   AnnounceAddress(server->address());
+  SelfWatch watch({.address = server->address()});
   WaitForStopSignal();
+  watch.Stop();
   return absl::OkStatus();
 }
 

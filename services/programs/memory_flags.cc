@@ -1,15 +1,29 @@
 #include "services/programs/memory_flags.h"
 
+#include <algorithm>
 #include <string>
 
 #include "absl/strings/str_cat.h"
 #include "services/command_line/help_formatter.h"
+#include "services/convert/robot_settings_check.h"
+#include "services/command_line/values.h"
 
 namespace corbslam::services {
 namespace {
 
-// More has no computer: a negative number without a unit is read as one of 2^64 less it.
-constexpr uint64_t kMost_bytes = uint64_t{1} << 50;
+// Measured on short drives without a budget (docs/robot.md): programs with the vocabulary that is
+// shipped, threads' heaps and connections, ...
+constexpr uint64_t kPrograms_bytes = uint64_t{88} << 20;
+// ... what a pixel of one picture takes, in pyramids, rectification and pictures read ahead, ...
+constexpr uint64_t kBytesPerPixel = 40;
+// ... and a feature, in frames that are under way.
+constexpr uint64_t kBytesPerFeature = 2048;
+// A keyframe's feature in the map, with the part of a point that it sees.
+constexpr uint64_t kMapBytesPerFeature = 200;
+constexpr uint64_t kLeastKeyframes = 40;
+
+constexpr uint64_t kMostForOutbox_bytes = uint64_t{64} << 20;
+constexpr uint64_t kOutboxShare = 8;
 
 std::string MiB(uint64_t bytes) { return absl::StrCat(bytes >> 20, " MiB"); }
 
@@ -20,31 +34,55 @@ void AddMemoryFlags(CLI::App& app, MemoryFlags& flags) {
                  "Memory of the process, as 500MB, beyond which far parts of the map leave it for "
                  "the map store (without one for --spool) and come back when they are near; 0: no "
                  "bound")
-      ->transform(CLI::AsSizeValue(/*kb_is_1000=*/false))
+      ->transform(BytesWithin({.may_be_0 = true}))
+      ->type_name(kBytesType)
       ->capture_default_str()
       ->group(kRareGroup);
 }
 
+uint64_t RobotItselfBytes(const MemoryNeeds& needs) {
+  const uint64_t pixels =
+      static_cast<uint64_t>(needs.width_px) * static_cast<uint64_t>(needs.height_px);
+  return kPrograms_bytes + kBytesPerPixel * pixels +
+         kBytesPerFeature * static_cast<uint64_t>(needs.features);
+}
+
+uint64_t LeastBytesForMap(const MemoryNeeds& needs) {
+  // One half is the local map's (MaxMapBytes).
+  return 2 * kLeastKeyframes * kMapBytesPerFeature * static_cast<uint64_t>(needs.features);
+}
+
+uint64_t OutboxBytesOf(const MemoryFlags& flags) {
+  if (flags.budget_bytes == 0) return kMostForOutbox_bytes;
+  return std::min(kMostForOutbox_bytes, flags.budget_bytes / kOutboxShare);
+}
+
 absl::Status CheckMemoryFlags(const MemoryFlags& flags, const ShareFlags& share,
-                              uint64_t outbox_bytes, bool has_keeper) {
+                              const MemoryNeeds& needs, bool has_keeper) {
   if (flags.budget_bytes == 0) return absl::OkStatus();
   if (!has_keeper) {
     return absl::InvalidArgumentError(
         "--memory-budget needs --server or --spool: what leaves memory is kept by a map store or "
         "on the disk, and without either it would be lost");
   }
-  const uint64_t least = kRobotItself_bytes + outbox_bytes + kLeastForMap_bytes;
+  const uint64_t itself = RobotItselfBytes(needs);
+  const uint64_t map = LeastBytesForMap(needs);
+  const uint64_t least = itself + needs.outbox_bytes + map;
   if (flags.budget_bytes < least) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("--memory-budget is ", flags.budget_bytes, " bytes (", MiB(flags.budget_bytes),
-                     "), must be at least ", MiB(least), ": ", MiB(kRobotItself_bytes),
-                     " for the robot without a map, ", MiB(outbox_bytes), " for --outbox-mb, ",
-                     MiB(kLeastForMap_bytes), " for a map. Give it with a unit, as 500MB"));
+    const std::string pictures =
+        needs.width_px > 0 ? absl::StrCat(" of ", needs.width_px, "x", needs.height_px) : "";
+    return absl::InvalidArgumentError(absl::StrCat(
+        "--memory-budget is ", flags.budget_bytes, " bytes (", MiB(flags.budget_bytes),
+        "), must be at least ", MiB(least + (uint64_t{1} << 20) - 1), " with ", needs.features,
+        " features of pictures", pictures, ": ", MiB(itself), " for the robot without a map, ",
+        MiB(needs.outbox_bytes), " for --outbox-mb, ", MiB(map),
+        " for a map. Give it with a unit, as 500MB; fewer --features and a smaller --outbox-mb "
+        "take less"));
   }
-  if (flags.budget_bytes > kMost_bytes) {
-    return absl::InvalidArgumentError(absl::StrCat("--memory-budget is ", MiB(flags.budget_bytes),
-                                                   ", must be at most ", MiB(kMost_bytes),
-                                                   ": was it negative?"));
+  if (flags.budget_bytes > kMostMemoryBudget_bytes) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("--memory-budget is ", MiB(flags.budget_bytes), ", must be at most ",
+                     MiB(kMostMemoryBudget_bytes), ": was it negative?"));
   }
   if (share.mode == ShareMode::kEverything) {
     return absl::InvalidArgumentError(
@@ -54,9 +92,12 @@ absl::Status CheckMemoryFlags(const MemoryFlags& flags, const ShareFlags& share,
   return absl::OkStatus();
 }
 
-uint64_t MaxMapBytes(const MemoryFlags& flags, uint64_t outbox_bytes, bool has_server) {
+uint64_t MaxMapBytes(const MemoryFlags& flags, const MemoryNeeds& needs, bool has_server) {
   if (flags.budget_bytes == 0) return 0;
-  return (flags.budget_bytes - kRobotItself_bytes - outbox_bytes) / (has_server ? 2 : 3);
+  const uint64_t taken = RobotItselfBytes(needs) + needs.outbox_bytes;
+  // An outbox that was made before the budget was set may be larger than the budget would have it.
+  const uint64_t left = flags.budget_bytes - std::min(flags.budget_bytes, taken);
+  return std::max(left, LeastBytesForMap(needs)) / (has_server ? 2 : 3);
 }
 
 }  // namespace corbslam::services

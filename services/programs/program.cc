@@ -3,17 +3,19 @@
 #include <glog/logging.h>
 #include <pthread.h>
 #include <signal.h>
+#include <sys/stat.h>
 #include <sysexits.h>
 
 #include <cstdlib>
 #include <exception>
 #include <iostream>
-#include <map>
 #include <opencv2/core/utility.hpp>
 #include <string>
 
 #include "services/command_line/command_line.h"
+#include "services/command_line/values.h"
 #include "services/observe/logging/log_format.h"
+#include "services/runtime/file_limit.h"
 #include "services/server/server.h"
 
 namespace corbslam::services {
@@ -21,8 +23,8 @@ namespace {
 
 void AddLogFlag(CLI::App& app, LogFormat& format) {
   app.add_option("--log-format", format, "text: glog's lines; json: an object a line")
-      ->transform(CLI::CheckedTransformer(
-          std::map<std::string, LogFormat>{{"text", LogFormat::kText}, {"json", LogFormat::kJson}}))
+      ->transform(Choice({{"text", static_cast<int>(LogFormat::kText)},
+                          {"json", static_cast<int>(LogFormat::kJson)}}))
       ->type_name("text|json")
       ->default_str("text");
 }
@@ -76,6 +78,9 @@ int RunProgram(CLI::App& app, int argc, char** argv, const Program& program) {
     return 0;
   }
   LOG(INFO) << app.get_name() << " " << ProgramVersion();
+  RaiseFileLimit();
+  // Maps, pictures and what robots told are nobody's but the user's that the program runs as.
+  umask(S_IRWXG | S_IRWXO);
   // Threads of ours share the work. A pool of OpenCV's beside them waits for a processor that they
   // are on, and they for it: milliseconds in every frame with two of them.
   cv::setNumThreads(1);

@@ -1,8 +1,11 @@
 #include "services/programs/robot_flag_checks.h"
 
+#include <set>
 #include <string>
 
+#include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_split.h"
 #include "absl/strings/strip.h"
 #include "client_agent/live/live_sources.h"
 #include "client_agent/source/source_kinds.h"
@@ -48,6 +51,19 @@ absl::Status CheckPace(const RobotFlags& flags) {
       "corbslam run --pace step plays several robots and a store in lockstep");
 }
 
+absl::StatusOr<int> ParsePictureWidth(absl::string_view text) {
+  constexpr int kLeast = 64;
+  constexpr int kMost = 1280;
+  int width_px = 0;
+  if (absl::SimpleAtoi(text, &width_px) &&
+      (width_px == 0 || (width_px >= kLeast && width_px <= kMost))) {
+    return width_px;
+  }
+  return absl::InvalidArgumentError(absl::StrCat("--upload: picture=", text,
+                                                 ": must be 0 (none) or a width in pixels from ",
+                                                 kLeast, " to ", kMost));
+}
+
 absl::Status CheckLocaliseOnly(const RobotFlags& flags) {
   if (!flags.localise_only) return absl::OkStatus();
   if (flags.server.empty()) {
@@ -73,31 +89,51 @@ absl::StatusOr<RobotSource> OpenFlaggedSource(const RobotFlags& flags,
   return OpenRobotSource(spec, flags.strict, stop);
 }
 
-absl::StatusOr<FeatureSelection> ParseUpload(const RobotFlags& flags) {
-  absl::string_view text = flags.upload;
-  if (!absl::ConsumePrefix(&text, "features=")) {
-    return absl::InvalidArgumentError(absl::StrCat(
-        "--upload is ", flags.upload, ", must be features=all, features=mapped or features=N"));
+absl::StatusOr<UploadChoice> ParseUpload(const RobotFlags& flags) {
+  UploadChoice choice;
+  std::set<absl::string_view> named;
+  for (absl::string_view part : absl::StrSplit(flags.upload, '&')) {
+    const absl::string_view name = part.substr(0, part.find('='));
+    if (!named.insert(name).second) {
+      return absl::InvalidArgumentError(
+          absl::StrCat("--upload is ", flags.upload, ", which says ", name, " twice"));
+    }
+    if (absl::ConsumePrefix(&part, "features=")) {
+      const absl::StatusOr<FeatureSelection> features = ParseFeatureSelection(part);
+      if (!features.ok()) return Locate(features.status(), "--upload");
+      choice.features = *features;
+    } else if (absl::ConsumePrefix(&part, "picture=")) {
+      ASSIGN_OR_RETURN(choice.picture_width_px, ParsePictureWidth(part));
+    } else {
+      return absl::InvalidArgumentError(absl::StrCat(
+          "--upload is ", flags.upload,
+          ", must be features=all, features=mapped or features=N, picture=N, or both with & "
+          "between them"));
+    }
   }
-  const absl::StatusOr<FeatureSelection> selection = ParseFeatureSelection(text);
-  if (selection.ok()) return selection;
-  return Locate(selection.status(), "--upload");
+  return choice;
 }
 
-absl::StatusOr<std::shared_ptr<grpc::Channel>> MakeStoreChannel(const RobotFlags& flags) {
+SecurityOptions Bearing(SecurityOptions security, Files files) {
+  security.files_may_come = files == Files::kMayCome;
+  return security;
+}
+
+absl::StatusOr<std::shared_ptr<grpc::Channel>> MakeStoreChannel(const RobotFlags& flags,
+                                                                Files files) {
   if (flags.server.empty()) return nullptr;
-  ASSIGN_OR_RETURN(const auto credentials, MakeChannelCredentials(flags.security));
+  ASSIGN_OR_RETURN(const auto credentials, MakeChannelCredentials(Bearing(flags.security, files)));
   return MakeChannel(flags.server, credentials);
 }
 
-absl::Status CheckListenSecurity(const RobotFlags& flags) {
+absl::Status CheckListenSecurity(const RobotFlags& flags, Files files) {
   if (flags.listen.empty()) return absl::OkStatus();
-  return CheckServerSecurity(ListenSecurityOf(flags), flags.mission, flags.agent);
+  return CheckServerSecurity(Bearing(ListenSecurityOf(flags), files), flags.mission, flags.agent);
 }
 
 absl::Status CheckSettable(const RobotFlags& flags) {
   const bool has_server = !flags.server.empty();
-  RETURN_IF_ERROR(CheckMemoryFlags(flags.memory, flags.share, flags.outbox_mb << 20,
+  RETURN_IF_ERROR(CheckMemoryFlags(flags.memory, flags.share, MemoryNeedsOf(flags),
                                    has_server || !flags.spool.folder.empty()));
   RETURN_IF_ERROR(CheckShareFlags(ShareOf(flags), has_server));
   RETURN_IF_ERROR(CheckLocaliseOnly(flags));
@@ -112,7 +148,7 @@ std::vector<absl::Status> CheckPlaces(const RobotFlags& flags) {
   found.push_back(CheckSpoolFlags(flags.spool, !flags.server.empty()));
   if (flags.server.empty()) found.push_back(CheckNoLinkFlags(flags.link));
   const bool has_server = !flags.server.empty();
-  found.push_back(CheckMemoryFlags(flags.memory, flags.share, flags.outbox_mb << 20,
+  found.push_back(CheckMemoryFlags(flags.memory, flags.share, MemoryNeedsOf(flags),
                                    has_server || !flags.spool.folder.empty()));
   found.push_back(CheckSettingsFlags(flags.settings, has_server));
   found.push_back(CheckShareFlags(ShareOf(flags), has_server));
@@ -132,10 +168,11 @@ std::vector<absl::Status> CheckRobotFlags(const RobotFlags& flags) {
   std::vector<absl::Status> found = {
       CheckNameSegment("--mission", flags.mission),
       CheckNameSegment("--agent", flags.agent),
-      MakeStoreChannel(flags).status(),
-      CheckListenSecurity(flags),
+      MakeStoreChannel(flags, Files::kMustBeGood).status(),
+      CheckListenSecurity(flags, Files::kMustBeGood),
       CheckVocabulary(flags.vocabulary),
       ParseUpload(flags).status(),
+      CheckSettingsFiles(flags.settings),
       CheckFlaggedSource(flags),
   };
   const std::vector<absl::Status> places = CheckPlaces(flags);

@@ -20,12 +20,23 @@ namespace corbslam::services {
 // drives its camera.
 absl::StatusOr<RobotSource> OpenFlaggedSource(const RobotFlags& flags,
                                               const absl::Notification& stop);
-absl::StatusOr<client_agent::FeatureSelection> ParseUpload(const RobotFlags& flags);
+// What goes up of a keyframe.
+struct UploadChoice {
+  client_agent::FeatureSelection features;
+  int picture_width_px = 320;  // AgentOptions::picture_width_px.
+};
+absl::StatusOr<UploadChoice> ParseUpload(const RobotFlags& flags);
+// Whether certificates, keys and tokens must be good now. A robot that starts does not end because
+// one of them has expired: it maps, and takes a new one when that comes.
+enum class Files { kMustBeGood, kMayCome };
+SecurityOptions Bearing(SecurityOptions security, Files files);
+
 // Returns null without --server.
-absl::StatusOr<std::shared_ptr<grpc::Channel>> MakeStoreChannel(const RobotFlags& flags);
+absl::StatusOr<std::shared_ptr<grpc::Channel>> MakeStoreChannel(const RobotFlags& flags,
+                                                                Files files);
 
 // Checks how other programs on the robot reach it.
-absl::Status CheckListenSecurity(const RobotFlags& flags);
+absl::Status CheckListenSecurity(const RobotFlags& flags, Files files);
 // Checks what the map store may set.
 absl::Status CheckSettable(const RobotFlags& flags);
 // Checks places in the network and on disk, and flags that need others: in a moment.

@@ -1,15 +1,18 @@
 #include "services/programs/robot_flags.h"
 
 #include <cstdio>
-#include <map>
 #include <utility>
 
+#include "absl/strings/numbers.h"
+#include "absl/strings/str_cat.h"
 #include "client_agent/live/live_sources.h"
 #include "client_agent/source/source_kinds.h"
 #include "services/command_line/help_formatter.h"
+#include "services/command_line/values.h"
 #include "services/programs/link_flags.h"
 #include "services/programs/memory_flags.h"
 #include "services/programs/share_flags.h"
+#include "slam/features/feature_limits.h"
 
 namespace corbslam::services {
 
@@ -43,8 +46,9 @@ void AddMission(CLI::App& app, RobotFlags& flags) {
 void AddPace(CLI::App& app, RobotFlags& flags) {
   app.add_option("--pace", flags.pace,
                  "sensor: drop what comes too fast; max: wait; step: in lockstep")
-      ->transform(CLI::CheckedTransformer(std::map<std::string, Pace>{
-          {"sensor", Pace::kSensor}, {"max", Pace::kMax}, {"step", Pace::kStep}}))
+      ->transform(Choice({{"sensor", static_cast<int>(Pace::kSensor)},
+                          {"max", static_cast<int>(Pace::kMax)},
+                          {"step", static_cast<int>(Pace::kStep)}}))
       ->type_name("max|sensor|step")
       ->default_str("max");
 }
@@ -60,12 +64,21 @@ void AddResults(CLI::App& app, RobotFlags& flags) {
                  "File for the trajectory, as TUM; of further local maps: FILE.2 and so on");
   app.add_option("--poses-of", flags.poses_of,
                  "Of --trajectory: camera (as recorded, the left one), rectified or body")
-      ->transform(CLI::CheckedTransformer(
-          std::map<std::string, PosesOf>{{"camera", PosesOf::kRecordedCamera},
-                                         {"rectified", PosesOf::kRectifiedCamera},
-                                         {"body", PosesOf::kBody}}))
+      ->transform(Choice({{"camera", static_cast<int>(PosesOf::kRecordedCamera)},
+                          {"rectified", static_cast<int>(PosesOf::kRectifiedCamera)},
+                          {"body", static_cast<int>(PosesOf::kBody)}}))
       ->type_name("FRAME")
       ->default_str("camera");
+}
+
+// Returns what is wrong with the value; empty if it is good.
+std::string CheckFeatures(const std::string& text) {
+  int features = 0;
+  const bool good = absl::SimpleAtoi(text, &features) &&
+                    (features == 0 || (features >= kLeastFeatures && features <= kMostFeatures));
+  if (good) return "";
+  return absl::StrCat("\"", text, "\" is neither 0 nor a whole number from ", kLeastFeatures,
+                      " to ", kMostFeatures);
 }
 
 void AddWork(CLI::App& app, RobotFlags& flags) {
@@ -73,7 +86,7 @@ void AddWork(CLI::App& app, RobotFlags& flags) {
       ->capture_default_str();
   app.add_option("--features", flags.features,
                  "Features of a picture; 0: 2000 for stereo, 1000 for RGB-D")
-      ->check(CLI::Range(0, 20000))
+      ->check(CLI::Validator(&CheckFeatures, ""))
       ->capture_default_str();
   app.add_option("--seed", flags.seed, "Of ids and random samples; 0: another one each time")
       ->capture_default_str()
@@ -89,6 +102,25 @@ void AddWork(CLI::App& app, RobotFlags& flags) {
 }
 
 }  // namespace
+
+int FeaturesOf(const RobotFlags& flags) {
+  if (flags.features != 0) return flags.features;
+  return flags.has_depth ? 1000 : 2000;
+}
+
+uint64_t OutboxBytesOf(const RobotFlags& flags) {
+  return flags.given.contains("--outbox-mb") ? flags.outbox_mb << 20 : OutboxBytesOf(flags.memory);
+}
+
+MemoryNeeds MemoryNeedsOf(const RobotFlags& flags) {
+  MemoryNeeds needs;
+  // Before the source is open it may be an RGB-D camera's.
+  needs.features = flags.features != 0 || flags.width_px > 0 ? FeaturesOf(flags) : 1000;
+  needs.width_px = flags.width_px;
+  needs.height_px = flags.height_px;
+  needs.outbox_bytes = OutboxBytesOf(flags);
+  return needs;
+}
 
 RobotFlags With(const SettableFlags& set, RobotFlags flags) {
   static_cast<SettableFlags&>(flags) = set;
@@ -120,12 +152,14 @@ void AddRobotFlags(CLI::App& app, RobotFlags& flags) {
   AddWork(app, flags);
   AddSpoolFlags(app, flags.spool);
   app.add_option("--outbox-mb", flags.outbox_mb,
-                 "MiB that wait in memory, the rest waits in --spool alone; 0: everything does")
+                 "MiB that wait in memory, the rest waits in --spool alone; 0: everything does. "
+                 "With --memory-budget an eighth of it, unless said here")
       ->check(CLI::Range(0, 1 << 20))
       ->capture_default_str()
       ->group(kRareGroup);
   app.add_option("--upload", flags.upload,
-                 "What goes up of a keyframe: features=all, =mapped or =N")
+                 "What goes up of a keyframe: features=all, =mapped or =N; and, with & before it, "
+                 "picture=N: a small one for people, N px wide; 0: none")
       ->capture_default_str();
   AddLinkFlags(app, flags.link);
   AddShareFlags(app, flags.share);

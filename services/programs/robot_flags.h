@@ -36,9 +36,10 @@ struct RobotFlags : SettableFlags {
   int solver_threads = 1;
   double finish_s = 120;
   SpoolFlags spool;
+  // Counts if it was given; else OutboxBytesOf does.
   uint64_t outbox_mb = 64;
   SettingsFlags settings;
-  std::set<std::string> given;  // Of SettableFlags.
+  std::set<std::string> given;  // GivenFlags.
   RecordFlags record;
   bool stay = false;
   bool strict = false;
@@ -47,7 +48,17 @@ struct RobotFlags : SettableFlags {
   SecurityOptions security;
   ObserveFlags observe;
   bool listen_insecure = false;
+  // Not a flag: the size of the source's pictures, once it is open; 0 before.
+  int width_px = 0;
+  int height_px = 0;
+  bool has_depth = false;  // They are of an RGB-D camera.
 };
+
+// Returns AgentOptions' features of a picture and bytes of the outbox.
+int FeaturesOf(const RobotFlags& flags);
+uint64_t OutboxBytesOf(const RobotFlags& flags);
+// Returns what bounds the robot's memory from below.
+MemoryNeeds MemoryNeedsOf(const RobotFlags& flags);
 
 void AddRobotFlags(CLI::App& app, RobotFlags& flags);
 

@@ -26,10 +26,12 @@ absl::StatusOr<std::unique_ptr<RobotObservers>> RobotObservers::Make(const Obser
   return observers;
 }
 
-void RobotObservers::LogSessions(const ServerTarget& store) {
+void RobotObservers::LogSessions(const ServerTarget& store, bool localise_only) {
+  UplinkLogOptions options;
+  options.localise_only = localise_only;
   sessions_ = std::make_unique<UplinkLog>(
       LogFields{.mission = mission_, .agent = name_},
-      [store](const absl::Status& seen) { return ExplainFailure(store, seen); });
+      [store](const absl::Status& seen) { return ExplainFailure(store, seen); }, options);
 }
 
 std::function<absl::Status()> RobotObservers::OfSessions() const {
@@ -82,8 +84,8 @@ void RobotObservers::SetDropped(uint64_t frames) {
   if (metrics_ != nullptr) metrics_->robot.SetDropped(frames);
 }
 
-absl::StatusOr<std::unique_ptr<MetricsEndpoint>> RobotObservers::Serve(const Agent* agent,
-                                                                       const Uplink* uplink) {
+absl::StatusOr<std::unique_ptr<MetricsEndpoint>> RobotObservers::Serve(
+    const Agent* agent, const Uplink* uplink, std::vector<WatchedFolder> folders) {
   if (metrics_ == nullptr) return nullptr;
   ASSIGN_OR_RETURN(
       auto endpoint,
@@ -91,7 +93,8 @@ absl::StatusOr<std::unique_ptr<MetricsEndpoint>> RobotObservers::Serve(const Age
           flags_.metrics_listen,
           {std::make_shared<ProcessCollector>("client_agent"),
            std::make_shared<SecurityCollector>(), metrics_->registry,
-           std::make_shared<RobotCollector>(agent, uplink, activity_, mission_, name_)}));
+           std::make_shared<RobotCollector>(agent, uplink, activity_, mission_, name_),
+           std::make_shared<DiskCollector>(std::move(folders))}));
   AnnounceMetrics(endpoint->address());
   return endpoint;
 }

@@ -8,6 +8,7 @@
 #include <memory>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "absl/status/statusor.h"
 #include "client_agent/agent/agent.h"
@@ -15,6 +16,7 @@
 #include "services/observe/event_log/robot_events.h"
 #include "services/observe/event_log/robot_minutes.h"
 #include "services/observe/event_log/uplink_log.h"
+#include "services/observe/metrics/disk_collector.h"
 #include "services/observe/metrics/metrics_endpoint.h"
 #include "services/observe/metrics/robot_metrics.h"
 #include "services/observe/metrics/rpc_metrics.h"
@@ -33,7 +35,7 @@ class RobotObservers {
                                                               const std::string& agent);
 
   // Makes the sessions with this store be logged. The caller does so before the uplink is watched.
-  void LogSessions(const ServerTarget& store);
+  void LogSessions(const ServerTarget& store, bool localise_only);
   // Returns a function that says why no session stands, or OK while one does; null without
   // LogSessions.
   std::function<absl::Status()> OfSessions() const;
@@ -53,10 +55,11 @@ class RobotObservers {
   // Logs what fusion does to the robot, which its link notes here.
   void LogEvents(std::shared_ptr<client_agent::AgentEvents> events);
   void SetDropped(uint64_t frames);
-  // Serves the metrics, and announces the address; null if none are wanted. The result must be
-  // destroyed before `agent` and `uplink` (which may be null).
+  // Serves the metrics, those of the folders' disks among them, and announces the address; null if
+  // none are wanted. The result must be destroyed before `agent` and `uplink` (which may be null).
   absl::StatusOr<std::unique_ptr<MetricsEndpoint>> Serve(const client_agent::Agent* agent,
-                                                         const Uplink* uplink);
+                                                         const Uplink* uplink,
+                                                         std::vector<WatchedFolder> folders);
 
  private:
   struct Metrics {

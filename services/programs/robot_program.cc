@@ -3,7 +3,7 @@
 #include <glog/logging.h>
 
 #include <cstdio>
-#include <fstream>
+#include <future>
 #include <memory>
 #include <random>
 #include <string>
@@ -25,6 +25,7 @@
 #include "services/programs/robot/agent_run.h"
 #include "services/programs/robot/agent_trajectories.h"
 #include "services/programs/robot/held_map_file.h"
+#include "services/programs/robot/map_wait.h"
 #include "services/programs/robot/robot_report.h"
 #include "services/programs/robot/robot_source.h"
 #include "services/programs/robot/source_json.h"
@@ -35,8 +36,10 @@
 #include "services/programs/share_flags.h"
 #include "services/programs/spool_flags.h"
 #include "services/programs/start_lines.h"
+#include "services/server/self_watch.h"
 #include "services/server/server.h"
 #include "slam/util/status_macros.h"
+#include "slam/util/whole_file.h"
 #include "slam/vocabulary/vocabulary.h"
 
 namespace corbslam::services {
@@ -45,7 +48,6 @@ using client_agent::ActivityWatch;
 using client_agent::Agent;
 using client_agent::AgentOptions;
 using client_agent::AgentOrders;
-using client_agent::FeatureSelection;
 using client_agent::FrameStream;
 using client_agent::RegisterLiveSources;
 using client_agent::Spool;
@@ -56,8 +58,7 @@ namespace {
 // Streams end within it, where their readers read.
 constexpr absl::Duration kGoodbye = absl::Seconds(1);
 
-AgentOptions MakeAgentOptions(const RobotFlags& flags, const FeatureSelection& upload,
-                              const SensorCalibration& calibration,
+AgentOptions MakeAgentOptions(const RobotFlags& flags, const UploadChoice& upload,
                               const std::shared_ptr<const ActivityWatch>& activity) {
   AgentOptions options;
   options.mission = flags.mission;
@@ -69,40 +70,38 @@ AgentOptions MakeAgentOptions(const RobotFlags& flags, const FeatureSelection& u
                      : (uint64_t{std::random_device()()} << 32) | std::random_device()();
   options.deterministic = flags.pace == Pace::kStep;
   options.solver_threads = flags.solver_threads;
-  options.max_outbox_bytes = flags.outbox_mb << 20;
-  options.upload_features = upload;
+  options.max_outbox_bytes = OutboxBytesOf(flags);
+  options.upload_features = upload.features;
+  options.picture_width_px = upload.picture_width_px;
   options.uplink_bytes_per_second = BytesPerSecond(flags.link.uplink_kbps);
   options.downlink_bytes_per_second = BytesPerSecond(flags.link.downlink_kbps);
   options.share = ScopeOf(ShareOf(flags));
   options.localise_only = flags.localise_only;
   ApplySpoolFlags(flags.spool, options);
-  options.max_map_bytes = MaxMapBytes(flags.memory, options.max_outbox_bytes,
+  options.max_map_bytes = MaxMapBytes(flags.memory, MemoryNeedsOf(flags),
                                       /*has_server=*/!flags.server.empty());
   // The trajectory is asked for at the end, or by other programs at any time.
   options.keep_trajectory = !flags.trajectory.empty() || !flags.listen.empty();
   options.events = std::make_shared<client_agent::AgentEvents>();
   options.activity = activity;
-  const bool stereo = std::holds_alternative<StereoCalibration>(calibration);
-  options.sensor.orb.features = flags.features != 0 ? flags.features : stereo ? 2000 : 1000;
+  options.sensor.orb.features = FeaturesOf(flags);
   return options;
 }
 
-absl::Status WriteText(const std::string& path, const std::string& text) {
-  std::ofstream file(path, std::ios::binary | std::ios::trunc);
-  file << text;
-  file.close();
-  if (!file) return absl::UnavailableError(absl::StrCat("can't write ", path));
-  return absl::OkStatus();
-}
-
 RobotReport MakeReport(const RobotFlags& flags, const Agent& agent, const RobotSource& source,
-                       const PlayedFrames& played, const Uplink* uplink) {
+                       const PlayedFrames& played, const Uplink* uplink,
+                       const absl::Status& session) {
   RobotReport report = MakeRobotReport(agent);
   report.name = flags.agent;
   report.source = flags.source;
   report.source_description = ToJson(source.description);
-  AddRun(*source.stream, played, CollectWarnings(source.warnings, agent, *source.stream, played),
-         report);
+  const RobotTask task = {.localise_only = flags.localise_only,
+                          .resume = flags.spool.resume,
+                          .mission = flags.mission,
+                          .shares_nearby = ShareOf(flags).mode == ShareMode::kNearby,
+                          .session = session};
+  AddRun(*source.stream, played,
+         CollectWarnings(source.warnings, agent, *source.stream, played, task), report);
   if (uplink != nullptr) {
     report.bytes_up = uplink->bytes_up();
     report.bytes_down = uplink->bytes_down();
@@ -133,29 +132,31 @@ absl::Status WriteResults(const RobotFlags& flags, const Agent& agent,
   if (!flags.held_map.empty()) RETURN_IF_ERROR(WriteHeldMap(GetHeldMap(agent), flags.held_map));
   LOG(INFO) << WhoOf(flags) << DescribeEnd(report);
   if (flags.stats.empty()) return absl::OkStatus();
-  return WriteText(flags.stats, ToJson(report).dump(2) + "\n");
+  return WriteWhole(flags.stats, ToJson(report).dump(2) + "\n");
 }
 
-absl::StatusOr<std::unique_ptr<LiveSettings>> MakeLiveSettings(
-    const RobotFlags& flags, const std::shared_ptr<AgentOrders>& orders,
-    const std::shared_ptr<FrameRateLimit>& rate) {
-  const auto limits = [flags](const SettableFlags& set) {
+std::unique_ptr<LiveSettings> MakeLiveSettings(const RobotFlags& flags,
+                                               const std::shared_ptr<AgentOrders>& orders,
+                                               const std::shared_ptr<FrameRateLimit>& rate) {
+  const auto limits = [flags](const SettableFlags& begun, const SettableFlags& set) {
     const RobotFlags now = With(set, flags);
+    // Its features and its outbox stay as they are.
+    const MemoryNeeds needs = MemoryNeedsOf(With(begun, flags));
     return client_agent::ChangedLimits{
         .uplink_bytes_per_second = BytesPerSecond(now.link.uplink_kbps),
-        .max_map_bytes = MaxMapBytes(now.memory, now.outbox_mb << 20),
+        .max_map_bytes = MaxMapBytes(now.memory, needs),
         .share = ScopeOf(ShareOf(now))};
   };
-  return LiveSettings::Make(
-      {.files = flags.settings,
-       .mission = flags.mission,
-       .agent = flags.agent,
-       .flags = flags,
-       .given = flags.given,
-       .orders = orders,
-       .rate = rate,
-       .check = [flags](const SettableFlags& set) { return CheckSettable(With(set, flags)); },
-       .limits = limits});
+  return std::make_unique<LiveSettings>(LiveSettingsOptions{
+      .files = flags.settings,
+      .mission = flags.mission,
+      .agent = flags.agent,
+      .flags = flags,
+      .given = flags.given,
+      .orders = orders,
+      .rate = rate,
+      .check = [flags](const SettableFlags& set) { return CheckSettable(With(set, flags)); },
+      .limits = limits});
 }
 
 // Returns null without a channel. `settings` is not owned and must outlive the uplink.
@@ -171,7 +172,8 @@ std::unique_ptr<Uplink> MakeUplink(const RobotFlags& flags, std::shared_ptr<grpc
 // Returns how other programs on the robot reach it.
 absl::StatusOr<ServerSecurity> MakeListenSecurity(const RobotFlags& flags) {
   if (flags.listen.empty()) return ServerSecurity{};
-  return MakeServerSecurity(ListenSecurityOf(flags), flags.mission, flags.agent);
+  return MakeServerSecurity(Bearing(ListenSecurityOf(flags), Files::kMayCome), flags.mission,
+                            flags.agent);
 }
 
 // Returns an error if the run mapped nothing: that is no success.
@@ -210,17 +212,52 @@ absl::Status CheckBefore(const RobotFlags& flags) {
   return ParseUpload(flags).status();
 }
 
-// Returns the flags that the robot runs with: with what its map store sets.
-absl::StatusOr<RobotFlags> Surround(const RobotFlags& given, Surroundings& around) {
-  ASSIGN_OR_RETURN(around.channel, MakeStoreChannel(given));
-  ASSIGN_OR_RETURN(around.settings, MakeLiveSettings(given, around.orders, around.rate));
-  RobotFlags flags = With(around.settings->Begin(around.channel), given);
+// Returns the flags with what is known of the source.
+RobotFlags WithSource(const SensorCalibration& calibration, RobotFlags flags) {
+  Camera camera;
+  if (const auto* stereo = std::get_if<StereoCalibration>(&calibration)) {
+    camera = stereo->camera;
+    if (stereo->raw.has_value()) {
+      camera.width_px = stereo->raw->width_px;
+      camera.height_px = stereo->raw->height_px;
+    }
+  } else {
+    camera = std::get<RgbdCalibration>(calibration).camera;
+    flags.has_depth = true;
+  }
+  flags.width_px = camera.width_px;
+  flags.height_px = camera.height_px;
+  return flags;
+}
+
+// Says to who gives orders which masks fit.
+void TellPictures(const RobotFlags& flags, const RobotSource& source, AgentOrders& orders) {
+  Camera camera;
+  camera.width_px = flags.width_px;
+  camera.height_px = flags.height_px;
+  orders.SetCamera(camera);
+  if (const auto& size_px = source.description.unscaled_px; size_px.has_value()) {
+    orders.SetRecordedSize(size_px->first, size_px->second);
+  }
+}
+
+// Surrounds a robot whose source is open, and returns the flags that it runs with: with what its
+// map store sets, as far as it can run with that.
+absl::StatusOr<RobotFlags> Surround(const RobotFlags& given, const RobotSource& source,
+                                    const absl::StatusOr<v1::RobotSettingsList>& told,
+                                    Surroundings& around) {
+  TellPictures(given, source, *around.orders);
+  around.settings = MakeLiveSettings(given, around.orders, around.rate);
+  RobotFlags flags = With(around.settings->Begin(told), given);
+  // By now it is known how large the pictures are.
+  RETURN_IF_ERROR(CheckSettable(flags));
   around.uplink = MakeUplink(flags, around.channel, *around.settings);
   ASSIGN_OR_RETURN(around.observers,
                    RobotObservers::Make(flags.observe, flags.mission, flags.agent));
   around.observers->WatchActivity(around.activity, flags.localise_only);
   if (around.uplink != nullptr) {
-    around.observers->LogSessions({flags.server, kMapStoreService, flags.security});
+    around.observers->LogSessions({flags.server, kMapStoreService, flags.security},
+                                  flags.localise_only);
   }
   return flags;
 }
@@ -234,10 +271,10 @@ void LogMemoryBudget(const RobotFlags& flags, uint64_t max_map_bytes) {
                     : "; --share is nearby, because of it");
 }
 
-absl::StatusOr<AgentOptions> SurroundedOptions(const RobotFlags& flags, const Surroundings& around,
-                                               const SensorCalibration& calibration) {
-  ASSIGN_OR_RETURN(const FeatureSelection upload, ParseUpload(flags));
-  AgentOptions options = MakeAgentOptions(flags, upload, calibration, around.activity);
+absl::StatusOr<AgentOptions> SurroundedOptions(const RobotFlags& flags,
+                                               const Surroundings& around) {
+  ASSIGN_OR_RETURN(const UploadChoice upload, ParseUpload(flags));
+  AgentOptions options = MakeAgentOptions(flags, upload, around.activity);
   if (around.uplink != nullptr || !flags.listen.empty()) options.orders = around.orders;
   if (around.uplink != nullptr) around.observers->LogEvents(options.events);
   if (around.channel != nullptr) {
@@ -287,7 +324,7 @@ absl::Status Drive(const RobotFlags& flags, const Surroundings& around, const Ro
   RobotObservers& observers = *around.observers;
   ASSIGN_OR_RETURN(const RecordedCamera recorded, RecordedCameraOf(calibration));
   ASSIGN_OR_RETURN(ServerSecurity security, MakeListenSecurity(flags));
-  ASSIGN_OR_RETURN(const AgentOptions options, SurroundedOptions(flags, around, calibration));
+  ASSIGN_OR_RETURN(const AgentOptions options, SurroundedOptions(flags, around));
   ASSIGN_OR_RETURN(const auto recorder,
                    StartRecording(flags.record,
                                   {options, flags.source, flags.pace, uplink != nullptr,
@@ -295,9 +332,6 @@ absl::Status Drive(const RobotFlags& flags, const Surroundings& around, const Ro
                                   *source.stream));
   ASSIGN_OR_RETURN(const auto agent, Agent::Create(options, calibration, vocabulary,
                                                    observers.Watch(uplink), std::move(spool)));
-  if (const auto& size_px = source.description.unscaled_px; size_px.has_value()) {
-    around.orders->SetRecordedSize(size_px->first, size_px->second);
-  }
   around.settings->GiveMask();
   Agent* const watched = observers.Watch(agent.get());
   const auto recording =
@@ -305,9 +339,12 @@ absl::Status Drive(const RobotFlags& flags, const Surroundings& around, const Ro
   const auto minutes = observers.LogEachMinute(agent.get());
   AgentService service(agent.get(), uplink,
                        ServiceOptions(flags, around, recorded, options, ClockOf(*source.stream)));
-  ASSIGN_OR_RETURN(const auto metrics, observers.Serve(agent.get(), uplink));
+  ASSIGN_OR_RETURN(const auto metrics, observers.Serve(agent.get(), uplink,
+                                                       {{"spool", flags.spool.folder},
+                                                        {"recordings", flags.record.folder}}));
   security.server.rpc_observer = observers.OfCalls();
   ASSIGN_OR_RETURN(const auto server, Serve(flags, security, service));
+  if (flags.localise_only) WaitForMap(*agent, flags.mission, stop);
   PlayedFrames frames;
   const absl::Status played = PlayStream(
       *source.stream, recording != nullptr ? *recording : *watched, flags.pace, stop, frames,
@@ -322,6 +359,8 @@ absl::Status Drive(const RobotFlags& flags, const Surroundings& around, const Ro
   service.OnEnd();
   // What became of the recording is in the log: it is no failure of the robot.
   if (recorder != nullptr) recorder->Finish().IgnoreError();
+  const auto of_sessions = observers.OfSessions();
+  const absl::Status session = of_sessions == nullptr ? absl::OkStatus() : of_sessions();
   // A frame that can't be read ends the drive, but what was mapped until then stays.
   const absl::Status finished = agent->Finish(absl::Seconds(flags.finish_s));
   if (flags.stay && played.ok() && finished.ok()) {
@@ -330,7 +369,7 @@ absl::Status Drive(const RobotFlags& flags, const Surroundings& around, const Ro
   }
   // Whoever watches hears the end.
   if (server != nullptr) server->Shutdown(kGoodbye);
-  RobotReport report = MakeReport(flags, *agent, source, frames, uplink);
+  RobotReport report = MakeReport(flags, *agent, source, frames, uplink, session);
   report.settings = around.settings->Report();
   RETURN_IF_ERROR(WriteResults(flags, *agent, calibration, report));
   RETURN_IF_ERROR(AsFailure(played));
@@ -341,19 +380,26 @@ absl::Status Drive(const RobotFlags& flags, const Surroundings& around, const Ro
 absl::Status Run(const RobotFlags& given) {
   RETURN_IF_ERROR(CheckBefore(given));
   Surroundings around;
-  ASSIGN_OR_RETURN(const RobotFlags flags, Surround(given, around));
+  ASSIGN_OR_RETURN(around.channel, MakeStoreChannel(given, Files::kMayCome));
+  std::future<absl::StatusOr<v1::RobotSettingsList>> told =
+      AskForSettings(around.channel, given.settings, given.mission, given.agent);
   ASSIGN_OR_RETURN(std::unique_ptr<Spool> spool,
-                   OpenSpool(flags.spool, AgentName(flags.mission, flags.agent)));
-  RETURN_IF_ERROR(CheckListenSecurity(flags));
-  LOG(INFO) << WhoOf(flags) << DescribeStart(flags);
+                   OpenSpool(given.spool, AgentName(given.mission, given.agent)));
+  RETURN_IF_ERROR(CheckListenSecurity(given, Files::kMayCome));
+  LOG(INFO) << WhoOf(given) << DescribeStart(given);
+  // A robot may wait for its camera for long, and is well meanwhile.
+  const SelfWatch watch({});
   const StopWatcher stop;
-  ASSIGN_OR_RETURN(const auto vocabulary, Vocabulary::Load(flags.vocabulary));
-  const absl::StatusOr<RobotSource> source = OpenFlaggedSource(flags, stop.stopped());
+  ASSIGN_OR_RETURN(const auto vocabulary, Vocabulary::Load(given.vocabulary));
+  const absl::StatusOr<RobotSource> source = OpenFlaggedSource(given, stop.stopped());
   // It was stopped while it waited for who drives its camera.
   if (absl::IsCancelled(source.status())) return absl::OkStatus();
   RETURN_IF_ERROR(source.status());
   LogSource(*source);
-  RETURN_IF_ERROR(CheckPosesOf(source->stream->calibration(), flags.poses_of));
+  const SensorCalibration& calibration = source->stream->calibration();
+  RETURN_IF_ERROR(CheckPosesOf(calibration, given.poses_of));
+  ASSIGN_OR_RETURN(const RobotFlags flags,
+                   Surround(WithSource(calibration, given), *source, told.get(), around));
   return Drive(flags, around, *source, vocabulary, std::move(spool), stop.stopped());
 }
 

@@ -5,6 +5,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "services/command_line/help_formatter.h"
+#include "services/programs/kept_settings.h"
 #include "services/programs/settings_book.h"
 #include "services/security/ed25519.h"
 #include "services/security/pem_files.h"
@@ -111,19 +112,26 @@ absl::Status CheckSettingsFlags(const SettingsFlags& flags, bool has_server) {
     return absl::InvalidArgumentError("--settings-kept needs --settings-key");
   }
   if (!has_server) return absl::InvalidArgumentError("--settings-key needs --server");
+  return absl::OkStatus();
+}
+
+absl::Status CheckSettingsFiles(const SettingsFlags& flags) {
+  if (flags.key.empty()) return absl::OkStatus();
   ASSIGN_OR_RETURN(const std::string pem, ReadSecurityFile("--settings-key", flags.key));
   const absl::Status keys = ReadEd25519PublicKeys("settings key", pem).status();
   if (!keys.ok()) {
     return absl::InvalidArgumentError(
         absl::StrCat("--settings-key ", flags.key, ": ", keys.message()));
   }
-  return flags.kept.empty() ? absl::OkStatus() : ReadKept(flags.kept).status();
+  if (flags.kept.empty()) return absl::OkStatus();
+  const absl::Status kept = ReadKept(flags.kept).status();
+  return kept.ok() ? kept : absl::InvalidArgumentError(kept.message());
 }
 
 std::set<std::string> GivenFlags(const CLI::App& app) {
   std::set<std::string> given;
   for (const char* flag : {"--features", "--max-rate", "--upload", "--memory-budget",
-                           "--uplink-kbps", "--share", "--share-radius"}) {
+                           "--uplink-kbps", "--share", "--share-radius", "--outbox-mb"}) {
     const CLI::Option* option = app.get_option_no_throw(flag);
     if (option != nullptr && option->count() > 0) given.insert(flag);
   }

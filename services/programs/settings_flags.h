@@ -34,11 +34,14 @@ struct SettableFlags {
 
 // Adds --settings-key and --settings-kept, and --max-rate; --help-all shows them.
 void AddSettingsFlags(CLI::App& app, SettingsFlags& flags, double& max_rate_hz);
-// INVALID_ARGUMENT for flags that need others, and for a file of keys that can't be read.
+// INVALID_ARGUMENT for flags that need others.
 absl::Status CheckSettingsFlags(const SettingsFlags& flags, bool has_server);
+// INVALID_ARGUMENT for a file of keys or of settings that can't be read. A robot does not end
+// because of one.
+absl::Status CheckSettingsFiles(const SettingsFlags& flags);
 
-// Returns the flags that a store might set, and that were set on the command line, in the
-// environment or in a file.
+// Returns the flags that a store might set, and --outbox-mb, which another value depends on, that
+// were set on the command line, in the environment or in a file.
 std::set<std::string> GivenFlags(const CLI::App& app);
 
 // Sets what the settings say and nobody gave: first those of all robots, then the robot's own.

@@ -57,8 +57,9 @@ TEST(SettingsFlagsTest, FlagsThatNeedOthersAreRefused) {
               HasSubstr("--settings-kept needs --settings-key"));
   EXPECT_THAT(std::string(CheckSettingsFlags({.key = "x", .kept = ""}, false).message()),
               HasSubstr("--settings-key needs --server"));
-  EXPECT_THAT(std::string(CheckSettingsFlags({.key = "/nowhere.pem", .kept = ""}, true).message()),
-              HasSubstr("/nowhere.pem"));
+  const SettingsFlags unreadable = {.key = "/nowhere.pem", .kept = ""};
+  EXPECT_TRUE(CheckSettingsFlags(unreadable, true).ok()) << "it ends no robot";
+  EXPECT_THAT(std::string(CheckSettingsFiles(unreadable).message()), HasSubstr("/nowhere.pem"));
 }
 
 }  // namespace

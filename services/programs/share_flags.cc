@@ -29,11 +29,10 @@ void AddShareFlags(CLI::App& app, ShareFlags& flags) {
          "What the map store tells the robot: everything; nearby: others' keyframes near "
          "it; corrections: where its own map is in all's; none: nothing, and WatchPose has "
          "no global_from_local. With --memory-budget it is nearby unless said otherwise")
-      ->transform(CLI::CheckedTransformer(
-          std::map<std::string, ShareMode>{{"none", ShareMode::kNone},
-                                           {"corrections", ShareMode::kCorrections},
-                                           {"nearby", ShareMode::kNearby},
-                                           {"everything", ShareMode::kEverything}}))
+      ->transform(Choice({{"none", static_cast<int>(ShareMode::kNone)},
+                          {"corrections", static_cast<int>(ShareMode::kCorrections)},
+                          {"nearby", static_cast<int>(ShareMode::kNearby)},
+                          {"everything", static_cast<int>(ShareMode::kEverything)}}))
       ->type_name("none|corrections|nearby|everything")
       ->default_str("everything")
       ->group(kRareGroup);

@@ -9,6 +9,7 @@
 #include "absl/status/statusor.h"
 #include "map_store/map_store.h"
 #include "map_store/mission/backup_keeper.h"
+#include "map_store/mission/backup_verifier.h"
 #include "map_store/rocks/rocks_journal.h"
 #include "map_store/stored_backups.h"
 #include "services/programs/backup_flags.h"
@@ -39,7 +40,8 @@ class StoreBackups {
   const map_store::RocksJournal* const journal_;
   absl::Duration every_;
   std::unique_ptr<map_store::StoredBackups> backups_;
-  // Declared last, so that its thread ends first.
+  // Declared last, so that their threads end first.
+  std::unique_ptr<map_store::BackupVerifier> verifier_;
   std::unique_ptr<map_store::BackupKeeper> keeper_;
 };
 

@@ -115,15 +115,15 @@ std::unique_ptr<MinuteLog> StoreObservers::LogEachMinute(MapStore& store,
 
 absl::StatusOr<std::unique_ptr<MetricsEndpoint>> StoreObservers::Serve(
     const MapStore& store, const MapStoreService& service,
-    const std::shared_ptr<prometheus::Collectable>& more) {
+    const std::shared_ptr<prometheus::Collectable>& more, std::vector<WatchedFolder> folders) {
   if (metrics_ == nullptr) return nullptr;
-  ASSIGN_OR_RETURN(
-      auto endpoint,
-      MetricsEndpoint::Start(
-          flags_.metrics_listen,
-          {std::make_shared<ProcessCollector>("map_store"), std::make_shared<SecurityCollector>(),
-           metrics_->registry,
-           std::make_shared<MissionCollector>(&store, &service, &metrics_->ingest), more}));
+  ASSIGN_OR_RETURN(auto endpoint,
+                   MetricsEndpoint::Start(
+                       flags_.metrics_listen,
+                       {std::make_shared<ProcessCollector>("map_store"),
+                        std::make_shared<SecurityCollector>(), metrics_->registry,
+                        std::make_shared<MissionCollector>(&store, &service, &metrics_->ingest),
+                        more, std::make_shared<DiskCollector>(std::move(folders))}));
   AnnounceMetrics(endpoint->address());
   return endpoint;
 }

@@ -13,6 +13,7 @@
 #include "services/map_store_service/map_store_service.h"
 #include "services/observe/event_log/minute_log.h"
 #include "services/observe/event_log/sync_log.h"
+#include "services/observe/metrics/disk_collector.h"
 #include "services/observe/metrics/ingest_metrics.h"
 #include "services/observe/metrics/journal_metrics.h"
 #include "services/observe/metrics/metrics_endpoint.h"
@@ -37,11 +38,12 @@ class StoreObservers {
   // Begins the log's line a minute. `data_dir` is empty where missions are in memory alone. The
   // result must be destroyed before the store.
   std::unique_ptr<MinuteLog> LogEachMinute(map_store::MapStore& store, const std::string& data_dir);
-  // Serves the metrics, those of `more` among them, and announces the address; null if none are
-  // wanted. The result must be destroyed before the store and its service.
+  // Serves the metrics, those of `more` and of the folders' disks among them, and announces the
+  // address; null if none are wanted. The result must be destroyed before the store and its
+  // service.
   absl::StatusOr<std::unique_ptr<MetricsEndpoint>> Serve(
       const map_store::MapStore& store, const MapStoreService& service,
-      const std::shared_ptr<prometheus::Collectable>& more);
+      const std::shared_ptr<prometheus::Collectable>& more, std::vector<WatchedFolder> folders);
 
  private:
   struct Metrics {

@@ -5,8 +5,9 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <cstdio>
 #include <cstring>
+#include <filesystem>
+#include <system_error>
 
 #include "absl/strings/str_cat.h"
 #include "slam/util/status_macros.h"
@@ -40,7 +41,8 @@ absl::Status AuditFile::Reopen() {
   if (file_ < 0) return Fails("open");
   struct stat state;
   if (fstat(file_, &state) != 0) return Fails("look at");
-  bytes_ = S_ISREG(state.st_mode) ? static_cast<uint64_t>(state.st_size) : 0;
+  is_plain_ = S_ISREG(state.st_mode);
+  bytes_ = is_plain_ ? static_cast<uint64_t>(state.st_size) : 0;
   return absl::OkStatus();
 }
 
@@ -51,11 +53,22 @@ bool AuditFile::IsStillThere() const {
          ours.st_ino == there.st_ino && ours.st_dev == there.st_dev;
 }
 
+// What a link leads to is set aside, and the link stays.
+absl::Status AuditFile::SetAside() {
+  std::error_code error;
+  const std::filesystem::path full = std::filesystem::canonical(path_, error);
+  if (!error) std::filesystem::rename(full, full.string() + ".1", error);
+  if (!error) return absl::OkStatus();
+  errno = error.value();
+  return Fails("rename");
+}
+
 absl::Status AuditFile::Append(absl::string_view line) {
   if (!IsStillThere()) RETURN_IF_ERROR(Reopen());
   const std::string text = absl::StrCat(line, "\n");
-  if (bytes_ > 0 && bytes_ + text.size() > max_bytes_) {
-    if (std::rename(path_.c_str(), absl::StrCat(path_, ".1").c_str()) != 0) return Fails("rename");
+  // Devices and pipes have no length, and stay what they are.
+  if (is_plain_ && bytes_ > 0 && bytes_ + text.size() > max_bytes_) {
+    RETURN_IF_ERROR(SetAside());
     RETURN_IF_ERROR(Reopen());
   }
   const ssize_t written = write(file_, text.data(), text.size());

@@ -33,6 +33,7 @@ class AuditFile {
   AuditFile(std::string path, uint64_t max_bytes) : path_(std::move(path)), max_bytes_(max_bytes) {}
 
   absl::Status Reopen();
+  absl::Status SetAside();
   void Close();
   // Returns true if the path leads to the file that is open.
   bool IsStillThere() const;
@@ -42,6 +43,7 @@ class AuditFile {
   const uint64_t max_bytes_;
   int file_ = -1;
   uint64_t bytes_ = 0;
+  bool is_plain_ = false;  // The open file is one, and no device or pipe.
 };
 
 }  // namespace corbslam::services

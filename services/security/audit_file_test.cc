@@ -62,6 +62,23 @@ TEST_F(AuditFileTest, IsMadeAnewWhereOthersMovedIt) {
   EXPECT_EQ(LinesIn(path_), "three\n");
 }
 
+TEST_F(AuditFileTest, ADeviceStaysOneHoweverMuchIsWritten) {
+  const auto file = *AuditFile::Open("/dev/null", 100);
+  for (int i = 0; i < 100; ++i) ASSERT_TRUE(file->Append("a line of nineteen").ok());
+  EXPECT_TRUE(fs::is_character_file("/dev/null"));
+  EXPECT_FALSE(fs::exists("/dev/null.1"));
+}
+
+TEST_F(AuditFileTest, ALinkStaysOneAndWhatItLeadsToIsSetAside) {
+  const std::string link = folder_ + "/link.log";
+  fs::create_symlink("audit.log", link);
+  const auto file = *AuditFile::Open(link, 100);
+  for (int i = 0; i < 10; ++i) ASSERT_TRUE(file->Append("a line of nineteen").ok());
+  EXPECT_TRUE(fs::is_symlink(link));
+  EXPECT_EQ(fs::file_size(path_ + ".1"), 95u);
+  EXPECT_EQ(LinesIn(link), LinesIn(path_));
+}
+
 TEST_F(AuditFileTest, SaysThatTheDiskIsFull) {
   const auto file = AuditFile::Open("/dev/full", 1000);
   ASSERT_TRUE(file.ok()) << file.status();

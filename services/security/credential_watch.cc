@@ -87,6 +87,19 @@ absl::Status CredentialWatch::Add(Source source) {
   return absl::OkStatus();
 }
 
+void CredentialWatch::AddOrWait(Source source) {
+  const absl::Status added = Add(source);
+  if (added.ok()) return;
+  Watched watched;
+  watched.state.credential = source.credential;
+  watched.source = std::move(source);
+  // It may stay so for long: whoever reads the log knows at once.
+  watched.wrong = std::string(added.message());
+  Refuse(added, watched);
+  absl::MutexLock lock(&mutex_);
+  watched_.push_back(std::move(watched));
+}
+
 void CredentialWatch::Start() {
   {
     absl::MutexLock lock(&Live().mutex);
@@ -141,7 +154,8 @@ void CredentialWatch::Refuse(const absl::Status& why, Watched& watched) {
   watched.state.refused = true;
   if (!watched.reminder.IsDue(absl::Now())) return;
   LOG(ERROR) << "credentials, " << ToString(watched.state.credential) << ": " << watched.wrong
-             << "; what was read before stays in force";
+             << (watched.content.empty() ? "; nothing is in force until it is good"
+                                         : "; what was read before stays in force");
 }
 
 std::vector<CredentialState> CredentialWatch::states() const {

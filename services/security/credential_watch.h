@@ -67,6 +67,9 @@ class CredentialWatch {
   // Reads and takes a source for the first time; an error is the caller's to deal with. Not after
   // Start.
   absl::Status Add(Source source);
+  // Does the same, but one that is bad is said in the log and watched all the same: nothing is in
+  // force until it is good.
+  void AddOrWait(Source source);
   // Begins to look. Called once.
   void Start();
   // Reads all sources now.

@@ -71,6 +71,27 @@ TEST_F(CredentialWatchTest, WhatIsBadAtTheStartIsNotWatched) {
   EXPECT_EQ(watch_.states().size(), 1u);
 }
 
+// A robot that starts with a certificate that has expired takes the new one when it comes.
+TEST_F(CredentialWatchTest, WhatMayComeIsWatchedAndTaken) {
+  absl::StatusOr<std::string> file = absl::InvalidArgumentError("has expired");
+  std::string taken;
+  CredentialWatch watch(absl::Hours(1));
+  watch.AddOrWait({Credential::kCertificate, [&] { return file; },
+                   [&](const std::string& content) {
+                     taken = content;
+                     return absl::OkStatus();
+                   }});
+  ASSERT_EQ(watch.states().size(), 1u);
+  EXPECT_TRUE(watch.states()[0].refused);
+  watch.Look();
+  EXPECT_EQ(taken, "");
+  file = "new";
+  watch.Look();
+  EXPECT_EQ(taken, "new");
+  EXPECT_FALSE(watch.states()[0].refused);
+  EXPECT_EQ(watch.states()[0].taken, 1u);
+}
+
 TEST_F(CredentialWatchTest, ThereIsAStateOfEachCredential) {
   EXPECT_EQ(CredentialStates().size(), 5u);
   watch_.Start();

@@ -1,10 +1,10 @@
 #include "services/security/flags.h"
 
-#include <map>
 #include <string>
 
 #include "absl/strings/str_cat.h"
 #include "services/command_line/help_formatter.h"
+#include "services/command_line/values.h"
 
 namespace corbslam::services {
 namespace {
@@ -12,7 +12,7 @@ namespace {
 void AddSwitch(CLI::App& app, const std::string& flag, bool& value, const std::string& on,
                const std::string& off, const std::string& what) {
   app.add_option(flag, value, what)
-      ->transform(CLI::CheckedTransformer(std::map<std::string, bool>{{on, true}, {off, false}}))
+      ->transform(Choice({{on, 1}, {off, 0}}))
       ->type_name(on + "|" + off)
       ->default_str(on);
 }
@@ -23,7 +23,8 @@ void AddDuration(CLI::App& app, const std::string& flag, absl::Duration& value,
   app.add_option_function<std::string>(
          flag,
          [flag, &value](const std::string& text) {
-           if (absl::ParseDuration(text, &value) && value >= absl::Seconds(1)) return;
+           const bool is_duration = absl::ParseDuration(text, &value);
+           if (is_duration && value >= absl::Seconds(1) && value < absl::InfiniteDuration()) return;
            throw CLI::ValidationError(
                flag, absl::StrCat("is \"", text, "\", must be at least 1s, as 90m or 720h"));
          },
@@ -51,8 +52,8 @@ void AddServerFlags(CLI::App& app, SecurityOptions& options) {
       ->group(kRareGroup);
   app.add_option("--audit-log-bytes", options.audit_bytes,
                  "Bytes of it, as 64MiB, beyond which it becomes FILE.1 and a new one begins")
-      ->transform(CLI::AsSizeValue(/*kb_is_1000=*/false))
-      ->check(CLI::Range(uint64_t{64} << 10, uint64_t{1} << 40))
+      ->transform(BytesWithin({.least = uint64_t{64} << 10, .most = uint64_t{1} << 40}))
+      ->type_name(kBytesType)
       ->capture_default_str()
       ->group(kRareGroup);
   AddSwitch(app, "--reflection", options.reflection, "on", "off",

@@ -277,6 +277,13 @@ grpc::ServerUnaryReactor* GuardedMapStore::ListOverlaps(grpc::CallbackServerCont
   return status.ok() ? service_.ListOverlaps(context, request, response) : Refuse(context, status);
 }
 
+grpc::ServerUnaryReactor* GuardedMapStore::GetOverlap(grpc::CallbackServerContext* context,
+                                                      const v1::GetOverlapRequest* request,
+                                                      v1::Overlap* response) {
+  const absl::Status status = Check(*context, Action::kLook, request->name());
+  return status.ok() ? service_.GetOverlap(context, request, response) : Refuse(context, status);
+}
+
 grpc::ServerWriteReactor<v1::WatchMapResponse>* GuardedMapStore::WatchMap(
     grpc::CallbackServerContext* context, const v1::WatchMapRequest* request) {
   const absl::Status status = Check(*context, Action::kLook, request->mission());

@@ -129,6 +129,9 @@ class GuardedMapStore : public MapStoreMethods {
   grpc::ServerUnaryReactor* AskForExactPlaces(grpc::CallbackServerContext* context,
                                               const v1::AskForExactPlacesRequest* request,
                                               v1::AskForExactPlacesResponse* response) override;
+  grpc::ServerUnaryReactor* GetOverlap(grpc::CallbackServerContext* context,
+                                       const v1::GetOverlapRequest* request,
+                                       v1::Overlap* response) override;
   grpc::ServerUnaryReactor* RetractOverlap(grpc::CallbackServerContext* context,
                                            const v1::RetractOverlapRequest* request,
                                            v1::RetractOverlapResponse* response) override;

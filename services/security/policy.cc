@@ -115,6 +115,7 @@ const std::map<absl::string_view, Action>& OwnMethods() {
       {"/corbslam.v1.MapStore/GetStatistics", Action::kLook},
       {"/corbslam.v1.MapStore/GetTrajectory", Action::kLook},
       {"/corbslam.v1.MapStore/ListOverlaps", Action::kLook},
+      {"/corbslam.v1.MapStore/GetOverlap", Action::kLook},
       {"/corbslam.v1.MapStore/Localize", Action::kLook},
       {"/corbslam.v1.MapStore/LocalizeStream", Action::kLook},
       {"/corbslam.v1.MapStore/AskForExactPlaces", Action::kAdminister},

@@ -12,6 +12,9 @@
 namespace corbslam::services {
 namespace {
 
+// Other servers know the error by these words.
+constexpr absl::string_view kIsRevoked = " is revoked";
+
 bool Matches(const std::string& revoked, const std::string& name) {
   return revoked == kAll || revoked == name;
 }
@@ -47,15 +50,19 @@ absl::StatusOr<RevokedList> RevokedList::Parse(absl::string_view text) {
   return list;
 }
 
+bool SaysRevoked(const absl::Status& status) {
+  return absl::IsUnauthenticated(status) && absl::EndsWith(status.message(), kIsRevoked);
+}
+
 absl::Status RevokedList::Check(const Identity& identity) const {
   if (!identity.token_id.empty() && token_ids_.contains(identity.token_id)) {
     return absl::UnauthenticatedError(absl::StrCat("the caller's token ", identity.token_id, " (",
-                                                   Describe(identity), ") is revoked"));
+                                                   Describe(identity), ")", kIsRevoked));
   }
   for (const Grant& grant : identity.grants) {
     const auto matches = [&grant](const Grant& revoked) { return Matches(revoked, grant); };
     if (std::ranges::any_of(grants_, matches)) {
-      return absl::UnauthenticatedError(absl::StrCat(FormatGrant(grant), " is revoked"));
+      return absl::UnauthenticatedError(absl::StrCat(FormatGrant(grant), kIsRevoked));
     }
   }
   return absl::OkStatus();

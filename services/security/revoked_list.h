@@ -14,6 +14,9 @@
 
 namespace corbslam::services {
 
+// Returns true for the error of a server whose list has the caller (RevokedList::Check).
+bool SaysRevoked(const absl::Status& status);
+
 // Holds ids of tokens, and grants: whoever shows a token or a certificate with such a grant is
 // refused, whatever else it grants. Copyable; thread-safe while nobody assigns to it.
 class RevokedList {

@@ -13,11 +13,8 @@
 
 namespace corbslam::services {
 
-// Checks what the settings say by themselves; INVALID_ARGUMENT names the field, its value and its
-// bounds. The mask is not decoded.
-absl::Status CheckRobotSettings(const v1::RobotSettings& settings);
-
-// Signs settings that CheckRobotSettings takes. `private_key_pem` holds one Ed25519 private key.
+// Signs settings that CheckRobotSettings (robot_settings_check.h) takes. `private_key_pem` holds
+// one Ed25519 private key.
 absl::StatusOr<v1::SignedRobotSettings> SignRobotSettings(const v1::RobotSettings& settings,
                                                           absl::string_view private_key_pem);
 

@@ -91,6 +91,14 @@ absl::StatusOr<RevokedList> ParseRevoked(const std::string& path, const std::str
       absl::StrCat("--revoked-tokens ", path, ": ", revoked.status().message()));
 }
 
+// Has the watch look after a source, which may not be good yet where the options say so.
+absl::Status Look(const SecurityOptions& options, CredentialWatch::Source source,
+                  CredentialWatch& watch) {
+  if (!options.files_may_come) return watch.Add(std::move(source));
+  watch.AddOrWait(std::move(source));
+  return absl::OkStatus();
+}
+
 // Owns what is replaced while a program runs, and what replaces it. gRPC's credentials own it.
 struct Living {
   KeyMaterial material;
@@ -105,16 +113,21 @@ absl::Status WatchPair(const SecurityOptions& options, Living& living) {
     ASSIGN_OR_RETURN(const KeyPair pair, ReadKeyPair(options.certificate_file, options.key_file));
     return absl::StrCat(pair.key_pem, "\n", pair.certificate_pem);
   };
-  return living.watch.Add({Credential::kCertificate, read, [&living](const std::string& pem) {
-                             return living.material.SetPair(pem);
-                           }});
+  // What gRPC is to look at is there, if only as nothing that it can use.
+  if (options.files_may_come) RETURN_IF_ERROR(living.material.SetPair(""));
+  return Look(options,
+              {Credential::kCertificate, read,
+               [&living](const std::string& pem) { return living.material.SetPair(pem); }},
+              living.watch);
 }
 
 absl::Status WatchAuthorities(const SecurityOptions& options, Living& living) {
   if (options.ca_file.empty()) return absl::OkStatus();
-  return living.watch.Add(
-      {Credential::kAuthorities, [options] { return ReadAuthorities(options.ca_file); },
-       [&living](const std::string& pem) { return living.material.SetAuthorities(pem); }});
+  if (options.files_may_come) RETURN_IF_ERROR(living.material.SetAuthorities(""));
+  return Look(options,
+              {Credential::kAuthorities, [options] { return ReadAuthorities(options.ca_file); },
+               [&living](const std::string& pem) { return living.material.SetAuthorities(pem); }},
+              living.watch);
 }
 
 absl::Status WatchTokenKeys(const SecurityOptions& options, Living& living) {
@@ -125,12 +138,14 @@ absl::Status WatchTokenKeys(const SecurityOptions& options, Living& living) {
     RETURN_IF_ERROR(ParseTokenKeys(path, pem).status());
     return pem;
   };
-  return living.watch.Add(
-      {Credential::kTokenKeys, read, [path, &living](const std::string& pem) -> absl::Status {
-         ASSIGN_OR_RETURN(TokenVerifier verifier, ParseTokenKeys(path, pem));
-         living.access->SetTokens(std::move(verifier));
-         return absl::OkStatus();
-       }});
+  return Look(options,
+              {Credential::kTokenKeys, read,
+               [path, &living](const std::string& pem) -> absl::Status {
+                 ASSIGN_OR_RETURN(TokenVerifier verifier, ParseTokenKeys(path, pem));
+                 living.access->SetTokens(std::move(verifier));
+                 return absl::OkStatus();
+               }},
+              living.watch);
 }
 
 absl::Status WatchRevoked(const SecurityOptions& options, Living& living) {
@@ -266,7 +281,10 @@ absl::StatusOr<std::shared_ptr<grpc::ChannelCredentials>> MakeChannelCredentials
       MakeLiveChannelCredentials(living->material, living);
   living->watch.Start();
   if (options.token_file.empty()) return channel;
-  RETURN_IF_ERROR(ReadToken(options.token_file).status());
+  const absl::Status token = ReadToken(options.token_file).status();
+  if (!options.files_may_come) RETURN_IF_ERROR(token);
+  LOG_IF(ERROR, !token.ok()) << "credentials, token: " << token.message()
+                             << "; the file is read again for each call";
   return grpc::CompositeChannelCredentials(
       channel,
       grpc::MetadataCredentialsFromPlugin(std::make_unique<TokenFile>(options.token_file)));

@@ -37,6 +37,10 @@ struct SecurityOptions {
   uint64_t audit_bytes = AuditLogOptions().max_bytes;
   // For clients: the token to show. It is read again for each call, so that it can be replaced.
   std::string token_file;
+  // True: a certificate, an authority, a key or a token that can't be used yet is no error. It is
+  // said, nobody gets through, and the first content that is good is taken. A list of the revoked
+  // must be good all the same.
+  bool files_may_come = false;
   // These two are for servers.
   bool reflection = true;
   bool health_is_open = true;

@@ -12,9 +12,10 @@
 #include <iostream>
 
 #include "absl/strings/str_cat.h"
-#include "services/runtime/address.h"
 #include "services/runtime/callback_threads.h"
-#include "services/runtime/listen_errors.h"
+#include "services/server/connection_calls.h"
+#include "services/server/connection_front.h"
+#include "services/server/listening.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::services {
@@ -52,20 +53,23 @@ int Milliseconds(absl::Duration duration) {
   return static_cast<int>(absl::ToInt64Milliseconds(duration));
 }
 
-void Configure(const ServerOptions& options, grpc::ServerBuilder& builder) {
+// `front` may be null.
+void Configure(const ServerOptions& options, ConnectionFront* front, grpc::ServerBuilder& builder) {
   if (!options.reflection) builder.SetOption(std::make_unique<WithoutReflection>());
   if (!options.health) {
     builder.SetOption(std::make_unique<grpc::HealthCheckServiceServerBuilderOption>(nullptr));
   }
   builder.SetMaxReceiveMessageSize(kMaxMessageBytes);
   builder.SetMaxSendMessageSize(kMaxMessageBytes);
-  // Two servers on one port would share its calls.
-  builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
   // Robots on bad links ping more often than the default allows.
   builder.AddChannelArgument(GRPC_ARG_HTTP2_MIN_RECV_PING_INTERVAL_WITHOUT_DATA_MS, 5000);
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIME_MS, Milliseconds(options.keepalive_time));
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIMEOUT_MS,
                              Milliseconds(options.keepalive_timeout));
+  builder.AddChannelArgument(GRPC_ARG_SERVER_HANDSHAKE_TIMEOUT_MS,
+                             Milliseconds(options.handshake_timeout));
+  builder.AddChannelArgument(GRPC_ARG_MAX_CONNECTION_IDLE_MS,
+                             Milliseconds(options.max_connection_idle));
   if (options.max_connection_age < absl::InfiniteDuration()) {
     builder.AddChannelArgument(GRPC_ARG_MAX_CONNECTION_AGE_MS,
                                Milliseconds(options.max_connection_age));
@@ -73,6 +77,7 @@ void Configure(const ServerOptions& options, grpc::ServerBuilder& builder) {
   // A robot that has nothing to say for long is pinged again and again.
   builder.AddChannelArgument(GRPC_ARG_HTTP2_MAX_PINGS_WITHOUT_DATA, 0);
   std::vector<std::unique_ptr<grpc::experimental::ServerInterceptorFactoryInterface>> creators;
+  if (front != nullptr) creators.push_back(MakeConnectionInterceptors(front));
   if (options.rpc_observer != nullptr) {
     creators.push_back(MakeRpcInterceptors(options.rpc_observer));
   }
@@ -85,28 +90,45 @@ void Configure(const ServerOptions& options, grpc::ServerBuilder& builder) {
 absl::StatusOr<std::unique_ptr<Server>> Server::Start(const std::string& address,
                                                       const std::vector<grpc::Service*>& services,
                                                       const ServerOptions& options) {
-  if (!address.empty()) RETURN_IF_ERROR(ParseListenAddress(address).status());
   RegisterPlugins();
   KeepCallbackThreads();
-  grpc::ServerBuilder builder;
-  Configure(options, builder);
-  int port = 0;
-  if (!address.empty()) builder.AddListeningPort(address, options.credentials, &port);
-  for (grpc::Service* service : services) builder.RegisterService(service);
   std::unique_ptr<Server> server(new Server);
+  if (!address.empty()) {
+    ASSIGN_OR_RETURN(Listening listening, Listening::Open(address));
+    server->address_ = absl::StrCat(address.substr(0, address.rfind(':')), ":", listening.port());
+    server->front_ = std::make_unique<ConnectionFront>(
+        std::move(listening),
+        [raw = server.get()](int listener, int fd) { raw->HandOver(listener, fd); },
+        ConnectionFrontOptions{.limits = options.connections,
+                               .send_timeout = options.keepalive_timeout});
+  }
+  grpc::ServerBuilder builder;
+  Configure(options, server->front_.get(), builder);
+  if (server->front_ != nullptr) {
+    server->acceptor_ = builder.experimental().AddExternalConnectionAcceptor(
+        grpc::ServerBuilder::experimental_type::ExternalConnectionType::FROM_FD,
+        options.credentials);
+  }
+  for (grpc::Service* service : services) builder.RegisterService(service);
   server->server_ = builder.BuildAndStart();
-  if (server->server_ == nullptr || (!address.empty() && port == 0)) {
+  if (server->server_ == nullptr) {
     return absl::UnavailableError(
-        absl::StrCat("can't listen on \"", address, "\": ", ExplainListenFailure(address)));
+        absl::StrCat("gRPC can't serve \"", address, "\"; standard error may say why"));
   }
-  const std::string host = address.substr(0, address.rfind(':'));
-  if (!address.empty()) server->address_ = absl::StrCat(host, ":", port);
-  if (auto* health = server->server_->GetHealthCheckService()) {
-    health->SetServingStatus(kLiveness, true);
-  }
+  server->SetAlive(true);
   server->SetReady(true);
+  if (server->front_ != nullptr) server->front_->Start();
   return server;
 }
+
+void Server::HandOver(int listener, int fd) {
+  grpc::experimental::ExternalConnectionAcceptor::NewConnectionParameters connection;
+  connection.listener_fd = listener;
+  connection.fd = fd;
+  acceptor_->HandleNewConnection(&connection);
+}
+
+Server::Server() = default;
 
 Server::~Server() { Shutdown(absl::ZeroDuration()); }
 
@@ -125,9 +147,20 @@ void Server::SetReady(bool ready) {
   health->SetServingStatus("", serving);
 }
 
+std::string Server::reachable() const { return front_ != nullptr ? front_->reachable() : ""; }
+
+ConnectionCounts Server::connections() const {
+  return front_ != nullptr ? front_->counts() : ConnectionCounts();
+}
+
+void Server::SetAlive(bool alive) {
+  if (auto* health = server_->GetHealthCheckService()) health->SetServingStatus(kLiveness, alive);
+}
+
 void Server::Shutdown(absl::Duration drain) {
   if (server_ == nullptr || stopped_.exchange(true)) return;
   SetReady(false);
+  if (front_ != nullptr) front_->Stop();
   server_->Shutdown(std::chrono::system_clock::now() + absl::ToChronoMilliseconds(drain));
   server_->Wait();
 }

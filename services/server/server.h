@@ -14,10 +14,17 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "absl/time/time.h"
+#include "services/runtime/connection_book.h"
 #include "services/server/call_auditor.h"
 #include "services/server/rpc_observer.h"
 
+namespace grpc::experimental {
+class ExternalConnectionAcceptor;
+}  // namespace grpc::experimental
+
 namespace corbslam::services {
+
+class ConnectionFront;
 
 // A message on the wire has at most so many bytes.
 inline constexpr int kMaxMessageBytes = 4 << 20;
@@ -39,6 +46,13 @@ struct ServerOptions {
   // Callers with an older connection are told to make a new one, which may lead elsewhere; calls
   // that are under way end on the connection where they began.
   absl::Duration max_connection_age = absl::InfiniteDuration();
+  // Within this a connection's TLS and its first words must be done, and a connection without calls
+  // is closed after the other.
+  absl::Duration handshake_timeout = absl::Seconds(15);
+  absl::Duration max_connection_idle = absl::Minutes(5);
+  // Connections at one time; fewer where the process may not have as many files. One without calls
+  // makes room for a newer one.
+  ConnectionLimits connections = {};
   // Hears of every call. Not owned, must outlive the server; null: nobody does.
   RpcObserver* rpc_observer = nullptr;
   // Hears how calls ended; null: nobody does.
@@ -59,11 +73,17 @@ class Server {
 
   // Returns "HOST:PORT" with the port that was chosen.
   const std::string& address() const { return address_; }
+  // Returns "IP:PORT" by which this machine reaches it; empty: nothing does.
+  std::string reachable() const;
   std::shared_ptr<grpc::Channel> InProcessChannel();
+  // Returns what became of its connections.
+  ConnectionCounts connections() const;
 
   // Sets what the health service says of readiness from now on; it is true at the start, and false
   // after Shutdown.
   void SetReady(bool ready);
+  // Sets likewise what it says of the process itself: whether it is to be started again.
+  void SetAlive(bool alive);
 
   // Reports that the server isn't ready, tells callers to go elsewhere (GOAWAY), lets calls end by
   // themselves for `drain`, cancels the rest, and returns when all have ended. Called once only;
@@ -71,8 +91,13 @@ class Server {
   void Shutdown(absl::Duration drain);
 
  private:
-  Server() = default;
+  Server();
 
+  void HandOver(int listener, int fd);
+
+  // Calls and connections of the gRPC server refer to it to their end.
+  std::unique_ptr<ConnectionFront> front_;
+  std::unique_ptr<grpc::experimental::ExternalConnectionAcceptor> acceptor_;
   std::unique_ptr<grpc::Server> server_;
   std::string address_;
   std::atomic<bool> stopped_{false};

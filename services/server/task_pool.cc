@@ -13,20 +13,29 @@ namespace {
 // the time that a task's thread is given, where there is not enough for both. Look-ups hold locks
 // that tasks wait for, so that they must not get much less.
 constexpr int kLookUpStepsLower = 5;
+// What takes long gets a third of what look-ups then get. It holds locks for moments only.
+constexpr int kLongWorkStepsLower = 10;
 
 }  // namespace
 
 TaskPool::TaskPool(int threads, size_t max_waiting_calls)
-    : TaskPool(threads, std::max(1, threads / 4), max_waiting_calls) {}
+    : TaskPool(threads, std::max(1, threads / 4), kLookUpStepsLower, max_waiting_calls) {}
 
-TaskPool::TaskPool(int threads, int look_up_threads, size_t max_waiting_calls)
+TaskPool::TaskPool(int threads, int look_up_threads, int steps_lower, size_t max_waiting_calls)
     : max_waiting_calls_(max_waiting_calls) {
   for (int i = 0; i < threads; ++i) threads_.emplace_back([this] { RunTasks(); });
-  for (int i = 0; i < look_up_threads; ++i) threads_.emplace_back([this] { RunLookUps(); });
+  for (int i = 0; i < look_up_threads; ++i) {
+    threads_.emplace_back([this, steps_lower] { RunLookUps(steps_lower); });
+  }
 }
 
 std::unique_ptr<TaskPool> TaskPool::ForLookUps(int threads, size_t max_waiting_calls) {
-  return std::unique_ptr<TaskPool>(new TaskPool(0, threads, max_waiting_calls));
+  return std::unique_ptr<TaskPool>(new TaskPool(0, threads, kLookUpStepsLower, max_waiting_calls));
+}
+
+std::unique_ptr<TaskPool> TaskPool::ForLongWork(int threads, size_t max_waiting_calls) {
+  return std::unique_ptr<TaskPool>(
+      new TaskPool(0, threads, kLongWorkStepsLower, max_waiting_calls));
 }
 
 TaskPool::~TaskPool() {
@@ -76,8 +85,8 @@ void TaskPool::RunTasks() {
   }
 }
 
-void TaskPool::RunLookUps() {
-  StepBehindRobots(kLookUpStepsLower, "look-ups");
+void TaskPool::RunLookUps(int steps_lower) {
+  StepBehindRobots(steps_lower, "look-ups");
   while (true) {
     LookUp look_up;
     {

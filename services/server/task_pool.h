@@ -28,6 +28,8 @@ class TaskPool {
   explicit TaskPool(int threads, size_t max_waiting_calls = kMaxWaitingCalls);
   // Starts threads for look-ups only.
   static std::unique_ptr<TaskPool> ForLookUps(int threads, size_t max_waiting_calls);
+  // Starts threads for what takes long, of a priority that is lower than that of look-ups.
+  static std::unique_ptr<TaskPool> ForLongWork(int threads, size_t max_waiting_calls);
   // Runs what was scheduled, then ends the threads.
   ~TaskPool();
   TaskPool(const TaskPool&) = delete;
@@ -55,7 +57,7 @@ class TaskPool {
   size_t waiting() const;
 
  private:
-  TaskPool(int threads, int look_up_threads, size_t max_waiting_calls);
+  TaskPool(int threads, int look_up_threads, int steps_lower, size_t max_waiting_calls);
 
   using Task = std::function<void()>;
   struct LookUp {
@@ -65,7 +67,7 @@ class TaskPool {
 
   // These run tasks of one kind, until the pool ends and none is left.
   void RunTasks();
-  void RunLookUps();
+  void RunLookUps(int steps_lower);
   bool IsTaskThere() const ABSL_SHARED_LOCKS_REQUIRED(mutex_) {
     return stopping_ || !tasks_.empty();
   }

@@ -57,11 +57,11 @@ class StreamReactor : public grpc::ServerWriteReactor<Response> {
   using Prepare = std::function<absl::StatusOr<Next>()>;
 
   // Prepares on the pool, then streams; RESOURCE_EXHAUSTED where too many calls wait. Keeps
-  // `ticket` until the stream has ended; where it is an error, the stream ends with that. Owns
-  // itself.
+  // `ticket` until the stream has ended; where it is an error, the stream ends with that. Messages
+  // behind the first one are made on `rest`, on `pool` where that is null. Owns itself.
   static StreamReactor* Start(TaskPool& pool, absl::StatusOr<std::shared_ptr<const void>> ticket,
-                              Prepare prepare) {
-    auto* reactor = new StreamReactor();
+                              Prepare prepare, TaskPool* rest = nullptr) {
+    auto* reactor = new StreamReactor(rest != nullptr ? *rest : pool);
     absl::Status started = ticket.status();
     if (started.ok()) {
       reactor->ticket_ = *std::move(ticket);
@@ -74,12 +74,15 @@ class StreamReactor : public grpc::ServerWriteReactor<Response> {
 
   void OnWriteDone(bool ok) override {
     if (!ok) return End(grpc::Status::CANCELLED);
-    WriteNext();
+    // To make a message may take long, and gRPC has few threads.
+    rest_.ScheduleLookUp([this] { WriteNext(); });
   }
   void OnCancel() override { cancelled_ = true; }
   void OnDone() override { delete this; }
 
  private:
+  explicit StreamReactor(TaskPool& rest) : rest_(rest) {}
+
   void Begin(TaskPool& pool, const Prepare& prepare) {
     if (cancelled_) return End(grpc::Status::CANCELLED);
     absl::StatusOr<Next> next = prepare();
@@ -98,6 +101,7 @@ class StreamReactor : public grpc::ServerWriteReactor<Response> {
   }
 
   void WriteNext() {
+    if (cancelled_) return End(grpc::Status::CANCELLED);
     response_.Clear();
     if (!next_(response_)) return End(grpc::Status::OK);
     this->StartWrite(&response_);
@@ -110,6 +114,7 @@ class StreamReactor : public grpc::ServerWriteReactor<Response> {
     this->Finish(status);
   }
 
+  TaskPool& rest_;
   std::atomic<bool> cancelled_{false};
   std::shared_ptr<const void> ticket_;
   Next next_;

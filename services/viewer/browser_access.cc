@@ -21,6 +21,12 @@ absl::Status BrowserAccess::CheckMission(const std::string& token,
   return access_->Check({Action::kLook, mission, std::nullopt}, EvidenceOf(token), absl::Now());
 }
 
+std::string BrowserAccess::TokenId(const std::string& token) const {
+  if (access_ == nullptr || token.empty()) return "";
+  const absl::StatusOr<Identity> identity = access_->Identify(EvidenceOf(token), absl::Now());
+  return identity.ok() ? identity->token_id : "";
+}
+
 absl::StatusOr<std::optional<std::set<std::string>>> BrowserAccess::MissionsOf(
     const std::string& token) const {
   if (access_ == nullptr) return std::nullopt;

@@ -24,6 +24,8 @@ class BrowserAccess {
 
   // UNAUTHENTICATED for no or a bad token, PERMISSION_DENIED for one of other missions.
   absl::Status CheckMission(const std::string& token, const std::string& mission) const;
+  // Returns the id of a good token, however it is written; empty for any other.
+  std::string TokenId(const std::string& token) const;
   // Returns the names of the missions that the token speaks of; nullopt: it may see all.
   absl::StatusOr<std::optional<std::set<std::string>>> MissionsOf(const std::string& token) const;
 

@@ -50,6 +50,36 @@ class MissionUpstream::Call {
   grpc::ClientContext context_;
 };
 
+// Asks one robot how it is; it answers soon or counts as off.
+class MissionUpstream::RobotQuestion {
+ public:
+  RobotQuestion(MissionUpstream& upstream, Robot& robot) : call_(upstream, kRobotPatience) {
+    answer_.set_agent(AgentName(upstream.mission_, robot.agent));
+    request_.set_mission(MissionName(upstream.mission_));
+    robot.stub->async()->GetStatus(call_.context(), &request_, answer_.mutable_status(),
+                                   [this](grpc::Status status) {
+                                     status_ = std::move(status);
+                                     answered_.Notify();
+                                   });
+  }
+  ~RobotQuestion() { answered_.WaitForNotification(); }
+
+  v1::MissionPulse::Robot Await() {
+    answered_.WaitForNotification();
+    if (status_.ok()) return answer_;
+    answer_.clear_status();
+    answer_.set_error(status_.error_message());
+    return answer_;
+  }
+
+ private:
+  Call call_;
+  v1::GetStatusRequest request_;
+  v1::MissionPulse::Robot answer_;
+  grpc::Status status_;
+  absl::Notification answered_;
+};
+
 MissionUpstream::MissionUpstream(std::string mission, const std::shared_ptr<grpc::Channel>& store,
                                  const std::vector<AskedRobot>& robots, MissionFeed* feed,
                                  const UpstreamOptions& options)
@@ -139,6 +169,9 @@ void MissionUpstream::TakePulses() {
 
 v1::MissionPulse MissionUpstream::TakePulse() {
   v1::MissionPulse pulse;
+  // All robots are asked side by side with the store: some may be off.
+  std::vector<std::unique_ptr<RobotQuestion>> questions;
+  for (Robot& robot : robots_) questions.push_back(std::make_unique<RobotQuestion>(*this, robot));
   absl::Status status = AskStore(pulse);
   {
     absl::MutexLock lock(&mutex_);
@@ -147,7 +180,7 @@ v1::MissionPulse MissionUpstream::TakePulse() {
   pulse.set_store_answers(status.ok());
   pulse.set_mission_missing(absl::IsNotFound(status));
   if (!status.ok()) pulse.set_store_error(std::string(status.message()));
-  for (Robot& robot : robots_) AskRobot(robot, *pulse.add_robots());
+  for (const auto& question : questions) *pulse.add_robots() = question->Await();
   pulse.set_time_ns(absl::GetCurrentTimeNanos());
   return pulse;
 }
@@ -192,18 +225,6 @@ absl::Status MissionUpstream::AskStore(v1::MissionPulse& pulse) {
     request.set_page_token(response.next_page_token());
   } while (!request.page_token().empty() && pulse.local_maps_size() < kMaxLocalMaps);
   return absl::OkStatus();
-}
-
-void MissionUpstream::AskRobot(Robot& robot, v1::MissionPulse::Robot& answer) {
-  answer.set_agent(AgentName(mission_, robot.agent));
-  Call call(*this, kRobotPatience);
-  v1::GetStatusRequest request;
-  request.set_mission(MissionName(mission_));
-  const grpc::Status status =
-      robot.stub->GetStatus(call.context(), request, answer.mutable_status());
-  if (status.ok()) return;
-  answer.clear_status();
-  answer.set_error(status.error_message());
 }
 
 }  // namespace corbslam::services

@@ -49,6 +49,7 @@ class MissionUpstream {
 
  private:
   class Call;
+  class RobotQuestion;
   struct Robot {
     std::string agent;
     std::unique_ptr<v1::Agent::Stub> stub;
@@ -62,7 +63,6 @@ class MissionUpstream {
   void TakePulses();
   v1::MissionPulse TakePulse();
   absl::Status AskStore(v1::MissionPulse& pulse);
-  void AskRobot(Robot& robot, v1::MissionPulse::Robot& answer);
 
   const std::string mission_;
   const UpstreamOptions options_;

@@ -2,6 +2,7 @@
 
 #include <google/protobuf/util/json_util.h>
 
+#include <exception>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
@@ -13,8 +14,10 @@
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_split.h"
 #include "absl/strings/strip.h"
+#include "absl/time/clock.h"
 #include "services/client/store/call_status.h"
 #include "services/convert/resource_names.h"
+#include "slam/exchange/uplink.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::services {
@@ -84,28 +87,27 @@ std::string TokenOf(const WebRequest& request) {
 }
 
 // Reads all messages of a stream, each behind its length in four bytes, the least significant
-// first.
+// first. The answer counts in `memory` until it is sent.
 template <typename Message, typename Reader>
 absl::StatusOr<WebResponse> Collect(grpc::ClientContext& context, Reader& reader,
-                                    absl::string_view call) {
-  std::string body;
+                                    absl::string_view call, AnswerMemory& memory) {
+  AnswerMemory::Body body = memory.Begin();
   Message message;
-  while (body.size() < kMaxStreamBytes && reader.Read(&message)) {
-    const std::string bytes = message.SerializeAsString();
-    for (int shift = 0; shift < 32; shift += 8) {
-      body += static_cast<char>((bytes.size() >> shift) & 0xff);
-    }
-    body += bytes;
+  absl::Status room;
+  while (room.ok() && body.size() < kMaxStreamBytes && reader.Read(&message)) {
+    room = body.AddMessage(message.SerializeAsString());
   }
-  if (body.size() >= kMaxStreamBytes) {
-    context.TryCancel();
-    return absl::ResourceExhaustedError(
+  if (room.ok() && body.size() >= kMaxStreamBytes) {
+    room = absl::ResourceExhaustedError(
         absl::StrCat(call, " has more than ", kMaxStreamBytes, " bytes; ask for less"));
   }
-  RETURN_IF_ERROR(ToStatus(reader.Finish(), call));
+  if (!room.ok()) context.TryCancel();
+  const absl::Status ended = ToStatus(reader.Finish(), call);
+  RETURN_IF_ERROR(room);
+  RETURN_IF_ERROR(ended);
   WebResponse response;
   response.content_type = "application/octet-stream";
-  response.body = std::make_shared<const std::string>(std::move(body));
+  response.body = std::move(body).Take();
   return response;
 }
 
@@ -123,9 +125,16 @@ WebResponse ToResponse(const absl::Status& error) {
 }
 
 WebResponse StoreApi::Answer(const WebRequest& request) {
-  Answered answer = AnswerOrError(request);
+  Answered answer;
+  try {
+    answer = AnswerOrError(request);
+  } catch (const std::exception& error) {
+    // Most likely memory is short; the next one may be answered.
+    answer =
+        absl::ResourceExhaustedError(absl::StrCat("the answer could not be made: ", error.what()));
+  }
   if (!answer.ok()) return ToResponse(answer.status());
-  answer->headers["Cache-Control"] = "no-store";
+  answer->headers.try_emplace("Cache-Control", "no-store");
   return *std::move(answer);
 }
 
@@ -138,12 +147,17 @@ StoreApi::Answered StoreApi::AnswerOrError(const WebRequest& request) {
   if (path.size() == 1) return ListMissions(request);
   RETURN_IF_ERROR(CheckNameSegment("mission", path[1]));
   RETURN_IF_ERROR(access_.CheckMission(TokenOf(request), path[1]));
+  if (ask_store_ != nullptr) RETURN_IF_ERROR(ask_store_(TokenOf(request), path[1]));
   return OfMission(path[1], {path.begin() + 2, path.end()}, request);
 }
 
 StoreApi::Answered StoreApi::ListMissions(const WebRequest& request) {
   ASSIGN_OR_RETURN(const std::optional<std::set<std::string>> missions,
                    access_.MissionsOf(TokenOf(request)));
+  if (ask_store_ != nullptr) {
+    const std::string any = missions && !missions->empty() ? *missions->begin() : "-";
+    RETURN_IF_ERROR(ask_store_(TokenOf(request), any));
+  }
   v1::ListMissionsResponse response;
   if (!missions) {
     grpc::ClientContext context;
@@ -153,9 +167,11 @@ StoreApi::Answered StoreApi::ListMissions(const WebRequest& request) {
     RETURN_IF_ERROR(ToStatus(store_->ListMissions(&context, ask, &response), "ListMissions"));
     return ToJson(response);
   }
+  // A token may name many missions; all of them together get the time of one call.
+  const absl::Time deadline = absl::Now() + absl::Seconds(60);
   for (const std::string& mission : *missions) {
     grpc::ClientContext context;
-    SetDeadline(context);
+    context.set_deadline(absl::ToChronoTime(deadline));
     v1::GetMissionRequest ask;
     ask.set_name(MissionName(mission));
     v1::Mission found;
@@ -178,6 +194,14 @@ StoreApi::Answered StoreApi::OfMission(const std::string& mission,
   }
   if (rest.size() == 4 && rest[0] == "localMaps" && rest[2] == "keyframes") {
     return GetKeyframe(absl::StrCat(MissionName(mission), "/", absl::StrJoin(rest, "/")), request);
+  }
+  if (rest.size() == 5 && rest[0] == "localMaps" && rest[2] == "keyframes" &&
+      rest[4] == "picture") {
+    return GetPicture(absl::StrCat(MissionName(mission), "/",
+                                   absl::StrJoin(rest.begin(), rest.begin() + 4, "/")));
+  }
+  if (rest.size() == 2 && rest[0] == "overlaps") {
+    return GetOverlap(absl::StrCat(MissionName(mission), "/", absl::StrJoin(rest, "/")));
   }
   return absl::NotFoundError(absl::StrCat("there is no ", request.path.substr(0, 200)));
 }
@@ -237,6 +261,41 @@ StoreApi::Answered StoreApi::GetKeyframe(const std::string& name, const WebReque
   return ToJson(response);
 }
 
+StoreApi::Answered StoreApi::GetPicture(const std::string& name) {
+  grpc::ClientContext context;
+  SetDeadline(context);
+  v1::GetKeyframeRequest ask;
+  ask.set_name(name);
+  ask.set_view(v1::KEYFRAME_VIEW_PICTURE);
+  v1::Keyframe keyframe;
+  RETURN_IF_ERROR(ToStatus(store_->GetKeyframe(&context, ask, &keyframe), "GetKeyframe"));
+  const size_t bytes = keyframe.picture().size();
+  if (bytes > kMaxPictureBytes) {
+    return absl::InternalError(absl::StrCat("the map store's picture has ", bytes,
+                                            " bytes; the limit is ", kMaxPictureBytes));
+  }
+  WebResponse response;
+  // That there is none is no error; one may still come.
+  if (bytes == 0) return response;
+  response.content_type = "image/jpeg";
+  response.body = std::make_shared<const std::string>(std::move(*keyframe.mutable_picture()));
+  response.headers["Picture-Scale"] = absl::StrCat(keyframe.picture_scale());
+  // A keyframe's picture never changes; who may see it may.
+  response.headers["Cache-Control"] = "private, max-age=600";
+  response.headers["Vary"] = "Authorization";
+  return response;
+}
+
+StoreApi::Answered StoreApi::GetOverlap(const std::string& name) {
+  grpc::ClientContext context;
+  SetDeadline(context);
+  v1::GetOverlapRequest ask;
+  ask.set_name(name);
+  v1::Overlap response;
+  RETURN_IF_ERROR(ToStatus(store_->GetOverlap(&context, ask, &response), "GetOverlap"));
+  return ToJson(response);
+}
+
 StoreApi::Answered StoreApi::GetTrajectory(const std::string& mission, const WebRequest& request) {
   const std::string frame = Find(request, "frame");
   if (frame != "" && frame != "global" && frame != "local") {
@@ -251,7 +310,7 @@ StoreApi::Answered StoreApi::GetTrajectory(const std::string& mission, const Web
   ask.set_all_islands(true);
   ask.set_poses_of(v1::POSES_OF_RECTIFIED_CAMERA);
   const auto reader = store_->GetTrajectory(&context, ask);
-  return Collect<v1::GetTrajectoryResponse>(context, *reader, "GetTrajectory");
+  return Collect<v1::GetTrajectoryResponse>(context, *reader, "GetTrajectory", memory_);
 }
 
 StoreApi::Answered StoreApi::GetHistory(const std::string& mission, const WebRequest& request) {
@@ -260,15 +319,12 @@ StoreApi::Answered StoreApi::GetHistory(const std::string& mission, const WebReq
   ask.set_include_points(Find(request, "points") == "1");
   ASSIGN_OR_RETURN(const int max, FindNumber(request, "max"));
   ask.set_max_moments(static_cast<uint32_t>(max));
-  if (replaying_.exchange(true)) {
-    return absl::ResourceExhaustedError("another page is told a mission's past; try again soon");
-  }
+  const absl::StatusOr<std::shared_ptr<const void>> slot = replays_.Enter("", MissionName(mission));
+  RETURN_IF_ERROR(slot.status());
   grpc::ClientContext context;
   SetDeadline(context);
   const auto reader = store_->ReplayMap(&context, ask);
-  Answered answer = Collect<v1::WatchMapResponse>(context, *reader, "ReplayMap");
-  replaying_ = false;
-  return answer;
+  return Collect<v1::WatchMapResponse>(context, *reader, "ReplayMap", memory_);
 }
 
 StoreApi::Answered StoreApi::GetTruth(const std::string& mission) const {

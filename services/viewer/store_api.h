@@ -4,7 +4,7 @@
 
 #include <grpcpp/channel.h>
 
-#include <atomic>
+#include <functional>
 #include <memory>
 #include <string>
 #include <utility>
@@ -13,6 +13,8 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "corbslam/v1/map_store_service.grpc.pb.h"
+#include "services/server/work_slots.h"
+#include "services/viewer/answer_memory.h"
 #include "services/viewer/browser_access.h"
 #include "services/viewer/truths.h"
 #include "services/viewer/web/web_message.h"
@@ -26,13 +28,25 @@ WebResponse ToResponse(const absl::Status& error);
 // long as the store takes, a minute at most. Thread-safe.
 class StoreApi {
  public:
-  // `access` is not owned and must outlive it.
-  StoreApi(const std::shared_ptr<grpc::Channel>& store, const BrowserAccess* access, Truths truths)
-      : store_(v1::MapStore::NewStub(store)), access_(*access), truths_(std::move(truths)) {}
+  // Returns why a token that `access` takes may not look at the mission after all; OK: it may.
+  using AskStore =
+      std::function<absl::Status(const std::string& token, const std::string& mission)>;
+
+  // `access` is not owned and must outlive it; `ask_store` may be null.
+  StoreApi(const std::shared_ptr<grpc::Channel>& store, const BrowserAccess* access,
+           AskStore ask_store, Truths truths)
+      : store_(v1::MapStore::NewStub(store)),
+        access_(*access),
+        ask_store_(std::move(ask_store)),
+        truths_(std::move(truths)) {}
 
   WebResponse Answer(const WebRequest& request);
 
  private:
+  static constexpr size_t kMaxReplays = 4;
+  // All answers of many megabytes together have at most so many bytes, those being sent included.
+  static constexpr size_t kMaxAnswerBytes = size_t{256} << 20;
+
   using Answered = absl::StatusOr<WebResponse>;
 
   Answered AnswerOrError(const WebRequest& request);
@@ -45,15 +59,22 @@ class StoreApi {
   Answered ListLocalMaps(const std::string& mission, const WebRequest& request);
   Answered ListOverlaps(const std::string& mission, const WebRequest& request);
   Answered GetKeyframe(const std::string& name, const WebRequest& request);
+  Answered GetPicture(const std::string& name);
+  Answered GetOverlap(const std::string& name);
   Answered GetTrajectory(const std::string& mission, const WebRequest& request);
   Answered GetHistory(const std::string& mission, const WebRequest& request);
   Answered GetTruth(const std::string& mission) const;
 
   const std::unique_ptr<v1::MapStore::Stub> store_;
   const BrowserAccess& access_;
+  const AskStore ask_store_;
   const Truths truths_;
-  // An answer of many megabytes is put together for one request at a time.
-  std::atomic<bool> replaying_ = false;
+  // A mission's past is told to one page at a time, those of few missions at once.
+  WorkSlots replays_{{.what = "pages that are told its past",
+                      .all = kMaxReplays,
+                      .of_caller = kMaxReplays,
+                      .of_resource = 1}};
+  AnswerMemory memory_{kMaxAnswerBytes};
 };
 
 }  // namespace corbslam::services

@@ -6,7 +6,9 @@
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/strip.h"
+#include "absl/time/clock.h"
 #include "services/convert/resource_names.h"
+#include "slam/util/status_macros.h"
 
 namespace corbslam::services {
 namespace {
@@ -16,6 +18,10 @@ constexpr uint16_t kUnauthenticated = 4401;
 constexpr uint16_t kForbidden = 4403;
 constexpr uint16_t kNotFound = 4404;
 constexpr uint16_t kBusy = 4429;
+
+// Questions that are answered, or wait for that, at one time: in all, and of one host.
+constexpr size_t kMaxAnswers = 128;
+constexpr size_t kMaxAnswersOfHost = 32;
 
 // What browsers are told of each answer: the page's own scripts and styles alone count, nobody puts
 // it into a frame, and nothing is guessed.
@@ -34,29 +40,50 @@ WebResponse Say(int status, absl::string_view text) {
   return response;
 }
 
+uint16_t CloseCodeOf(const absl::Status& status) {
+  if (absl::IsUnauthenticated(status)) return kUnauthenticated;
+  if (absl::IsPermissionDenied(status)) return kForbidden;
+  return absl::IsResourceExhausted(status) ? kBusy : kNotFound;
+}
+
 // Tells one browser what its mission's feed has.
 class FeedStream : public WebStream {
  public:
-  FeedStream(std::shared_ptr<MissionFeed> feed, bool with_points, std::function<void()> wake)
-      : feed_(std::move(feed)), token_(feed_->AddListener(std::move(wake))) {
+  using MayLook = std::function<absl::Status()>;
+
+  FeedStream(std::shared_ptr<MissionFeed> feed, bool with_points, std::function<void()> wake,
+             MayLook may_look)
+      : feed_(std::move(feed)),
+        may_look_(std::move(may_look)),
+        token_(feed_->AddListener(std::move(wake))) {
     reader_.with_points = with_points;
   }
   ~FeedStream() override { feed_->RemoveListener(token_); }
 
   std::shared_ptr<const std::string> Next() override { return feed_->Next(reader_); }
+  CloseReason WhyClose() override {
+    const absl::Status may_look = may_look_();
+    if (may_look.ok()) return {};
+    return {CloseCodeOf(may_look), std::string(may_look.message())};
+  }
 
  private:
   const std::shared_ptr<MissionFeed> feed_;
+  const MayLook may_look_;
   const uint64_t token_;
   FeedReader reader_;
 };
 
 OpenedStream Refuse(const absl::Status& status) {
-  const uint16_t code = absl::IsUnauthenticated(status)     ? kUnauthenticated
-                        : absl::IsPermissionDenied(status)  ? kForbidden
-                        : absl::IsResourceExhausted(status) ? kBusy
-                                                            : kNotFound;
-  return {nullptr, code, std::string(status.message())};
+  OpenedStream refused;
+  refused.close_code = CloseCodeOf(status);
+  refused.reason = std::string(status.message());
+  return refused;
+}
+
+// Returns true if somebody was refused for the token that was shown, or for none.
+bool IsOfToken(const absl::Status& status) {
+  return absl::IsUnauthenticated(status) || absl::IsPermissionDenied(status);
 }
 
 }  // namespace
@@ -65,9 +92,19 @@ Viewer::Viewer(const std::shared_ptr<grpc::Channel>& store, MissionFeeds::Robots
                std::shared_ptr<const AccessControl> access, absl::StatusOr<PageFiles> page,
                const ViewerOptions& options)
     : access_(std::move(access)),
+      tokens_(options.token_channel),
+      answers_({.what = "questions",
+                .all = kMaxAnswers,
+                .of_caller = kMaxAnswersOfHost,
+                .of_resource = kMaxAnswers}),
       page_(std::move(page)),
       feeds_(store, std::move(robots), options.feeds),
-      api_(store, &access_, options.truths),
+      api_(
+          store, &access_,
+          [this](const std::string& token, const std::string& mission) {
+            return tokens_.AskAndCheck(access_.TokenId(token), token, mission);
+          },
+          options.truths),
       // Calls have a quarter as many.
       pool_(4 * options.threads) {}
 
@@ -88,9 +125,28 @@ void Viewer::Answer(const WebRequest& request, Respond respond) {
     return safely(std::move(refusal));
   }
   if (!absl::StartsWith(request.path, "/api/")) return safely(AnswerPage(request));
-  const absl::Status scheduled =
-      pool_.ScheduleCall([this, request, safely] { safely(api_.Answer(request)); });
+  absl::StatusOr<std::shared_ptr<const void>> slot = answers_.Enter(request.host, "");
+  absl::Status scheduled = slot.status();
+  if (slot.ok()) {
+    scheduled = pool_.ScheduleCall([this, request, safely, slot = *std::move(slot)] {
+      WebResponse response = api_.Answer(request);
+      if (response.status == 401 || response.status == 403) {
+        response.held_back = refusals_.Note(request.host, absl::Now());
+      }
+      safely(std::move(response));
+    });
+  }
   if (!scheduled.ok()) safely(ToResponse(scheduled));
+}
+
+absl::Status Viewer::MayLook(const std::string& token, const std::string& mission) {
+  RETURN_IF_ERROR(access_.CheckMission(token, mission));
+  return tokens_.Check(access_.TokenId(token), token, mission);
+}
+
+std::string Viewer::CallerOf(const WebRequest& request) {
+  const std::string id = access_.TokenId(request.token);
+  return id.empty() ? "" : absl::StrCat("the token ", id);
 }
 
 OpenedStream Viewer::Open(const WebRequest& request, std::function<void()> wake) {
@@ -102,14 +158,20 @@ OpenedStream Viewer::Open(const WebRequest& request, std::function<void()> wake)
   if (const absl::Status named = CheckNameSegment("mission", name); !named.ok()) {
     return Refuse(named);
   }
-  if (const absl::Status may = access_.CheckMission(request.token, name); !may.ok()) {
-    return Refuse(may);
+  if (const absl::Status may = MayLook(request.token, name); !may.ok()) {
+    OpenedStream refused = Refuse(may);
+    if (IsOfToken(may)) refused.held_back = refusals_.Note(request.host, absl::Now());
+    return refused;
   }
   absl::StatusOr<std::shared_ptr<MissionFeed>> feed = feeds_.Follow(name);
   if (!feed.ok()) return Refuse(feed.status());
   const auto points = request.query.find("points");
   const bool with_points = points == request.query.end() || points->second != "0";
-  return {std::make_unique<FeedStream>(*std::move(feed), with_points, std::move(wake)), 0, ""};
+  OpenedStream opened;
+  opened.stream = std::make_unique<FeedStream>(
+      *std::move(feed), with_points, std::move(wake),
+      [this, token = request.token, name] { return MayLook(token, name); });
+  return opened;
 }
 
 }  // namespace corbslam::services

@@ -7,13 +7,17 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <string>
 
 #include "absl/status/statusor.h"
 #include "services/server/task_pool.h"
+#include "services/server/work_slots.h"
 #include "services/viewer/browser_access.h"
 #include "services/viewer/mission_feeds.h"
 #include "services/viewer/page_files.h"
+#include "services/viewer/refusal_pace.h"
 #include "services/viewer/store_api.h"
+#include "services/viewer/token_watch.h"
 #include "services/viewer/truths.h"
 #include "services/viewer/web/web_message.h"
 
@@ -24,6 +28,9 @@ struct ViewerOptions {
   // Threads that wait for the store's answers.
   int threads = 4;
   Truths truths;
+  // A channel to the store that brings no token; it is shown those of browsers, and whom it has
+  // revoked may not look here either. Null: it is not asked.
+  std::shared_ptr<grpc::Channel> token_channel;
 };
 
 // docs/viewer.md says what browsers may ask. Thread-safe.
@@ -36,6 +43,7 @@ class Viewer : public WebHandler {
          const ViewerOptions& options = {});
 
   void Answer(const WebRequest& request, Respond respond) override;
+  std::string CallerOf(const WebRequest& request) override;
   OpenedStream Open(const WebRequest& request, std::function<void()> wake) override;
 
   size_t missions() const { return feeds_.missions(); }
@@ -43,7 +51,13 @@ class Viewer : public WebHandler {
  private:
   WebResponse AnswerPage(const WebRequest& request) const;
 
+  // Says whether a browser may look at the mission now.
+  absl::Status MayLook(const std::string& token, const std::string& mission);
+
   const BrowserAccess access_;
+  TokenWatch tokens_;
+  RefusalPace refusals_;
+  WorkSlots answers_;
   const absl::StatusOr<PageFiles> page_;
   MissionFeeds feeds_;
   StoreApi api_;

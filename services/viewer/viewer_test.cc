@@ -19,6 +19,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/time/clock.h"
+#include "map_store/testing/grey_jpeg.h"
 #include "services/client/remote/remote_uplink.h"
 #include "services/convert/testing/test_data.h"
 #include "services/http/testing/raw_http.h"
@@ -211,6 +212,50 @@ TEST_F(ViewerTest, AnswersAboutMissions) {
   EXPECT_FALSE(keyframe["payload"]["features"]["xPx64"].empty()) << keyframe;
   const std::string trajectory = BodyOf(Get("/api/missions/m/trajectory?frame=local"));
   EXPECT_GT(trajectory.size(), 4U);
+}
+
+TEST_F(ViewerTest, ShowsWhatAKeyframesCameraSaw) {
+  const test_data::TokenKeys keys = test_data::MakeTokenKeys();
+  Start(AccessOf(keys));
+  const std::string with = Bearer(TokenFor("missions/m/viewers/eve", keys));
+  std::mt19937 random(7);
+  const auto uplink = MakeRemoteUplink(channel_);
+  UplinkNotes notes;
+  uplink->Open({.mission = "m", .agent = "alpha", .last_revision = 0, .local_maps = {}}, &notes);
+  ASSERT_TRUE(notes.WaitForGrant().has_value());
+  const MapUpdateBatch batch = test_data::MakeBatch(random, kMap, 1);
+  ASSERT_TRUE(uplink->Send(batch));
+  ASSERT_EQ(notes.WaitForAcknowledgements(1), 1U);
+  const KeyframeId id = batch.full_keyframes[0].payload->id;
+  const std::string path =
+      absl::StrCat("/api/missions/m/localMaps/", ToString(kMap), "/keyframes/", id.index);
+  const std::string none = Get(path + "/picture", with);
+  EXPECT_EQ(StatusOf(none), 200);
+  EXPECT_EQ(BodyOf(none), "");
+  EXPECT_THAT(none, HasSubstr("Cache-Control: no-store"));
+  const std::string jpeg = testing::MakeGreyJpeg(320, 97, 500);
+  ASSERT_TRUE(uplink->SendPicture({id, jpeg, 3.875}));
+  std::string picture;
+  for (int i = 0; i < 500 && BodyOf(picture).empty(); ++i) {
+    picture = Get(path + "/picture", with);
+    absl::SleepFor(absl::Milliseconds(10));
+  }
+  EXPECT_EQ(BodyOf(picture), jpeg);
+  for (const char* header :
+       {"Content-Type: image/jpeg", "Picture-Scale: 3.875", "Cache-Control: private, max-age=600",
+        "Vary: Authorization", "X-Content-Type-Options: nosniff"}) {
+    EXPECT_THAT(picture, HasSubstr(header));
+  }
+  // It is as secret as the map.
+  EXPECT_EQ(StatusOf(Get(path + "/picture")), 401);
+  EXPECT_EQ(StatusOf(Get(path + "/picture", Bearer(TokenFor("missions/other/viewers/eve", keys)))),
+            403);
+  EXPECT_EQ(StatusOf(Get("/api/missions/m/localMaps/xyz/keyframes/0/picture", with)), 400);
+  EXPECT_EQ(StatusOf(Get(path + "9999/picture", with)), 404);
+  EXPECT_EQ(StatusOf(Get(path + "/pictures", with)), 404);
+  EXPECT_EQ(StatusOf(Get("/api/missions/m/overlaps/1", with)), 404);
+  EXPECT_EQ(StatusOf(Get("/api/missions/m/overlaps/x", with)), 400);
+  EXPECT_EQ(StatusOf(Get("/api/missions/m/overlaps/1")), 401);
 }
 
 TEST_F(ViewerTest, SaysWhatIsWrongInARequest) {

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
+#include <fstream>
 #include <map>
 #include <optional>
 #include <utility>
@@ -145,6 +146,25 @@ std::optional<int> FrameOf(absl::string_view name) {
   return frame;
 }
 
+// Refuses what is no text: recordings, pictures, archives.
+absl::Status CheckIsText(const std::string& path) {
+  std::string begin(512, '\0');
+  std::ifstream file(path, std::ios::binary);
+  file.read(begin.data(), static_cast<std::streamsize>(begin.size()));
+  begin.resize(static_cast<size_t>(file.gcount()));
+  const char* what = nullptr;
+  if (absl::StartsWith(begin, "\x89MCAP0")) what = "an MCAP recording";
+  if (absl::StartsWith(begin, "#ROSBAG")) what = "a ROS bag";
+  // A text in UTF-16 has such bytes, too; who reads it says so.
+  const bool is_utf16 = absl::StartsWith(begin, "\xff\xfe") || absl::StartsWith(begin, "\xfe\xff");
+  if (what == nullptr && !is_utf16 && begin.find('\0') != std::string::npos) what = "no text";
+  if (what == nullptr) return absl::OkStatus();
+  return absl::InvalidArgumentError(absl::StrCat(
+      path, " is ", what,
+      ": wanted is a trajectory as text (TUM's, EuRoC's or KITTI's form), as `corbslam "
+      "mission export --format tum` writes it"));
+}
+
 }  // namespace
 
 absl::StatusOr<TrajectoryReading> ReadTrajectoryFile(const std::string& path,
@@ -154,6 +174,7 @@ absl::StatusOr<TrajectoryReading> ReadTrajectoryFile(const std::string& path,
   if (absl::EndsWith(path, ".ply")) {
     return absl::InvalidArgumentError(absl::StrCat(path, " holds points and no trajectory"));
   }
+  RETURN_IF_ERROR(CheckIsText(path));
   ASSIGN_OR_RETURN(const std::optional<Shape> shape, ShapeOf(path));
   if (shape.has_value() && (shape->fields == 12 || !times_path.empty())) {
     std::string times = times_path;

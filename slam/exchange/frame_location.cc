@@ -14,6 +14,8 @@ std::string ToString(LocateStage stage) {
       return "NO_POSE";
     case LocateStage::kFewInliers:
       return "FEW_INLIERS";
+    case LocateStage::kCameraInDoubt:
+      return "CAMERA_IN_DOUBT";
     case LocateStage::kOutsidePrior:
       return "OUTSIDE_PRIOR";
     case LocateStage::kLocated:

@@ -25,6 +25,8 @@ enum class LocateStage {
   kFewMatches,    // Too few of its features look like a candidate's.
   kNoPose,        // Too few of these agree on a pose.
   kFewInliers,    // Too few of the map's points are where the pose has them.
+  // There is a pose, and it would be elsewhere with another camera that the points allow as well.
+  kCameraInDoubt,
   kOutsidePrior,  // There is a pose, and it is not where it may be.
   kLocated,
 };
@@ -53,9 +55,14 @@ struct LocateFrameResult {
   int word_matches = 0;
   int pose_inliers = 0;
   int inliers = 0;
+  // Set from kFewInliers on: how many inliers were needed, how many of the points around should
+  // have been in the picture, and how many of them chance finds.
+  int inliers_needed = 0;
+  int visible_points = 0;
+  int chance_inliers = 0;
   // These are set with kLocated, in the view's frame; no covariance where the points don't
   // determine the pose (InMapAxes: of the camera's position along, its rotation about the map's
-  // axes).
+  // axes). It holds whatever camera took the picture, and not only for the frame's own.
   Rigid3d camera_from_map;
   std::optional<Matrix6d> covariance;
   // With kFewInliers: the points agree, with a camera like this one and not with the picture's own:

@@ -3,6 +3,7 @@
 #ifndef CORBSLAM_SLAM_EXCHANGE_UPLINK_H_
 #define CORBSLAM_SLAM_EXCHANGE_UPLINK_H_
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -27,6 +28,8 @@ struct Capabilities {
   bool localise_only = false;
   // A store that has it keeps what LocalisedFrames say of an agent's trajectory.
   bool keeps_localised = false;
+  // A store that has it takes keyframes' pictures (Uplink::SendPicture).
+  bool keyframe_pictures = false;
   // A store that has it takes Uplink::SendReport.
   bool takes_reports = false;
 };
@@ -68,6 +71,9 @@ struct SessionRequest {
   // True: the agent changes nothing. It sends no batches, only where its frames were
   // (Uplink::SendLocalised), and what it is told is in the mission's global frame.
   bool localise_only = false;
+  // SessionGrant::mission_uid of the mission in which the agent's process had a session before;
+  // empty: it had none, or does not know.
+  std::string mission_uid = "";
   // Where the request came from, for people. The store's transport says it, not the agent.
   std::string peer = "";
 };
@@ -82,6 +88,8 @@ struct SessionGrant {
   std::vector<Acknowledgement> acknowledged;
   // What the store understands.
   Capabilities capabilities = {};
+  // Tells the mission from earlier and later ones of its name; empty: the store does not say.
+  std::string mission_uid = "";
 };
 
 // Where a frame was of an agent that changes nothing.
@@ -113,6 +121,19 @@ struct LocalisedKept {
   uint64_t number = 0;
 };
 
+// What a keyframe's camera saw, for people to look at; no algorithm reads it.
+struct KeyframePicture {
+  KeyframeId keyframe;
+  // A grey JPEG of the undistorted picture that the keypoints' positions are of.
+  std::string jpeg;
+  // Pixels of the keypoints' positions to one of the picture's, 1 to 64: what lies at x there lies
+  // at (x + 0.5) / scale - 0.5 here.
+  double scale = 1;
+};
+
+// Most bytes of KeyframePicture::jpeg.
+inline constexpr size_t kMaxPictureBytes = 64 << 10;
+
 // Hears what comes from the store. One thread at a time calls it, and never from inside a call of
 // Uplink, but for the direct implementation.
 class UplinkListener {
@@ -126,10 +147,11 @@ class UplinkListener {
   virtual void OnShared(SharedUpdate update) = 0;
   // The store wants to be told where the points of the newest local map are, exactly.
   virtual void OnExactPlacesWanted() = 0;
-  // The session is gone. ABORTED: a newer session of the same agent fenced it off;
-  // PERMISSION_DENIED: don't try again. INVALID_ARGUMENT: likewise before OnSessionOpened; after it
-  // a batch was refused. After anything else open again later, also after ALREADY_EXISTS: another
-  // process holds a session of this agent.
+  // The session is gone. ABORTED: a newer session of the same agent fenced it off, or the mission
+  // is deleted (session_end.h), and then no session comes any more. PERMISSION_DENIED: the store
+  // refuses this agent, which may ask again rarely. INVALID_ARGUMENT: likewise before
+  // OnSessionOpened; after it a batch was refused. After anything else open again later, also after
+  // ALREADY_EXISTS: another process holds a session of this agent.
   virtual void OnSessionClosed(const absl::Status& reason) = 0;
 };
 
@@ -145,6 +167,8 @@ class Uplink {
   // Does the same with what an agent says that changes nothing. The default is for an uplink that
   // carries batches only.
   virtual bool SendLocalised(const LocalisedFrames& /*localised*/) { return false; }
+  // Does the same with a picture, which nobody answers: one that was taken may still be lost.
+  virtual bool SendPicture(const KeyframePicture& /*picture*/) { return false; }
   // Does the same with what an agent says of itself, of which only the newest counts. The default
   // is for an uplink that carries none.
   virtual bool SendReport(const AgentReport& /*report*/) { return false; }

@@ -6,6 +6,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "slam/features/corner_spread.h"
+#include "slam/features/feature_limits.h"
 #include "slam/features/gaussian_blur.h"
 #include "slam/features/pixel_kernels.h"
 #include "slam/features/steered_brief.h"
@@ -53,7 +54,7 @@ const SteeredBrief& SystemBrief() {
 }  // namespace
 
 absl::Status OrbOptions::Validate() const {
-  absl::Status status = CheckRange("features", features, 50, 20000);
+  absl::Status status = CheckRange("features", features, kLeastFeatures, kMostFeatures);
   status.Update(CheckRange("fast_threshold", fast_threshold, 2, 200));
   status.Update(CheckRange("min_fast_threshold", min_fast_threshold, 1, fast_threshold));
   status.Update(CheckRange("cell_px", cell_px, 8, 512));

@@ -1,6 +1,6 @@
-// Asks whether a picture fits known points better with another camera than with the one that is
-// said to have taken it: one of another focal length, principal point or lens, or of a pair that
-// stands otherwise apart.
+// Asks with which camera a picture fits known points best, and how far the points tell: one that is
+// said to have taken it may have another focal length, principal point or lens, or be of a pair
+// that stands otherwise apart.
 #ifndef CORBSLAM_SLAM_OPTIMISATION_CAMERA_FIT_H_
 #define CORBSLAM_SLAM_OPTIMISATION_CAMERA_FIT_H_
 
@@ -9,10 +9,25 @@
 
 #include "absl/types/span.h"
 #include "slam/camera/camera.h"
+#include "slam/geometry/lie.h"
 #include "slam/geometry/rigid3.h"
 #include "slam/optimisation/pose_optimisation.h"
 
 namespace corbslam {
+
+// A pinhole with what a lens does to it: a ray whose tangent to the axis is r falls at the distance
+// r (1 + k1 r^2 + k2 r^4) from the principal point, in focal lengths.
+struct BentCamera {
+  Camera camera;
+  double k1 = 0;
+  double k2 = 0;
+
+  // The depth must be positive.
+  Eigen::Vector2d Project(const Eigen::Vector3d& x_in_camera) const;
+  // Returns where the pinhole alone would have a pixel; where the lens folds back, the pixel
+  // itself.
+  Eigen::Vector2d Straighten(const Eigen::Vector2d& pixel) const;
+};
 
 // A quantity of the camera, and its standard deviation.
 struct FittedNumber {
@@ -31,19 +46,37 @@ struct CameraFit {
   // infinitely unsure where there are none.
   FittedNumber disparity;
   Rigid3d camera_from_map;
-  // Without `radial`.
+  // Of a perturbation (translation, rotation) on the left of camera_from_map, of somebody who knows
+  // no more of the camera than that it is one: what the points do not tell of it is in there.
+  Matrix6d pose_covariance;
+  BentCamera bent;
+  // That without its lens, and with the baseline that the disparities have.
   Camera camera;
 };
 
-// The fit begins at the pose that the given camera has. Nullopt where the points don't determine a
-// camera: few, in a plane that it looks at, or all far. The observations' disparities take no part
-// in any number but their own. Pure.
-std::optional<CameraFit> FitCamera(const Camera& camera, const Rigid3d& camera_from_map,
-                                   absl::Span<const PoseObservation> observations);
+struct CameraFitOptions {
+  // The fit begins with this camera; nullopt: with the given one.
+  std::optional<BentCamera> start = {};
+  // Pixels at the finest level beyond which an observation counts ever less; it shrinks from here
+  // to what noise is. 0: all of them are taken to be right.
+  double first_scale_px = 0;
+};
 
-// Whether the fitted camera is another one beyond doubt, and beyond what a fair calibration may be
-// off: 1.5 % of the focal length, 2.5 % between fx and fy and of the sides, 1 % of half
-// the width at its edge for the lens, 6 % of disparities.
+// The fit begins at a pose, as a rule that which the given camera has. Nullopt where observations
+// are few. Where they don't determine a number its sigma is large: as large as cameras differ. The
+// observations' disparities take no part in any number but their own. Pure.
+std::optional<CameraFit> FitCamera(const Camera& camera, const Rigid3d& camera_from_map,
+                                   absl::Span<const PoseObservation> observations,
+                                   const CameraFitOptions& options = {});
+
+// Returns the covariance of a pose that was found with the given camera, of the observations that
+// `fit` is of: a perturbation of it on the left, as pose_covariance, and how far it is from where
+// the fitted camera has it.
+Matrix6d CovarianceOfAnyCamera(const CameraFit& fit, const Rigid3d& camera_from_map);
+
+// Whether the fitted camera is another one beyond doubt, and by more than what its pose's
+// covariance is to bear: 4 % of the focal length, between fx and fy and of the sides, 3 % of half
+// the width at its edge for the lens, 8 % of disparities.
 bool IsAnotherCamera(const CameraFit& fit);
 
 }  // namespace corbslam

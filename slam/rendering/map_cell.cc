@@ -41,10 +41,17 @@ void DrawRobot(const MapPicture::Robot& robot, const PlaneFromWorld& plane_from_
   const auto is_seen = [&](size_t i) {
     return i < centres.size() && layout.bounds.Contains(centres[i]);
   };
+  const Paint& edge = robot.is_own ? kOwnEdge : kOthersEdge;
+  for (const std::vector<Eigen::Vector3d>& path : robot.paths) {
+    std::vector<Eigen::Vector2d> placed;
+    for (const Eigen::Vector2d& x : Flatten(path, plane_from_world)) {
+      placed.push_back(layout.Place(x));
+    }
+    surface.Path(placed, edge, 1.5);
+  }
   for (const auto& [from, to] : robot.edges) {
     if (!is_seen(from) || !is_seen(to)) continue;
-    surface.Line(layout.Place(centres[from]), layout.Place(centres[to]),
-                 robot.is_own ? kOwnEdge : kOthersEdge, 1.5);
+    surface.Line(layout.Place(centres[from]), layout.Place(centres[to]), edge, 1.5);
   }
   for (size_t i = 0; i < robot.keyframes.size(); ++i) {
     if (!is_seen(i)) continue;
@@ -90,6 +97,11 @@ MapView ChooseView(const MapPicture& picture) {
   }
   for (const Rigid3d& pose : keyframes) {
     paths.push_back(view.plane_from_world * pose.translation);
+  }
+  for (const MapPicture::Robot& robot : picture.robots) {
+    for (const std::vector<Eigen::Vector3d>& path : robot.paths) {
+      for (const Eigen::Vector3d& x : path) paths.push_back(view.plane_from_world * x);
+    }
   }
   view.bounds = ChooseBounds(paths, Flatten(picture.points, view.plane_from_world));
   return view;

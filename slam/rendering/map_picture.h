@@ -23,6 +23,8 @@ struct MapPicture {
     std::vector<Rigid3d> keyframes;  // Poses world_from_camera.
     // Pairs of entries of `keyframes` (spanning tree, loops).
     std::vector<std::pair<size_t, size_t>> edges;
+    // Where it drove, piece by piece; drawn like edges.
+    std::vector<std::vector<Eigen::Vector3d>> paths = {};
   };
   std::string title;
   std::vector<Robot> robots;

@@ -16,6 +16,19 @@ absl::Status MakeFolder(const std::string& path) {
       absl::StrCat("cannot make the folder ", path, ": ", error.message()));
 }
 
+absl::Status CheckNewFolder(const std::string& path) {
+  std::error_code error;
+  if (!fs::exists(path, error)) return absl::OkStatus();
+  if (!fs::is_directory(path, error)) {
+    return absl::FailedPreconditionError(absl::StrCat(path, " is no folder"));
+  }
+  const bool is_empty = fs::directory_iterator(path, error) == fs::directory_iterator();
+  if (error) return absl::FailedPreconditionError(absl::StrCat(path, ": ", error.message()));
+  if (is_empty) return absl::OkStatus();
+  return absl::FailedPreconditionError(
+      absl::StrCat(path, " holds something already: remove it, or name a new folder"));
+}
+
 fs::path NearestThere(const std::string& path) {
   std::error_code error;
   fs::path there = fs::absolute(path, error);

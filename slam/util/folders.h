@@ -11,6 +11,9 @@ namespace corbslam {
 
 // Makes the folder and those above it; it may exist already. UNAVAILABLE names the path.
 absl::Status MakeFolder(const std::string& path);
+// Checks that nothing is in the folder, or that there is none: what is written there belongs
+// together. FAILED_PRECONDITION names the folder.
+absl::Status CheckNewFolder(const std::string& path);
 
 // Returns the path itself, or the nearest folder above it that is there.
 std::filesystem::path NearestThere(const std::string& path);

@@ -20,6 +20,19 @@ TEST(FoldersTest, AreMadeWithThoseAbove) {
   std::filesystem::remove_all(top);
 }
 
+TEST(FoldersTest, AreNewWhereNothingIsIn) {
+  const std::string top = ::testing::TempDir() + "corbslam_folders_test_new";
+  std::filesystem::remove_all(top);
+  EXPECT_TRUE(CheckNewFolder(top).ok());
+  EXPECT_TRUE(MakeFolder(top).ok());
+  EXPECT_TRUE(CheckNewFolder(top).ok());
+  std::ofstream(top + "/000000.png") << "x";
+  EXPECT_EQ(CheckNewFolder(top).code(), absl::StatusCode::kFailedPrecondition);
+  EXPECT_THAT(CheckNewFolder(top).message(), HasSubstr(top));
+  EXPECT_EQ(CheckNewFolder(top + "/000000.png").code(), absl::StatusCode::kFailedPrecondition);
+  std::filesystem::remove_all(top);
+}
+
 TEST(FoldersTest, ThatCantBeMadeAreNamed) {
   const std::string file = ::testing::TempDir() + "corbslam_folders_test_file";
   std::ofstream(file) << "x";

@@ -7,12 +7,38 @@
 #include <fstream>
 
 namespace corbslam {
+namespace {
 
-uint64_t ResidentBytes() {
+// Anonymous memory that is no heap: stacks of threads.
+constexpr uint64_t kStacks_bytes = uint64_t{16} << 20;
+
+struct Resident {
+  uint64_t all_bytes = 0;
+  // Of programs and libraries, and shared with other processes.
+  uint64_t files_bytes = 0;
+};
+
+Resident ReadResident() {
   uint64_t pages = 0;
-  uint64_t resident = 0;
-  std::ifstream("/proc/self/statm") >> pages >> resident;
-  return resident * static_cast<uint64_t>(sysconf(_SC_PAGESIZE));
+  Resident resident;
+  std::ifstream("/proc/self/statm") >> pages >> resident.all_bytes >> resident.files_bytes;
+  const auto page = static_cast<uint64_t>(sysconf(_SC_PAGESIZE));
+  return {resident.all_bytes * page, resident.files_bytes * page};
+}
+
+}  // namespace
+
+uint64_t ResidentBytes() { return ReadResident().all_bytes; }
+
+uint64_t UsedBytes() {
+  const Resident resident = ReadResident();
+#ifdef __GLIBC__
+  const struct mallinfo2 allocated = mallinfo2();
+  const uint64_t heap = allocated.uordblks + allocated.hblkhd;
+  return std::min(resident.all_bytes, resident.files_bytes + heap + kStacks_bytes);
+#else
+  return resident.all_bytes;
+#endif
 }
 
 void ReturnFreeMemory() {

@@ -9,6 +9,10 @@ namespace corbslam {
 // Returns what the kernel counts as resident; 0 where it does not say.
 uint64_t ResidentBytes();
 
+// Returns how much of that is used, about: without what the allocator keeps of what was freed,
+// which it has again at once. It looks at all of the heap, which takes a while.
+uint64_t UsedBytes();
+
 // Gives memory that the process has freed back to the system, if it is much: the allocator would
 // keep it, for ever where something small lies above it.
 void ReturnFreeMemory();

@@ -26,6 +26,7 @@ TEST(ResidentMemoryTest, WhatWasFreedGoesBackThoughSomethingLiesAboveIt) {
   {
     const ReturnsFreeMemory after;
     EXPECT_GT(ResidentBytes(), before + kPieces * kBytes / 2) << "kept until then";
+    EXPECT_LT(UsedBytes(), before + kPieces * kBytes / 4) << "what is kept is not used";
   }
   EXPECT_LT(ResidentBytes(), before + kPieces * kBytes / 4);
 }

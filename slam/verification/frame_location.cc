@@ -1,13 +1,14 @@
 #include "slam/verification/frame_location.h"
 
 #include <algorithm>
+#include <cmath>
+#include <optional>
 #include <tuple>
 #include <utility>
 
 #include "absl/container/btree_map.h"
 #include "absl/container/flat_hash_set.h"
 #include "slam/matching/word_matching.h"
-#include "slam/optimisation/camera_fit.h"
 #include "slam/optimisation/pose_covariance.h"
 #include "slam/solvers/pnp_ransac.h"
 #include "slam/verification/neighbourhood.h"
@@ -120,6 +121,31 @@ std::vector<Sight> Refine(const Keyframe& frame, const std::vector<const MapPoin
   return sights;
 }
 
+// Sets the stage and the covariance, or the camera that the points agree with.
+void JudgeCamera(const Keyframe& frame, const std::vector<const MapPoint*>& points,
+                 const std::vector<PoseObservation>& agreeing,
+                 const std::vector<PoseObservation>& looks_alike,
+                 const FrameLocationOptions& options, LocateFrameResult& result) {
+  std::optional<Matrix6d> covariance =
+      PoseCovariance(frame.camera(), result.camera_from_map, agreeing);
+  result.stage = LocateStage::kLocated;
+  if (options.check_camera) {
+    const CameraCheck check =
+        CheckCamera(frame, points, result.camera_from_map, agreeing, looks_alike, options.camera);
+    if (check.verdict == CameraCheck::Verdict::kAnother) {
+      result.stage = LocateStage::kFewInliers;
+      result.fitting_camera = check.fit->camera;
+      return;
+    }
+    if (check.verdict == CameraCheck::Verdict::kInDoubt) {
+      result.stage = LocateStage::kCameraInDoubt;
+      return;
+    }
+    if (covariance.has_value()) *covariance += *check.covariance;
+  }
+  if (covariance.has_value()) result.covariance = InMapAxes(result.camera_from_map, *covariance);
+}
+
 LocateFrameResult TryCandidate(const Keyframe& frame, const Map& view, KeyframeId candidate,
                                const FrameLocationOptions& options) {
   LocateFrameResult result;
@@ -131,8 +157,9 @@ LocateFrameResult TryCandidate(const Keyframe& frame, const Map& view, KeyframeI
   if (result.word_matches < options.min_word_matches) return result;
 
   result.stage = LocateStage::kNoPose;
+  const std::vector<PoseObservation> looks_alike = Observe(frame, alike);
   const auto estimate =
-      EstimatePose(frame.camera(), Observe(frame, alike),
+      EstimatePose(frame.camera(), looks_alike,
                    {.min_inliers = 4, .max_iterations = kRansacIterations, .seed = options.seed});
   if (!estimate.ok()) return result;
   result.pose_inliers = estimate->inliers;
@@ -142,28 +169,30 @@ LocateFrameResult TryCandidate(const Keyframe& frame, const Map& view, KeyframeI
   result.camera_from_map = estimate->camera_from_map;
   const std::vector<const MapPoint*> points = PointsSeenBy(view, keyframes);
   const std::vector<Sight> inliers = Refine(frame, points, result);
-  const size_t by_chance =
-      CountByChance(points, frame, result.camera_from_map, {.radius_px = kLastRadius_px});
-  if (result.inliers < options.min_inliers ||
-      result.inliers < options.min_inliers_to_chance * static_cast<double>(by_chance)) {
-    return result;
-  }
-  const std::vector<PoseObservation> agreeing = Observe(frame, inliers);
-  if (options.check_camera) {
-    const auto fit = FitCamera(frame.camera(), result.camera_from_map, agreeing);
-    if (fit.has_value() && IsAnotherCamera(*fit)) {
-      result.fitting_camera = fit->camera;
-      return result;
-    }
-  }
-  result.stage = LocateStage::kLocated;
-  const auto covariance = PoseCovariance(frame.camera(), result.camera_from_map, agreeing);
-  if (covariance.has_value()) result.covariance = InMapAxes(result.camera_from_map, *covariance);
-  result.keyframes = KeyframesThatSee(inliers);
+  const InliersNeeded rule = CountInliersNeeded(frame, points, result.camera_from_map, options);
+  result.inliers_needed = rule.needed;
+  result.visible_points = rule.visible;
+  result.chance_inliers = rule.by_chance;
+  if (result.inliers < result.inliers_needed) return result;
+  JudgeCamera(frame, points, Observe(frame, inliers), looks_alike, options, result);
+  if (result.stage == LocateStage::kLocated) result.keyframes = KeyframesThatSee(inliers);
   return result;
 }
 
 }  // namespace
+
+InliersNeeded CountInliersNeeded(const Keyframe& frame, const std::vector<const MapPoint*>& points,
+                                 const Rigid3d& camera_from_map,
+                                 const FrameLocationOptions& options) {
+  const size_t by_chance =
+      MeanByChance(points, frame, camera_from_map, {.radius_px = kLastRadius_px});
+  const size_t visible = CountVisible(points, frame, camera_from_map);
+  const double needed = std::max({static_cast<double>(options.min_inliers),
+                                  options.min_inliers_to_chance * static_cast<double>(by_chance),
+                                  options.min_inliers_to_visible * static_cast<double>(visible)});
+  return {static_cast<int>(std::ceil(needed)), static_cast<int>(visible),
+          static_cast<int>(by_chance)};
+}
 
 LocateFrameResult LocateFrame(const LocateFrameRequest& request,
                               const FrameLocationOptions& options,

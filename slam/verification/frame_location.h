@@ -5,8 +5,10 @@
 #include <cstdint>
 #include <functional>
 #include <tuple>
+#include <vector>
 
 #include "slam/exchange/frame_location.h"
+#include "slam/verification/camera_check.h"
 
 namespace corbslam {
 
@@ -26,17 +28,31 @@ struct FrameLocationOptions {
   int min_word_matches = 15;
   int min_pose_inliers = 12;
   int min_inliers = 30;
-  // Points found must be this many times what is found right beside where they should be: where
-  // many keypoints are, some match by chance.
+  // Points found must be this many times what is found right beside where they should be, on the
+  // mean of four sides: where many keypoints are, some match by chance.
   double min_inliers_to_chance = 4;
-  // A pose is not believed where the points agree with another camera beyond doubt
-  // (slam/optimisation/camera_fit.h): it may be metres off, by a covariance of centimetres.
+  // ... and this share of those that should be in the picture.
+  double min_inliers_to_visible = 0.04;
+  // A pose is not believed where the points agree with another camera, or with others as well
+  // (slam/verification/camera_check.h): it may be metres off, by a covariance of centimetres.
   bool check_camera = true;
+  CameraCheckOptions camera = {};
 };
+
+// How many of a map's points must be found where a pose has them for it to be believed.
+struct InliersNeeded {
+  int needed = 0;   // By the rule that asks for most.
+  int visible = 0;  // Points that should be in the picture.
+  int by_chance = 0;
+};
+InliersNeeded CountInliersNeeded(const Keyframe& frame, const std::vector<const MapPoint*>& points,
+                                 const Rigid3d& camera_from_map,
+                                 const FrameLocationOptions& options = {});
 
 // Tries the candidates in turn: features that look like points of the candidate and its neighbours,
 // a pose by PnP RANSAC, then a guided search for all points around, twice (as ORB-SLAM relocalises,
-// T-RO 2015, V.C), and a search beside it for what matches by chance. Ends with the first that is
+// T-RO 2015, V.C), a search beside it for what matches by chance, and with a camera that is free to
+// be any (CheckCamera). Ends with the first that is
 // located; else says of the one that got farthest how far. Candidates that the view does not hold
 // are passed over. `goes_on` (may be null) is asked before each; once it says no, the result so far
 // is returned. Deterministic and pure; it takes milliseconds a candidate.

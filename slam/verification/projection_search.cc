@@ -1,8 +1,10 @@
 #include "slam/verification/projection_search.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <optional>
 
 #include "slam/camera/camera.h"
@@ -81,6 +83,23 @@ Best FindBest(const MapPoint& point, const Keyframe& keyframe, const Expectation
   return best;
 }
 
+// Returns how many points are found in each of the windows beside where they should be, without a
+// gap.
+std::array<size_t, 4> CountAside(const std::vector<const MapPoint*>& points,
+                                 const Keyframe& keyframe, const Rigid3d& camera_from_points,
+                                 ProjectionSearchOptions options) {
+  constexpr double kAside = 2.0;
+  const std::array<Eigen::Vector2d, 4> sides = {
+      Eigen::Vector2d(kAside, 0), Eigen::Vector2d(-kAside, 0), Eigen::Vector2d(0, kAside),
+      Eigen::Vector2d(0, -kAside)};
+  std::array<size_t, 4> counts = {};
+  for (size_t i = 0; i < sides.size(); ++i) {
+    options.displacement_radii = sides[i];
+    counts[i] = FindByProjection(points, keyframe, camera_from_points, options).size();
+  }
+  return counts;
+}
+
 }  // namespace
 
 std::vector<ProjectionMatch> FindByProjection(const std::vector<const MapPoint*>& points,
@@ -105,15 +124,14 @@ std::vector<ProjectionMatch> FindByProjection(const std::vector<const MapPoint*>
 
 size_t CountByChance(const std::vector<const MapPoint*>& points, const Keyframe& keyframe,
                      const Rigid3d& camera_from_points, ProjectionSearchOptions options) {
-  constexpr double kAside = 2.0;  // The window beside it, without a gap.
-  size_t most = 0;
-  for (const Eigen::Vector2d& displacement_radii :
-       {Eigen::Vector2d(kAside, 0), Eigen::Vector2d(-kAside, 0), Eigen::Vector2d(0, kAside),
-        Eigen::Vector2d(0, -kAside)}) {
-    options.displacement_radii = displacement_radii;
-    most = std::max(most, FindByProjection(points, keyframe, camera_from_points, options).size());
-  }
-  return most;
+  const std::array<size_t, 4> aside = CountAside(points, keyframe, camera_from_points, options);
+  return *std::max_element(aside.begin(), aside.end());
+}
+
+size_t MeanByChance(const std::vector<const MapPoint*>& points, const Keyframe& keyframe,
+                    const Rigid3d& camera_from_points, ProjectionSearchOptions options) {
+  const std::array<size_t, 4> aside = CountAside(points, keyframe, camera_from_points, options);
+  return (std::accumulate(aside.begin(), aside.end(), size_t{0}) + aside.size() - 1) / aside.size();
 }
 
 size_t CountVisible(const std::vector<const MapPoint*>& points, const Keyframe& keyframe,

@@ -46,6 +46,9 @@ std::vector<ProjectionMatch> FindByProjection(const std::vector<const MapPoint*>
 // any of the four sides: so many match by chance. The options' displacement does not count.
 size_t CountByChance(const std::vector<const MapPoint*>& points, const Keyframe& keyframe,
                      const Rigid3d& camera_from_points, ProjectionSearchOptions options);
+// Returns the mean of the four sides, rounded up.
+size_t MeanByChance(const std::vector<const MapPoint*>& points, const Keyframe& keyframe,
+                    const Rigid3d& camera_from_points, ProjectionSearchOptions options);
 
 // Returns how many of the points FindByProjection looks for: those that should be in the picture,
 // seen from distances and angles like before. Whether something hides them is not asked.

@@ -8,15 +8,14 @@
 #include <algorithm>
 #include <bit>
 #include <cerrno>
-#include <cstdio>
 #include <cstring>
-#include <fstream>
 #include <limits>
 #include <utility>
 #include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "slam/util/status_macros.h"
+#include "slam/util/whole_file.h"
 #include "slam/vocabulary/vocabulary.h"
 
 namespace corbslam {
@@ -74,9 +73,8 @@ absl::Status CheckHeader(const Header& header, const MappedFile& file) {
 }
 
 template <typename T>
-void WriteArray(std::ofstream& file, const std::vector<T>& values) {
-  file.write(reinterpret_cast<const char*>(values.data()),
-             static_cast<std::streamsize>(values.size() * sizeof(T)));
+absl::Status WriteArray(WholeFile& file, const std::vector<T>& values) {
+  return file.Append({reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T)});
 }
 
 }  // namespace
@@ -155,18 +153,13 @@ absl::Status WriteVocabulary(const VocabularyTree& tree, const std::string& path
   header.fingerprint = ComputeFingerprint(view);
 
   // The file is renamed when it is complete: a process that has the old one mapped keeps it.
-  const std::string unfinished = path + ".part";
-  std::ofstream file(unfinished, std::ios::binary | std::ios::trunc);
-  file.write(reinterpret_cast<const char*>(&header), sizeof(header));
-  WriteArray(file, tree.descriptors);
-  WriteArray(file, tree.first_child);
-  WriteArray(file, tree.weights);
-  file.close();
-  if (!file || std::rename(unfinished.c_str(), path.c_str()) != 0) {
-    std::remove(unfinished.c_str());
-    return absl::UnavailableError(absl::StrCat("cannot write ", path));
-  }
-  return absl::OkStatus();
+  ASSIGN_OR_RETURN(WholeFile file, WholeFile::Create(path, WholeFile::Old::kReplaced,
+                                                     WholeFile::Readers::kOthersToo));
+  RETURN_IF_ERROR(file.Append({reinterpret_cast<const char*>(&header), sizeof(header)}));
+  RETURN_IF_ERROR(WriteArray(file, tree.descriptors));
+  RETURN_IF_ERROR(WriteArray(file, tree.first_child));
+  RETURN_IF_ERROR(WriteArray(file, tree.weights));
+  return file.FinishUnsynced();
 }
 
 absl::StatusOr<VocabularySummary> InspectVocabulary(const std::string& path) {

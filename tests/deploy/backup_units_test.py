@@ -40,11 +40,16 @@ def job():
 
 
 def check_image(image, program):
-    """build.sh makes it, under this name, and it runs this program."""
+    """The kustomization says where it is from, build.sh makes it, and it runs this program."""
     build = (DEPLOY / "containers/build.sh").read_text(encoding="utf-8")
-    target = image.rpartition("/")[2].partition(":")[0]
-    prefix = re.search(r"\bprefix=(\S+) tag=(\S+)$", build, re.MULTILINE)
-    assert image == f"{prefix[1]}/{target}:{prefix[2]}", f"cron_job.yaml: image: {image}"
+    target = image.rpartition("/")[2]
+    prefix = re.search(r"\bprefix=(\S+) ", build)[1]
+    release = re.search(r"project\(corbslam VERSION ([0-9.]+)", (DEPLOY.parent / "CMakeLists.txt").read_text())[1]
+    with open(DEPLOY / "kubernetes/backup/kustomization.yaml", encoding="utf-8") as file:
+        kustomization = yaml.safe_load(file)
+    assert kustomization["resources"] == ["cron_job.yaml"], kustomization["resources"]
+    assert kustomization["images"] == [{"name": image, "newName": f"{prefix}/{target}", "newTag": release}], (
+        kustomization["images"])
     assert re.search(rf"[| ]{target}\) programs=", build), f"build.sh makes no {target}"
     stages = (DEPLOY / "containers/Containerfile").read_text(encoding="utf-8").split("\nFROM ")
     stage = next(text for text in stages if text.startswith(f"scratch AS {target}\n"))
@@ -75,13 +80,20 @@ def check_job(known):
 
 
 def check_compose(known):
-    with open(DEPLOY / "compose.backup.yaml", encoding="utf-8") as file:
-        store = yaml.safe_load(file)["services"]["store"]
+    with open(DEPLOY / "compose.yaml", encoding="utf-8") as file:
+        services = yaml.safe_load(file)["services"]
+    store = services["store"]
     for name in store["environment"]:
-        flag = "--" + name.removeprefix("CORBSLAM_MAP_STORE_").lower().replace("_", "-")
-        assert flag in known, f"compose.backup.yaml: {name}"
+        if name.startswith("CORBSLAM_MAP_STORE_"):
+            flag = "--" + name.removeprefix("CORBSLAM_MAP_STORE_").lower().replace("_", "-")
+            assert flag in known, f"compose.yaml: {name}"
     folder = store["environment"]["CORBSLAM_MAP_STORE_BACKUP_DIR"]
-    assert store["volumes"][0].endswith(":" + folder), store["volumes"]
+    assert any(volume.endswith(":" + folder) for volume in store["volumes"]), store["volumes"]
+    for name, service in services.items():
+        assert service.get("mem_limit"), f"compose.yaml: {name}: mem_limit"
+        if any(argument.startswith("--token-key=") for argument in service["command"]):
+            listed = [argument for argument in service["command"] if argument.startswith("--revoked-tokens=")]
+            assert len(listed) == 1, f"compose.yaml: {name}: {listed}"
 
 
 def main():

@@ -8,6 +8,7 @@ pointed to are there, that selectors select, that ports exist, that flags go wit
 
 import json
 import pathlib
+import re
 import sys
 
 import jsonschema
@@ -17,6 +18,8 @@ import metric_table
 
 SCHEMA = pathlib.Path(__file__).with_name("manifests_schema.json")
 METRICS = pathlib.Path(__file__).resolve().parents[2] / "docs" / "metrics.md"
+CMAKE = pathlib.Path(__file__).resolve().parents[2] / "CMakeLists.txt"
+RELEASE = re.search(r"project\(corbslam VERSION ([0-9.]+)", CMAKE.read_text(encoding="utf-8"))[1]
 WORKLOADS = ("Deployment", "StatefulSet")
 
 
@@ -29,6 +32,10 @@ class Objects:
         self.objects = []
         kustomization = self.read("kustomization.yaml")[0]
         self.images = {image["name"] for image in kustomization.get("images", [])}
+        for image in kustomization.get("images", []):
+            if image.get("newTag") != RELEASE:
+                self.problem("kustomization.yaml", f"images: {image['name']}: newTag is {image.get('newTag')}, the "
+                                                   f"release is {RELEASE}")
         resources = kustomization.get("resources", [])
         for name in resources:
             if not (self.folder / name).exists():
@@ -86,6 +93,10 @@ def check_schema(objects):
 def check_services(objects):
     for file, service in objects.of_kind("Service"):
         workloads = objects.selected(service["spec"]["selector"])
+        # Of the only one there is, what it says while it is not ready still has to reach callers.
+        if any(item["kind"] == "StatefulSet" and item["spec"].get("replicas", 1) == 1 for item in workloads) and (
+                not service["spec"].get("publishNotReadyAddresses")):
+            objects.problem(file, f"{called(service)}: spec.publishNotReadyAddresses: is not true")
         if not workloads:
             objects.problem(file, f"{called(service)}: spec.selector: selects no pods")
         for workload in workloads:
@@ -111,6 +122,10 @@ def check_workloads(objects):
             problem(f"serviceAccountName: there is no ServiceAccount/{pod['serviceAccountName']}")
         volumes = {volume["name"] for volume in pod.get("volumes", [])}
         volumes |= {claim["metadata"]["name"] for claim in spec.get("volumeClaimTemplates", [])}
+        for volume in pod.get("volumes", []):
+            name = volume.get("configMap", {}).get("name")
+            if name and not objects.find("ConfigMap", name):
+                problem(f"volumes: there is no ConfigMap/{name}")
         for container in pod["containers"]:
             check_container(container, volumes, objects, problem)
         check_scraping(workload, problem)
@@ -145,14 +160,23 @@ def check_container(container, volumes, objects, problem):
         problem(f"volumes: {name} is mounted nowhere")
     if "--insecure" in container["args"]:
         problem("args: --insecure")
+    if flag(container, "--token-key") and not flag(container, "--revoked-tokens"):
+        problem("args: --token-key without --revoked-tokens: a token that is lost could not be refused")
+    if flag(container, "--data-dir"):
+        for name in ("--backup-dir", "--audit-log"):
+            if not flag(container, name):
+                problem(f"args: need {name}")
+    if "memory" not in container["resources"].get("limits", {}):
+        problem("resources.limits.memory: is missing")
     paths = [value for name in ("--tls-ca", "--tls-cert", "--tls-key") for value in flag(container, name)]
     if len(paths) != 3:
         problem("args: need --tls-ca, --tls-cert and --tls-key")
     paths += flag(container, "--web-cert") + flag(container, "--web-key")
     paths += flag(container, "--token-key") + flag(container, "--data-dir")
+    paths += flag(container, "--revoked-tokens") + flag(container, "--backup-dir")
     paths += [entry["value"] for entry in container.get("env", []) if entry["name"] == "CORBSLAM_HEALTH_CA"]
     for path in paths:
-        if not any(path.startswith(mount + "/") for mount in mounts):
+        if not any(path == mount or path.startswith(mount + "/") for mount in mounts):
             problem(f"args: {path} is on no volume")
     own = "https" if flag(container, "--web-cert") else "grpc"
     listen = {name: [int(value.rpartition(":")[2]) for value in flag(container, argument)]

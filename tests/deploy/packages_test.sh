@@ -50,7 +50,8 @@ has common usr/bin/corbslam usr/bin/simulated_agent usr/share/corbslam/corbslam.
 has server usr/bin/map_store usr/bin/fusion_worker usr/lib/systemd/system/map_store.service \
   usr/bin/map_viewer usr/lib/systemd/system/map_viewer.service etc/corbslam/map_viewer.env \
   usr/lib/systemd/system/fusion_worker.service etc/corbslam/map_store.env etc/corbslam/fusion_worker.env \
-  usr/lib/systemd/system/corbslam_backup.service usr/lib/systemd/system/corbslam_backup.timer etc/corbslam/corbslam_backup.env
+  usr/lib/systemd/system/corbslam_backup.service usr/lib/systemd/system/corbslam_backup.timer etc/corbslam/corbslam_backup.env \
+  etc/corbslam/revoked_tokens
 has robot usr/bin/client_agent usr/lib/systemd/system/client_agent@.service
 has push usr/lib/libcorbslam_push.so.0
 has dev usr/include/corbslam/push.h usr/include/corbslam/push.hpp usr/include/corbslam/v1/agent_service.grpc.pb.h \

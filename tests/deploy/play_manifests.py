@@ -63,6 +63,9 @@ def pods_of(path, tag, yaml):
     for workload in yaml.safe_load_all(path.read_text(encoding="utf-8")):
         if workload["kind"] not in ("Deployment", "StatefulSet"):
             continue
+        lists = yaml.safe_load((MANIFESTS / "revoked_tokens.yaml").read_text(encoding="utf-8"))
+        if any("configMap" in volume for volume in workload["spec"]["template"]["spec"]["volumes"]):
+            made.append(lists)
         name, template = workload["metadata"]["name"], workload["spec"]["template"]
         spec = template["spec"]
         for claim in workload["spec"].get("volumeClaimTemplates", []):

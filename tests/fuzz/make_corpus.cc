@@ -18,8 +18,10 @@
 #include "corbslam/v1/map_store_service.pb.h"
 #include "map_store/map_store.h"
 #include "map_store/testing/byte_journal.h"
+#include "map_store/testing/grey_jpeg.h"
 #include "map_store/testing/small_mission.h"
 #include "services/convert/batch_bytes.h"
+#include "services/convert/keyframe_picture.h"
 #include "services/convert/map_update.h"
 #include "services/convert/shared_update.h"
 #include "services/convert/testing/test_data.h"
@@ -159,6 +161,29 @@ void WriteSync() {
     }
     Write("sync_fuzzer", part_bytes > 1000 ? "three_batches" : "in_parts", input);
   }
+}
+
+// A batch, then pictures of two of its keyframes: a good one, and one that is cut short.
+void WritePictures() {
+  std::mt19937 random(8);
+  CameraBook sent;
+  std::string input;
+  AppendMessage(OpenRequest("alpha", {kMap}).SerializeAsString(), &input);
+  const MapUpdateBatch batch = test_data::MakeBatch(random, kMap, 1, 2, 6);
+  for (auto& part : ToProto(batch, sent, 60000)) {
+    v1::SyncRequest request;
+    *request.mutable_batch() = std::move(part);
+    AppendMessage(request.SerializeAsString(), &input);
+  }
+  for (const bool is_whole : {true, false}) {
+    const std::string jpeg = testing::MakeGreyJpeg(320, 96, 40);
+    v1::SyncRequest request;
+    ToProto(KeyframePicture{batch.full_keyframes[is_whole ? 0 : 1].payload->id,
+                            is_whole ? jpeg : jpeg.substr(0, 20), 4},
+            request.mutable_picture());
+    AppendMessage(request.SerializeAsString(), &input);
+  }
+  Write("sync_fuzzer", "pictures", input);
 }
 
 void WriteShared() {
@@ -366,6 +391,7 @@ int main(int argc, char** argv) {
   }
   corbslam::tests::root = argv[1];
   corbslam::tests::WriteSync();
+  WritePictures();
   corbslam::tests::WriteCodedSync();
   corbslam::tests::WriteCodedShared();
   corbslam::tests::WriteFeatureCoding();

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "map_store/map_store.h"
+#include "services/convert/keyframe_picture.h"
 #include "services/convert/map_update.h"
 #include "services/convert/shared_update.h"
 #include "tests/fuzz/live_store.h"
@@ -28,7 +29,11 @@ class FuzzedStream {
 
   bool Handle(const v1::SyncRequest& request) {
     if (request.has_open()) return Open(request.open());
-    return request.has_batch() && session_.has_value() && Apply(request.batch());
+    if (!session_.has_value()) return false;
+    if (request.has_picture()) {
+      return store_.KeepPicture(*session_, FromProto(request.picture())).ok();
+    }
+    return request.has_batch() && Apply(request.batch());
   }
 
  private:

@@ -30,7 +30,9 @@ using ::testing::HasSubstr;
 constexpr absl::Duration kStart = absl::Seconds(60);
 constexpr absl::Duration kEnd = absl::Minutes(4);
 // Of the camera that took the demo's pictures (docs/sources.md).
-constexpr char kCamera[] = "517.306408 516.469215 318.643040 255.313989";
+// Without its lens it is another camera, by which places are found or not.
+constexpr char kCamera[] =
+    "517.306408 516.469215 318.643040 255.313989 0.262383 -0.953104 -0.005358 0.002628 1.163314";
 
 struct Ended {
   int exit_code = -1;
@@ -115,12 +117,25 @@ class ClientsTest : public ::testing::Test {
             by_token);
     EXPECT_EQ(found.exit_code, 0) << found.text;
     EXPECT_THAT(found.text, HasSubstr("LOCATE_STAGE_LOCATED"));
+    const Ended events = ask({store_, "--mission", "lab", "--events", "--messages", "2"}, by_token);
+    EXPECT_EQ(events.exit_code, 0) << events.text;
+    EXPECT_THAT(events.text, AllOf(HasSubstr("agent_joined"), HasSubstr("local_map_begun")));
+    const Ended changes = ask({robot_, "--pose", "--events", "--messages", "1"}, {});
+    EXPECT_EQ(changes.exit_code, 0) << changes.text;
+    EXPECT_THAT(changes.text, HasSubstr("AGENT_EVENT_KIND_LOCAL_MAP_BEGUN"));
     const Ended pose = ask({robot_, "--pose", "--messages", "1"}, {});
     EXPECT_EQ(pose.exit_code, 0) << pose.text;
     EXPECT_THAT(pose.text, HasSubstr("TRACKING_STATE_TRACKING"));
     const Ended unknown = ask({store_, "--mission", "nowhere"}, by_certificate);
     EXPECT_EQ(unknown.exit_code, 1);
     EXPECT_THAT(unknown.text, HasSubstr("NOT_FOUND: there is no mission nowhere"));
+    const Ended dropped = ask({store_}, {"--token", token});
+    EXPECT_EQ(dropped.exit_code, 1);
+    EXPECT_THAT(dropped.text, HasSubstr("without --ca there is no TLS"));
+    const Ended keyless = ask({store_}, {"--ca", certificates_.Path("ca.pem"), "--cert",
+                                         certificates_.Path("operator.pem")});
+    EXPECT_EQ(keyless.exit_code, 1);
+    EXPECT_THAT(keyless.text, HasSubstr("a certificate needs its key"));
     const Ended stranger = ask({store_}, {"--ca", certificates_.Path("ca.pem")});
     EXPECT_EQ(stranger.exit_code, 1);
     EXPECT_THAT(stranger.text, HasSubstr("UNAUTHENTICATED"));
@@ -159,7 +174,9 @@ TEST_F(ClientsTest, ThePythonExampleAnswers) {
   if (python.empty() || RunToEnd("look", {python, "-c", "import grpc"}).exit_code != 0) {
     SKIP_OR_FAIL("there is no python3-grpcio (deploy/packages_checks.txt)");
   }
-  fs::copy_file(Example("python/client.py"), folder_ + "/client.py");
+  for (const char* file : {"client.py", "corbslam_link.py", "corbslam_link_test.py"}) {
+    fs::copy_file(Example(absl::StrCat("python/", file)), absl::StrCat(folder_, "/", file));
+  }
   const std::string proto = absl::StrCat(CORBSLAM_SOURCE_DIR, "/proto");
   std::vector<std::string> protoc = {
       CORBSLAM_PROTOC, "-I",
@@ -171,6 +188,8 @@ TEST_F(ClientsTest, ThePythonExampleAnswers) {
   }
   const Ended made = RunToEnd("protoc", protoc);
   ASSERT_EQ(made.exit_code, 0) << made.text;
+  const Ended link = RunToEnd("link", {python, folder_ + "/corbslam_link_test.py"});
+  EXPECT_EQ(link.exit_code, 0) << link.text;
   ASSERT_NO_FATAL_FAILURE(StartMission());
   ExpectAnswers({python, folder_ + "/client.py"});
 }
@@ -181,13 +200,16 @@ TEST_F(ClientsTest, TheNodeExampleAnswers) {
   if (node.empty() || npm.empty()) {
     SKIP_OR_FAIL("there is no node with npm (deploy/packages_page.txt)");
   }
-  for (const char* file : {"client.mjs", "package.json", "package-lock.json"}) {
+  for (const char* file : {"client.mjs", "corbslam_link.mjs", "corbslam_link.test.mjs",
+                           "package.json", "package-lock.json"}) {
     fs::copy_file(Example(absl::StrCat("node/", file)), absl::StrCat(folder_, "/", file));
   }
   const Ended installed = RunToEnd(
       "npm", {npm, "ci", "--prefix", folder_, "--no-audit", "--no-fund", "--ignore-scripts"});
   // As for the viewer's page, a registry that can't be reached is no fault of ours.
   if (installed.exit_code != 0) GTEST_SKIP() << "npm ci: " << installed.text;
+  const Ended link = RunToEnd("link", {node, "--test", folder_ + "/corbslam_link.test.mjs"});
+  EXPECT_EQ(link.exit_code, 0) << link.text;
   ASSERT_NO_FATAL_FAILURE(StartMission());
   ExpectAnswers(
       {node, folder_ + "/client.mjs", "--proto", absl::StrCat(CORBSLAM_SOURCE_DIR, "/proto")});

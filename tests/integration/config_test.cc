@@ -6,10 +6,15 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <set>
 #include <string>
 #include <vector>
 
+#include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
+#include "absl/strings/str_replace.h"
+#include "absl/strings/str_split.h"
 #include "services/runtime/child_process.h"
 #include "services/security/testing/test_certificates.h"
 #include "tests/integration/mission_fixture.h"
@@ -65,6 +70,63 @@ TEST(ConfigTest, HelpFitsAScreen) {
   EXPECT_THAT(RunToEnd("map_store", {"--help-all"}).text, HasSubstr("--max-parked"));
 }
 
+struct Flag {
+  std::vector<std::string> command;  // Words of the tool's command that it is of.
+  std::string name;
+  std::string type;
+};
+
+// Returns the flags that take a value, as the program's manual page lists them.
+std::vector<Flag> ListFlags(const std::string& program) {
+  const std::string page =
+      absl::StrReplaceAll(RunToEnd(program, {"--man-page"}).text, {{"\\-", "-"}});
+  std::vector<Flag> flags;
+  std::vector<std::string> command;
+  for (const absl::string_view line : absl::StrSplit(page, '\n')) {
+    if (absl::StartsWith(line, ".SS ")) {
+      command = absl::StrSplit(line.substr(4), ' ');
+      command.erase(command.begin());  // The program's own name.
+    }
+    if (absl::StartsWith(line, ".SH ENVIRONMENT")) break;
+    if (!absl::StartsWith(line, "\\fB--")) continue;
+    const std::vector<std::string> words = absl::StrSplit(line, ' ');
+    if (!absl::StartsWith(words.back(), "\\fI")) continue;
+    const std::string name = words[0].substr(3, words[0].find_first_of(",\\", 3) - 3);
+    flags.push_back({command, name, words.back().substr(3, words.back().find('\\', 3) - 3)});
+  }
+  return flags;
+}
+
+// What a shell makes of a variable that is not set, and what is no number of anything.
+TEST(ConfigTest, NoFlagOfAnyProgramTakesANumberThatIsNone) {
+  const std::set<std::string> numbers = {"UINT", "INT", "FLOAT", "KBPS", "METRES", "BYTES"};
+  size_t of_numbers = 0;
+  for (const char* program :
+       {"map_store", "fusion_worker", "client_agent", "map_viewer", "corbslam"}) {
+    const std::vector<Flag> flags = ListFlags(program);
+    EXPECT_GT(flags.size(), 10u) << program;
+    for (const Flag& flag : flags) {
+      std::vector<std::string> values = {""};
+      if (numbers.contains(flag.type)) {
+        values = {"", "-1", "1e30", "nan", "99999999999999999999", "7x"};
+        ++of_numbers;
+      }
+      // An empty description takes the old one back.
+      if (flag.name == "--description") continue;
+      for (const std::string& value : values) {
+        std::vector<std::string> arguments = flag.command;
+        arguments.insert(arguments.end(), {flag.name, value});
+        const Ended ended = RunToEnd(program, arguments);
+        const std::string said =
+            absl::StrCat(program, " ", absl::StrJoin(arguments, " "), "\n", ended.text);
+        EXPECT_EQ(ended.exit_code, 2) << said;
+        EXPECT_THAT(ended.text, HasSubstr(flag.name)) << said;
+      }
+    }
+  }
+  EXPECT_GT(of_numbers, 80u);
+}
+
 TEST(ConfigTest, EveryProgramHasTheSameVersion) {
   const Ended tool = RunToEnd("corbslam", {"--version"});
   EXPECT_EQ(tool.exit_code, 0);
@@ -110,6 +172,29 @@ TEST(ConfigTest, InvalidConfigurationsEndWithTwoAndSayAllThatIsWrong) {
   const Ended flag = RunToEnd("fusion_worker", {"--validate-config", "--threads", "none"});
   EXPECT_EQ(flag.exit_code, 2);
   EXPECT_THAT(flag.text, HasSubstr("--threads"));
+}
+
+TEST(ConfigTest, LocalizeNeedsOneCamera) {
+  const std::vector<std::string> asks = {"localize", "--server", "127.0.0.1:1", "--mission",
+                                         "m",        "hall.png"};
+  const auto ask = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> arguments = asks;
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return RunToEnd("corbslam", arguments);
+  };
+  const Ended none = ask({});
+  EXPECT_EQ(none.exit_code, 2);
+  EXPECT_THAT(none.text, AllOf(HasSubstr("--rig FILE"), HasSubstr("--camera \"FX FY CX CY\""),
+                               Not(HasSubstr("Option Group"))));
+  const Ended json = ask({"--json"});
+  EXPECT_EQ(json.exit_code, 2);
+  EXPECT_THAT(json.text, AllOf(HasSubstr("INVALID_ARGUMENT"), HasSubstr("--rig FILE")));
+  const Ended both = ask({"--rig", "rig.yaml", "--camera", "1 2 3 4"});
+  EXPECT_EQ(both.exit_code, 2);
+  EXPECT_THAT(both.text, HasSubstr("give one of them"));
+  const Ended words = ask({"--camera", "500 500 300"});
+  EXPECT_EQ(words.exit_code, 2);
+  EXPECT_THAT(words.text, HasSubstr("must have 4 numbers"));
 }
 
 TEST(ConfigTest, FilesThatFlagsNameAreLookedInto) {

@@ -69,6 +69,7 @@ class ExportTest : public ::testing::Test {
   void CheckPoints();
   void CheckColmap();
   void CheckRecording();
+  void CheckRecordingOnRobotsClock();
   void CheckShow();
 
   RunningServers servers_;
@@ -139,7 +140,7 @@ void ExportTest::CheckColmap() {
 }
 
 void ExportTest::CheckRecording() {
-  const auto file = testing::ReadMcap(Export("mcap"));
+  const auto file = testing::ReadMcap(Export("mcap", {"--clock", "recording"}));
   ASSERT_TRUE(file.ok()) << file.status();
   const auto map = reader_->ReadMap();
   ASSERT_TRUE(map.ok()) << map.status();
@@ -164,6 +165,21 @@ void ExportTest::CheckRecording() {
                          HasSubstr(": accepted, ")));
 }
 
+// So that it lies beside a bag of the robot's.
+void ExportTest::CheckRecordingOnRobotsClock() {
+  const auto file = testing::ReadMcap(Export("mcap"));
+  ASSERT_TRUE(file.ok()) << file.status();
+  for (const char* robot : {"alpha", "bravo"}) {
+    const Trajectory served = Served(robot);
+    const auto poses = file->On(absl::StrCat("/robots/", robot, "/pose"));
+    ASSERT_EQ(poses.size(), served.size());
+    for (size_t i = 0; i < poses.size(); ++i) {
+      EXPECT_EQ(poses[i].time_ns, static_cast<uint64_t>(served[i].timestamp_ns));
+    }
+    EXPECT_GT(file->On(absl::StrCat("/map/", robot, "/points")).size(), 2u) << "as they came";
+  }
+}
+
 void ExportTest::CheckShow() {
   EXPECT_THAT(Run({"show", "--mission", "lab"}),
               AllOf(HasSubstr("Mission lab: 2 robots, "), HasSubstr("alpha/1 and bravo/1, fused: "),
@@ -183,6 +199,7 @@ TEST_F(ExportTest, WhatIsWrittenIsWhatTheStoreHas) {
   ASSERT_NO_FATAL_FAILURE(CheckPoints());
   ASSERT_NO_FATAL_FAILURE(CheckColmap());
   ASSERT_NO_FATAL_FAILURE(CheckRecording());
+  ASSERT_NO_FATAL_FAILURE(CheckRecordingOnRobotsClock());
   ASSERT_NO_FATAL_FAILURE(CheckShow());
 }
 

@@ -185,6 +185,20 @@ TEST(MissionTest, EvaluationOfTheFilesAgreesWithTheReport) {
   EXPECT_NEAR(rows[0]["ate_m"], mission.report["robots"][0]["ate_global_m"], 1e-5);
 }
 
+// What a batch holds beside its keyframes and points (frames, links, its head) is not counted.
+TEST(MissionTest, LockstepCountsTheBytesThatWouldBeSent) {
+  const Mission mission = RunMission({"--source", DemoSource(), "--pace", "step"});
+  ASSERT_FALSE(mission.report.is_null());
+  double items = 0;
+  for (const auto& [name, counted] : mission.report["transfer"].items()) {
+    items += counted["bytes"].get<double>();
+  }
+  double sent = 0;
+  for (const auto& robot : mission.report["robots"]) sent += robot["bytes_up"].get<double>();
+  EXPECT_LE(items, sent);
+  EXPECT_GE(items, 0.7 * sent);
+}
+
 TEST(MissionTest, LockstepRepeatsToTheBit) {
   const std::vector<std::string> arguments = {"--source", DemoSource(), "--pace", "step"};
   const Mission first = RunMission(arguments, "first");

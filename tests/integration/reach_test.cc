@@ -169,7 +169,7 @@ TEST(ReachTest, TwoRobotsOfOneNameAreToldApart) {
   EXPECT_THAT(first.Log(), Not(HasSubstr("no session")));
   Program third("client_agent", Robot(address, "0:9", {"--take-over"}), "third");
   EXPECT_EQ(third.End(), 0) << third.Log();
-  EXPECT_TRUE(first.Says("does not try again"));
+  EXPECT_TRUE(first.Says("asks again every two minutes"));
 }
 
 TEST(ReachTest, ANormalEndIsNoBrokenStream) {

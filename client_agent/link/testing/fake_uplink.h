@@ -6,6 +6,7 @@
 
 #include <atomic>
 #include <map>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -25,6 +26,7 @@ class FakeUplink : public Uplink {
     open = true;
     SessionGrant grant;
     grant.capabilities = capabilities;
+    grant.mission_uid = mission_uid;
     for (const LocalMapId& id : request.local_maps) {
       grant.acknowledged.push_back({id, stored[id].size()});
     }
@@ -38,6 +40,12 @@ class FakeUplink : public Uplink {
     if (batch.number == batches.size() + 1) batches.push_back(batch);
     EXPECT_LE(batch.number, batches.size()) << "a batch is missing";
     if (acknowledge) listener_->OnAcknowledged({batch.local_map, batches.size()});
+    return true;
+  }
+  bool SendPicture(const KeyframePicture& picture) override {
+    if (!open || !takes_pictures) return false;
+    bytes += picture.jpeg.size();
+    pictures.push_back(picture);
     return true;
   }
   bool SendReport(const AgentReport& report) override {
@@ -59,11 +67,15 @@ class FakeUplink : public Uplink {
 
   std::atomic<bool> reachable = true;
   bool acknowledge = true;
+  // False: the transport has no room for pictures.
+  bool takes_pictures = true;
+  std::vector<KeyframePicture> pictures;
   // False: what is sent is not stored.
   bool accept = true;
   // Why sessions are refused; OK: they are not.
   absl::Status refusal;
   Capabilities capabilities = {.points_follow = true};
+  std::string mission_uid;
   // What a batch takes, as a multiple of its estimate.
   double wire_factor = 1;
   std::atomic<uint64_t> bytes = 0;

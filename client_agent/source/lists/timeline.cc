@@ -21,6 +21,7 @@ constexpr double kImprobablyLong_s = 2;
 constexpr double kGap_intervals = 10;
 constexpr double kLeastGap_s = 1;
 constexpr double kLongGap_s = 5;
+constexpr double kLongGap_intervals = 1.5;
 
 double ToSeconds(int64_t ns) { return 1e-9 * static_cast<double>(ns); }
 
@@ -110,7 +111,9 @@ double DurationOf(const std::vector<double>& intervals_s) {
 }
 
 void CountGaps(const std::vector<int64_t>& times_ns, double median_s, TimeStatistics& statistics) {
-  const double least_s = std::max(kLeastGap_s, kGap_intervals * median_s);
+  // Whatever the rate: behind a long one a camera is elsewhere.
+  const double long_s = std::max(kLongGap_s, kLongGap_intervals * median_s);
+  const double least_s = std::min(std::max(kLeastGap_s, kGap_intervals * median_s), long_s);
   for (size_t i = 1; i < times_ns.size(); ++i) {
     const double interval_s = ToSeconds(times_ns[i] - times_ns[i - 1]);
     if (interval_s <= least_s) continue;

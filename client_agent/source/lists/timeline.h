@@ -40,8 +40,8 @@ absl::StatusOr<Timeline> BuildTimeline(const std::string& path,
 struct TimeStatistics {
   double rate_hz = 0;  // Rate of the median interval.
   double duration_s = 0;
-  // Number of intervals of more than ten median ones and more than a second, jumps back not among
-  // them.
+  // Number of intervals of more than ten median ones and more than a second, or of more than five
+  // seconds and one and a half median ones; jumps back not among them.
   size_t gaps = 0;
   double longest_gap_s = 0;
   size_t longest_gap_frame = 0;  // Number of the frame behind that gap.

@@ -94,6 +94,20 @@ TEST(MeasureTimesTest, TellsRateAndGaps) {
   EXPECT_THAT(CodesOf(findings), ElementsAre("times-gap"));
 }
 
+// A picture a second, and two places where there was none for 5 to 7 s.
+TEST(MeasureTimesTest, TellsLongGapsOfASlowSequence) {
+  std::vector<int64_t> times_ns = Regular(50, 1'000'000'000);
+  for (size_t i = 20; i < times_ns.size(); ++i) times_ns[i] += 4'500'000'000;
+  for (size_t i = 40; i < times_ns.size(); ++i) times_ns[i] += 6'000'000'000;
+  SourceFindings findings;
+  const auto statistics = MeasureTimes("times.txt", times_ns, findings);
+  ASSERT_TRUE(statistics.ok()) << statistics.status();
+  EXPECT_EQ(statistics->gaps, 2u);
+  EXPECT_NEAR(statistics->longest_gap_s, 7, 1e-9);
+  EXPECT_EQ(statistics->longest_gap_frame, 40u);
+  EXPECT_THAT(CodesOf(findings), ElementsAre("times-gap"));
+}
+
 struct Unit {
   int64_t step_ns;
   bool refused;

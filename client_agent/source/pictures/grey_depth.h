@@ -10,20 +10,26 @@
 namespace corbslam::client_agent {
 
 struct GreyDepth {
-  // The bits of a pixel that are used: 8, 10, 12, 14 or 16. The upper 8 of them are tracked.
+  // The bits of a pixel that are used: 8, 10, 12, 14 or 16. The upper 8 of them are tracked, ...
   int used_bits = 16;
-  // What was assumed, where not all 16 bits are used; the user is to judge it.
+  // ... unless nearly all of it is dark: then grey levels are so many times as bright, up to 16.
+  double gain = 1;
+  // What was assumed, where not all 16 bits are used or a gain is; the user is to judge it.
   SourceFindings findings;
+
+  // The value that becomes 256, were there room for it.
+  int White() const { return static_cast<int>((1 << used_bits) / gain); }
 };
 
 // Makes one decision for a whole source, from pictures spread over it (of both cameras of a pair);
-// those that aren't CV_16UC1 are passed over. The brightest pixels decide, but for a few per
-// million, which are hot ones. A pure function, for any thread.
+// those that aren't CV_16UC1 are passed over. The brightest pixels decide on the bits, but for a
+// few per million, which are hot ones, and all but the brightest hundredth on the gain. A pure
+// function, for any thread.
 GreyDepth DecideGreyDepth(absl::Span<const cv::Mat> sample);
 
-// Returns CV_8UC1: the upper 8 of `used_bits` (8 to 16); what is brighter becomes 255. `grey` is
-// CV_8UC1 (returned as it is) or CV_16UC1. A pure function, for any thread.
-cv::Mat ScaleGreyTo8(const cv::Mat& grey, int used_bits);
+// Returns CV_8UC1: 256 grey levels up to `white` (GreyDepth::White); what is brighter becomes 255.
+// `grey` is CV_8UC1 (returned as it is) or CV_16UC1. A pure function, for any thread.
+cv::Mat ScaleGreyTo8(const cv::Mat& grey, int white);
 
 }  // namespace corbslam::client_agent
 

@@ -38,7 +38,7 @@ TEST_P(GreyBitsTest, ComeBackAsTheEightThatTheyWere) {
   const GreyDepth decision = DecideGreyDepth({ramp});
   EXPECT_EQ(decision.used_bits, GetParam().used_bits);
   EXPECT_EQ(decision.findings.empty(), GetParam().used_bits == 16);
-  EXPECT_EQ(cv::norm(ScaleGreyTo8(ramp, decision.used_bits), MakeRamp8(), cv::NORM_INF), 0);
+  EXPECT_EQ(cv::norm(ScaleGreyTo8(ramp, decision.White()), MakeRamp8(), cv::NORM_INF), 0);
 }
 
 INSTANTIATE_TEST_SUITE_P(All, GreyBitsTest,
@@ -55,8 +55,44 @@ TEST(GreyDepthTest, IsNotMisledByAHotPixel) {
   grey.at<uint16_t>(17, 20) = 65535;
   const GreyDepth decision = DecideGreyDepth({grey});
   EXPECT_EQ(decision.used_bits, 10);
-  EXPECT_EQ(ScaleGreyTo8(grey, 10).at<uint8_t>(17, 20), 255);
-  EXPECT_EQ(ScaleGreyTo8(grey, 10).at<uint8_t>(0, 0), 225);
+  EXPECT_EQ(ScaleGreyTo8(grey, 1 << 10).at<uint8_t>(17, 20), 255);
+  EXPECT_EQ(ScaleGreyTo8(grey, 1 << 10).at<uint8_t>(0, 0), 225);
+}
+
+// A picture at night, with lamps in it that use the whole range.
+cv::Mat MakeNight(int brightest_of_most) {
+  cv::Mat night(200, 200, CV_16UC1);
+  for (int y = 0; y < 200; ++y) {
+    for (int x = 0; x < 200; ++x) {
+      night.at<uint16_t>(y, x) = static_cast<uint16_t>(brightest_of_most * x / 199);
+    }
+  }
+  night(cv::Rect(90, 90, 10, 10)) = cv::Scalar::all(65000);
+  return night;
+}
+
+TEST(GreyDepthTest, ADarkPictureOfTheWholeRangeIsMadeBrightAndThatIsSaid) {
+  const cv::Mat night = MakeNight(79 * 256);
+  const GreyDepth decision = DecideGreyDepth({night});
+  EXPECT_EQ(decision.used_bits, 16);
+  EXPECT_EQ(decision.gain, 3);
+  ASSERT_EQ(decision.findings.size(), 1u);
+  EXPECT_EQ(decision.findings[0].code, "grey-dark");
+  EXPECT_THAT(decision.findings[0].text, HasSubstr("3 times as bright"));
+  const cv::Mat scaled = ScaleGreyTo8(night, decision.White());
+  EXPECT_NEAR(scaled.at<uint8_t>(0, 199), 237, 1);
+  EXPECT_EQ(scaled.at<uint8_t>(95, 95), 255);
+  EXPECT_EQ(DecideGreyDepth({MakeNight(256)}).gain, 16)
+      << "no more, noise would be all that is seen";
+  EXPECT_EQ(DecideGreyDepth({MakeNight(120 * 256)}).gain, 1);
+}
+
+TEST(GreyDepthTest, AFewerBitsCamerasDarkPictureIsMadeBrightToo) {
+  const cv::Mat night = MakeNight(79 * 256) / 64;
+  const GreyDepth decision = DecideGreyDepth({night});
+  EXPECT_EQ(decision.used_bits, 10);
+  EXPECT_EQ(decision.gain, 3);
+  EXPECT_EQ(decision.findings.size(), 2u);
 }
 
 TEST(GreyDepthTest, SaysWhatItAssumed) {
@@ -75,7 +111,7 @@ TEST(GreyDepthTest, AssumesNothingOfPicturesOfEightBitsOrBlackOnes) {
     EXPECT_THAT(decision.findings, IsEmpty());
   }
   EXPECT_EQ(DecideGreyDepth({}).used_bits, 16);
-  EXPECT_EQ(ScaleGreyTo8(MakeRamp8(), 10).at<uint8_t>(0, 200), 200);
+  EXPECT_EQ(ScaleGreyTo8(MakeRamp8(), 1 << 10).at<uint8_t>(0, 200), 200);
 }
 
 }  // namespace

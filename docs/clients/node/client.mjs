@@ -3,55 +3,36 @@
 //   node client.mjs STORE                                its missions
 //   node client.mjs STORE --mission lab --messages 3     the mission's map, as it grows
 //   node client.mjs STORE --mission lab --picture hall.png --camera "517.3 516.5 318.6 255.3"
+//   node client.mjs STORE --mission lab --events         what happened in the mission, and what happens
 //   node client.mjs ROBOT --pose --messages 3            where a robot is; ROBOT is its --listen
+//   node client.mjs ROBOT --pose --events                what changes for whoever follows the pose
 //
 // docs/clients.md says what the words mean. --proto names the folder with corbslam/v1.
 import { readFileSync } from "node:fs";
 import { fileURLToPath } from "node:url";
 import { parseArgs, promisify } from "node:util";
 import grpc from "@grpc/grpc-js";
-import protoLoader from "@grpc/proto-loader";
+import { follow, globalFromCamera, loadServices, makeCredentials } from "./corbslam_link.mjs";
 
 const string = { type: "string" };
 const { values: args, positionals } = parseArgs({
   allowPositionals: true,
   options: {
     ca: string, cert: string, key: string, token: string, mission: string, picture: string,
-    camera: string, pose: { type: "boolean" }, messages: { type: "string", default: "3" },
+    camera: string, pose: { type: "boolean" }, events: { type: "boolean" },
+    messages: { type: "string", default: "3" },
     proto: { type: "string", default: fileURLToPath(new URL("../../../proto", import.meta.url)) },
   },
 });
 const [address] = positionals;
 
-const loaded = protoLoader.loadSync(
-  ["corbslam/v1/map_store_service.proto", "corbslam/v1/agent_service.proto"],
-  { includeDirs: [args.proto], keepCase: true, longs: String, enums: String, defaults: true },
-);
-const { MapStore, Agent } = grpc.loadPackageDefinition(loaded).corbslam.v1;
-
-// With TLS if --ca is given, and then by certificate, by token, or by neither.
-function credentials() {
-  if (!args.ca) return grpc.credentials.createInsecure();
-  const read = (path) => (path ? readFileSync(path) : null);
-  const tls = grpc.credentials.createSsl(read(args.ca), read(args.key), read(args.cert));
-  if (!args.token) return tls;
-  const show = (_, done) => {
-    const metadata = new grpc.Metadata();
-    metadata.set("authorization", `Bearer ${readFileSync(args.token, "utf8").trim()}`);
-    done(null, metadata);
-  };
-  return grpc.credentials.combineChannelCredentials(
-    tls, grpc.credentials.createFromMetadataGenerator(show));
-}
-
-// Calls `show` for the first --messages of a stream, then cancels it.
-async function take(stream, show) {
+// Shows the first --messages of a stream.
+async function take(messages, show) {
   let left = Number(args.messages);
-  for await (const message of stream) {
+  for await (const message of messages) {
     show(message);
-    if (--left <= 0) break;
+    if (--left <= 0) return;
   }
-  stream.cancel();
 }
 
 async function listMissions(store) {
@@ -67,30 +48,49 @@ async function listMissions(store) {
 }
 
 async function findPicture(store, mission) {
-  const [fx_px, fy_px, cx_px, cy_px] = args.camera.split(" ").map(Number);
-  const picture = { encoded: readFileSync(args.picture), camera: { fx_px, fy_px, cx_px, cy_px } };
+  if (!args.camera) throw new Error('--picture needs --camera "FX FY CX CY"');
+  // Behind the first four k1 k2 p1 p2 k3 of the lens, if it distorts.
+  const [fx_px, fy_px, cx_px, cy_px, ...distortion] = args.camera.split(" ").map(Number);
+  const camera = { fx_px, fy_px, cx_px, cy_px, distortion };
+  const picture = { encoded: readFileSync(args.picture), camera };
   const answer = await promisify(store.Localize.bind(store))({ mission, picture });
   console.log(answer.stage, `${answer.inliers} points agree`);
   if (answer.camera_from_island) console.log("camera_from_island", answer.camera_from_island);
 }
 
-async function main() {
-  if (args.pose) {
-    const robot = new Agent(address, credentials());
-    return take(robot.WatchPose({ max_rate_hz: 5 }), (pose) =>
-      console.log(pose.timestamp_ns, pose.state, pose.local_from_camera?.translation));
-  }
-  const store = new MapStore(address, credentials());
-  if (!args.mission) return listMissions(store);
-  const mission = `missions/${args.mission}`;
-  if (args.picture) return findPicture(store, mission);
-  return take(store.WatchMap({ mission }), (change) => {
+const showEvent = (event) => console.log(event.number, event.kind ?? event.event, event.local_map ?? "");
+const afterLast = (request, event) => { request.after_number = event.number; };
+
+function watchRobot(robot) {
+  if (args.events) return take(follow((request) => robot.WatchEvents(request), {}, afterLast), showEvent);
+  return take(follow((request) => robot.WatchPose(request), { max_rate_hz: 5 }), (pose) =>
+    console.log(pose.timestamp_ns, pose.state, pose.local_from_camera?.translation,
+      "in the shared frame:", globalFromCamera(pose)?.translation ?? "not known"));
+}
+
+function watchMap(store, mission) {
+  // Of a change in several messages the last one is the whole.
+  const resume = (request, change) => { if (!change.continues) request.from_version = change.version; };
+  return take(follow((request) => store.WatchMap(request), { mission }, resume), (change) => {
     const keyframes = change.islands.reduce((sum, island) => sum + island.keyframes.length, 0);
     console.log(`version ${change.version}: ${keyframes} keyframes came or moved`);
   });
 }
 
+async function main() {
+  if (!address) throw new Error("the address of a store or of a robot is missing, as 127.0.0.1:50051");
+  const { MapStore, Agent } = loadServices(args.proto);
+  const credentials = makeCredentials(args);
+  if (args.pose) return watchRobot(new Agent(address, credentials));
+  const store = new MapStore(address, credentials);
+  if (!args.mission) return listMissions(store);
+  const mission = `missions/${args.mission}`;
+  if (args.picture) return findPicture(store, mission);
+  if (args.events) return take(follow((request) => store.WatchEvents(request), { mission }, afterLast), showEvent);
+  return watchMap(store, mission);
+}
+
 main().then(() => process.exit(0), (error) => {
-  console.error(`${grpc.status[error.code] ?? "error"}: ${error.details ?? error.message}`);
+  console.error(error.details ? `${grpc.status[error.code]}: ${error.details}` : error.message);
   process.exit(1);
 });

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "absl/algorithm/container.h"
+#include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/string_view.h"
 #include "services/client/reachability/proxy.h"
@@ -55,6 +56,14 @@ absl::StatusOr<std::shared_ptr<grpc::ChannelCredentials>> MakeQuietly(
   return MakeChannelCredentials(security);
 }
 
+// Programs that run take a new file when it comes.
+Cause CauseInOwnFiles(const absl::Status& status) {
+  Cause cause{std::string(status.message()),
+              "put a good one in its place: a program that runs takes it when it comes"};
+  cause.is_own = true;
+  return cause;
+}
+
 // Asks for the server's health, which every server of ours answers, and returns how the call ended.
 absl::Status AskHow(const std::shared_ptr<grpc::Channel>& channel, absl::Duration patience) {
   const absl::Status status = CheckHealth(channel, kLiveness, patience);
@@ -89,6 +98,11 @@ std::string NameOfService(const std::string& service) {
 
 absl::Status ToStatus(const ServerTarget& target, const Cause& cause) {
   if (cause.is_bad_address) return absl::InvalidArgumentError(cause.text);
+  if (cause.is_own) {
+    return absl::UnavailableError(absl::StrCat("the ", NameOfService(target.service), " at ",
+                                               target.address, " is not called: ", cause.text, "; ",
+                                               cause.advice));
+  }
   return absl::UnavailableError(absl::StrCat("no ", NameOfService(target.service), " answers at ",
                                              target.address, ": ", cause.text,
                                              cause.advice.empty() ? "" : "; ", cause.advice));
@@ -107,10 +121,10 @@ std::optional<Cause> FindCauseOfService(const ServerTarget& target,
 }
 
 std::optional<Cause> FindCause(const ServerTarget& target, absl::Duration patience) {
+  const auto credentials = MakeQuietly(target.security);
+  if (!credentials.ok()) return CauseInOwnFiles(credentials.status());
   if (auto cause = FindCauseOfWay(target, patience); cause.has_value()) return cause;
   if (auto cause = FindCauseOfTransport(target, patience); cause.has_value()) return cause;
-  const auto credentials = MakeQuietly(target.security);
-  if (!credentials.ok()) return Cause{std::string(credentials.status().message()), ""};
   const std::shared_ptr<grpc::Channel> channel = MakeChannel(target.address, *credentials);
   const absl::Status asked = AskHow(channel, patience);
   if (!asked.ok()) return CauseInGrpcsWords(target, asked);
@@ -127,7 +141,11 @@ absl::Status ExplainFailure(const ServerTarget& target, const absl::Status& seen
     case absl::StatusCode::kUnavailable:
     case absl::StatusCode::kUnimplemented:
     case absl::StatusCode::kUnknown: {
-      const std::optional<Cause> cause = FindCause(target);
+      std::optional<Cause> cause = FindCause(target);
+      // gRPC ends what stands so when nobody answers its pings.
+      if (cause.has_value() && absl::StrContains(seen.message(), "keepalive")) {
+        cause->text = absl::StrCat("no answer to keepalives; ", cause->text);
+      }
       return cause.has_value() ? ToStatus(target, *cause) : seen;
     }
     default:

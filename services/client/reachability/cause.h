@@ -33,9 +33,11 @@ struct Cause {
   bool is_certain = true;
   // True if the address itself is no address.
   bool is_bad_address = false;
+  // True if it is this side's certificate, key or authorities: the server is not asked.
+  bool is_own = false;
 };
 
-// Returns "map store 127.0.0.1:1 is not reached: TEXT; ADVICE", as INVALID_ARGUMENT for a bad
+// Returns "no map store answers at 127.0.0.1:1: TEXT; ADVICE", as INVALID_ARGUMENT for a bad
 // address, else as UNAVAILABLE.
 absl::Status ToStatus(const ServerTarget& target, const Cause& cause);
 

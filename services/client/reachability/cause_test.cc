@@ -1,14 +1,18 @@
 // Tests each way in which a server is not reached, and the words for it.
 #include "services/client/reachability/cause.h"
 
+#include <arpa/inet.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
 #include <cstdlib>
 #include <memory>
 #include <string>
 
 #include "absl/strings/str_cat.h"
+#include "absl/time/clock.h"
 #include "fusion_worker/local_fusion_worker.h"
 #include "services/fusion_worker_service/fusion_worker_service.h"
 #include "services/observe/metrics/metrics_endpoint.h"
@@ -112,6 +116,21 @@ TEST_F(CauseTest, TheAuthorityIsAnother) {
               HasSubstr("does not lead to an authority of --tls-ca"));
 }
 
+TEST_F(CauseTest, TheServerKnowsAnotherAuthorityOfItsCallers) {
+  const TestCertificates certificates("lab");
+  const TestCertificates others("lab");
+  Start(certificates.Options("worker"));
+  SecurityOptions stranger = certificates.Options("store");
+  stranger.certificate_file = others.Options("store").certificate_file;
+  stranger.key_file = others.Options("store").key_file;
+  const absl::Time begin = absl::Now();
+  EXPECT_THAT(std::string(ExplainServer(stranger).message()),
+              AllOf(HasSubstr("refuses this side's certificate, --tls-cert"),
+                    HasSubstr(stranger.certificate_file),
+                    HasSubstr("an authority of the server's --tls-ca")));
+  EXPECT_LT(absl::Now() - begin, absl::Seconds(5));
+}
+
 TEST_F(CauseTest, TheServerWantsACertificateOfItsCallers) {
   const TestCertificates certificates("lab");
   SecurityOptions closed = certificates.Options("worker");
@@ -137,6 +156,55 @@ TEST_F(CauseTest, AMetricsPortIsNoServersOfOurs) {
     EXPECT_THAT(std::string(Explain({(*metrics)->address(), kMapStoreService, options}).message()),
                 HasSubstr("a web server does (HTTP/1)"));
   }
+}
+
+// A process that is stopped: its kernel takes connections, and nobody answers them.
+class StoppedServer {
+ public:
+  StoppedServer() : socket_(socket(AF_INET, SOCK_STREAM, 0)) {
+    sockaddr_in address = {};
+    address.sin_family = AF_INET;
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    socklen_t size = sizeof(address);
+    auto* const any = reinterpret_cast<sockaddr*>(&address);
+    EXPECT_EQ(bind(socket_, any, size), 0);
+    EXPECT_EQ(listen(socket_, 16), 0);
+    EXPECT_EQ(getsockname(socket_, any, &size), 0);
+    address_ = absl::StrCat("127.0.0.1:", ntohs(address.sin_port));
+  }
+  ~StoppedServer() { close(socket_); }
+  const std::string& address() const { return address_; }
+
+ private:
+  const int socket_;
+  std::string address_;
+};
+
+TEST_F(CauseTest, AServerThatHangsIsSaidToHang) {
+  const StoppedServer stopped;
+  const TestCertificates certificates("lab");
+  for (const SecurityOptions& options : {WithoutTls(), certificates.Options("alpha")}) {
+    const absl::Status status =
+        ExplainFailure({stopped.address(), kMapStoreService, options},
+                       absl::UnavailableError("keepalive watchdog timeout"));
+    EXPECT_TRUE(absl::IsUnavailable(status)) << status;
+    EXPECT_THAT(std::string(status.message()),
+                AllOf(HasSubstr("no answer to keepalives"), HasSubstr("it hangs"),
+                      HasSubstr("or the network holds back what is sent")));
+  }
+  const absl::Status first = ExplainFailure({stopped.address(), kMapStoreService, WithoutTls()},
+                                            absl::UnavailableError("failed to connect"));
+  EXPECT_THAT(std::string(first.message()), AllOf(HasSubstr("it hangs"), HasSubstr("its log")));
+}
+
+TEST_F(CauseTest, OwnFilesAreNoFaultOfTheServer) {
+  const TestCertificates certificates("lab");
+  Start(certificates.Options("worker"));
+  SecurityOptions options = certificates.Options("store");
+  options.certificate_file = "/nowhere/alpha.pem";
+  EXPECT_THAT(std::string(ExplainServer(options).message()),
+              AllOf(HasSubstr("is not called"), HasSubstr("/nowhere/alpha.pem"),
+                    HasSubstr("takes it when it comes")));
 }
 
 class ProxyCauseTest : public CauseTest {

@@ -25,7 +25,12 @@ Cause CauseOfProtocol(Protocol protocol) {
     case Protocol::kClosed:
       return {"whoever listens there hangs up at once", kOtherPort};
     case Protocol::kSilent:
-      return {"whoever listens there says nothing", kOtherPort, /*is_certain=*/false};
+      return {
+          "it takes connections and says nothing: it hangs (its process is stopped, or waits for "
+          "its disk), or the network holds back what is sent",
+          "look at its process, its log and its disk; if it never answered there, is it the "
+          "port of another program, or of metrics?",
+          /*is_certain=*/false};
     default:
       return {"another kind of program listens there", kOtherPort};
   }
@@ -56,10 +61,42 @@ std::optional<Cause> FindCauseInCertificate(const ServerTarget& target, const Ho
   return std::nullopt;
 }
 
+// Returns nullopt if the server takes this side's certificate, or does without one.
+std::optional<Cause> FindCauseInOwnCertificate(const ServerTarget& target, const HostPort& address,
+                                               absl::Duration patience) {
+  const SecurityOptions& own = target.security;
+  KeyPair pair;
+  if (!own.certificate_file.empty()) {
+    const absl::StatusOr<KeyPair> read = ReadKeyPair(own.certificate_file, own.key_file);
+    if (!read.ok()) return Cause{std::string(read.status().message()), ""};
+    pair = *read;
+  }
+  const std::optional<std::string> said =
+      ProbeOwnCertificate(address, pair.certificate_pem, pair.key_pem, patience);
+  if (!said.has_value()) return std::nullopt;
+  const std::string quoted = said->empty() ? "" : absl::StrCat(" (\"", *said, "\")");
+  if (own.certificate_file.empty()) {
+    return Cause{absl::StrCat("the server there hangs up on callers without a certificate", quoted),
+                 "give --tls-cert and --tls-key (docs/security.md)"};
+  }
+  const Finding expiry = CheckExpiry("", pair.certificate_pem, absl::Now());
+  if (expiry.level == Level::kFail) {
+    return Cause{absl::StrCat("the server there refuses this side's certificate, --tls-cert ",
+                              own.certificate_file, quoted, ", which ", expiry.text),
+                 expiry.advice};
+  }
+  return Cause{absl::StrCat("the server there refuses this side's certificate, --tls-cert ",
+                            own.certificate_file, quoted),
+               "it must be issued by an authority of the server's --tls-ca (docs/security.md)"};
+}
+
 std::optional<Cause> FindCauseWithTls(const ServerTarget& target, const HostPort& address,
                                       absl::Duration patience) {
   const absl::StatusOr<std::string> pem = FetchCertificates(address, patience);
-  if (pem.ok()) return FindCauseInCertificate(target, address, *pem);
+  if (pem.ok()) {
+    std::optional<Cause> cause = FindCauseInCertificate(target, address, *pem);
+    return cause.has_value() ? cause : FindCauseInOwnCertificate(target, address, patience);
+  }
   const absl::StatusOr<Protocol> protocol = ProbeProtocol(address, patience);
   if (!protocol.ok()) return Cause{std::string(protocol.status().message()), ""};
   if (*protocol != Protocol::kHttp2) return CauseOfProtocol(*protocol);

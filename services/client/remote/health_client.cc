@@ -11,6 +11,18 @@
 #include "slam/util/status_macros.h"
 
 namespace corbslam::services {
+namespace {
+
+// Says what an answer other than SERVING means. Field 1 has the number, and an empty message 0.
+std::string DescribeAnswer(const std::string& answer) {
+  if (answer == "\x08\x02") return "it answers NOT_SERVING";
+  if (answer == "\x08\x03") return "it answers that it has no such service (SERVICE_UNKNOWN)";
+  if (answer.empty()) return "it answers that it does not know (UNKNOWN)";
+  return absl::StrCat("it answers what is no health: \"", absl::CHexEscape(answer.substr(0, 40)),
+                      "\"");
+}
+
+}  // namespace
 
 absl::Status CheckHealth(const std::shared_ptr<grpc::Channel>& channel, const std::string& service,
                          absl::Duration timeout) {
@@ -43,8 +55,7 @@ absl::Status CheckHealth(const std::shared_ptr<grpc::Channel>& channel, const st
     answer.assign(reinterpret_cast<const char*>(slice.begin()), slice.size());
   }
   if (answer == "\x08\x01") return absl::OkStatus();
-  return absl::FailedPreconditionError(
-      absl::StrCat("not SERVING but \"", absl::CHexEscape(answer), "\""));
+  return absl::FailedPreconditionError(DescribeAnswer(answer));
 }
 
 }  // namespace corbslam::services

@@ -62,6 +62,11 @@ class RemoteUplink : public Uplink {
     return session != nullptr && session->SendLocalised(localised);
   }
 
+  bool SendPicture(const KeyframePicture& picture) override {
+    const std::shared_ptr<SyncSession> session = Current();
+    return session != nullptr && session->SendPicture(picture);
+  }
+
   bool SendReport(const AgentReport& report) override {
     const std::shared_ptr<SyncSession> session = Current();
     return session != nullptr && session->SendReport(report);

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "services/convert/agent_report.h"
+#include "services/convert/keyframe_picture.h"
 #include "services/convert/limits.h"
 #include "services/convert/localised_frames.h"
 #include "services/convert/map_update.h"
@@ -64,6 +65,18 @@ bool SyncSession::SendLocalised(const LocalisedFrames& localised) {
     if (!HasRoom()) return false;
     v1::SyncRequest request;
     ToProto(localised, request.mutable_localised());
+    Push(std::move(request));
+  }
+  WriteNext();
+  return true;
+}
+
+bool SyncSession::SendPicture(const KeyframePicture& picture) {
+  {
+    absl::MutexLock lock(&mutex_);
+    if (!HasRoom()) return false;
+    v1::SyncRequest request;
+    ToProto(picture, request.mutable_picture());
     Push(std::move(request));
   }
   WriteNext();

@@ -47,6 +47,8 @@ class SyncSession : private grpc::ClientBidiReactor<v1::SyncRequest, v1::SyncRes
   bool Send(const MapUpdateBatch& batch);
   // Does what Uplink::SendLocalised does.
   bool SendLocalised(const LocalisedFrames& localised);
+  // Does what Uplink::SendPicture does.
+  bool SendPicture(const KeyframePicture& picture);
   // Does what Uplink::SendReport does.
   bool SendReport(const AgentReport& report);
   // Returns what Uplink::bytes_waiting does; 0 once the call has broken.

@@ -12,6 +12,7 @@
 #include "absl/strings/string_view.h"
 #include "absl/time/clock.h"
 #include "absl/time/time.h"
+#include "services/convert/status.h"
 
 namespace corbslam::services {
 
@@ -31,7 +32,7 @@ inline void SetStreamDeadline(grpc::ClientContext& context) {
 inline absl::Status ToStatus(const grpc::Status& status, absl::string_view call) {
   if (status.ok()) return absl::OkStatus();
   return absl::Status(static_cast<absl::StatusCode>(status.error_code()),
-                      absl::StrCat(call, ": ", status.error_message()));
+                      absl::StrCat(call, ": ", WordsOf(status)));
 }
 
 }  // namespace corbslam::services

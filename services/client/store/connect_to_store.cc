@@ -49,6 +49,10 @@ absl::Status CheckIsStore(const ServerTarget& target,
   v1::Mission response;
   const grpc::Status status =
       v1::MapStore::NewStub(channel)->GetMission(&context, v1::GetMissionRequest(), &response);
+  // A server of TLS 1.3 refuses a caller's certificate once the connection seems to stand.
+  if (status.error_code() == grpc::StatusCode::UNAVAILABLE) {
+    return ExplainFailure(target, FromGrpcStatus(status));
+  }
   if (status.error_code() != grpc::StatusCode::UNIMPLEMENTED) return absl::OkStatus();
   const std::optional<Cause> cause = FindCauseOfService(target, channel, absl::Seconds(1));
   return ToStatus(target,

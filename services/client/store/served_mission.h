@@ -21,6 +21,7 @@ struct ServedPose {
   Rigid3d frame_from_camera;
   std::string local_map;    // Name of the local map's resource, or NameOfRun.
   std::string island = {};  // Likewise, of the local map that names the island.
+  bool after_gap = false;   // Nothing connects it with the pose before.
 };
 
 // Holds every tracked frame of one agent, by local map, in time. A global trajectory leaves out

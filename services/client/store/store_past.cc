@@ -4,6 +4,7 @@
 #include <thread>
 #include <utility>
 
+#include "absl/strings/str_cat.h"
 #include "absl/synchronization/notification.h"
 #include "absl/time/clock.h"
 #include "services/client/store/call_status.h"
@@ -17,6 +18,7 @@ namespace {
 
 // Remembered events come without a pause; how many there are is not told.
 constexpr absl::Duration kQuiet = absl::Seconds(2);
+constexpr int kKeyframesAPage = 1000;
 
 // Cancels a call once it has been quiet for a while.
 class QuietWatch {
@@ -72,15 +74,36 @@ absl::StatusOr<std::vector<v1::WatchMapResponse>> StoreReader::ReadPast(uint32_t
   return past;
 }
 
-absl::Status StoreReader::ReplayMap(uint32_t max_moments, const OnMoment& on_moment) {
+absl::Status StoreReader::ReplayMap(uint32_t max_moments, bool with_points,
+                                    const OnMoment& on_moment) {
   v1::ReplayMapRequest request;
   request.set_mission(MissionName(mission_));
+  request.set_include_points(with_points);
   request.set_max_moments(max_moments);
   ToldMap map;
   return ReadReplay(*stub_, request, [&](const v1::WatchMapResponse& response) -> absl::Status {
     RETURN_IF_ERROR(map.Apply(response));
     return response.continues() ? absl::OkStatus() : on_moment(map);
   });
+}
+
+absl::StatusOr<std::map<KeyframeId, int64_t>> StoreReader::ReadKeyframeTimes() {
+  v1::ListKeyframesRequest request;
+  request.set_parent(absl::StrCat(MissionName(mission_), "/localMaps/-"));
+  request.set_page_size(kKeyframesAPage);
+  std::map<KeyframeId, int64_t> times_ns;
+  do {
+    grpc::ClientContext context;
+    SetDeadline(context);
+    v1::ListKeyframesResponse response;
+    RETURN_IF_ERROR(ToStatus(stub_->ListKeyframes(&context, request, &response), "ListKeyframes"));
+    for (const v1::Keyframe& keyframe : response.keyframes()) {
+      ASSIGN_OR_RETURN(const KeyframePath path, ParseKeyframeName(keyframe.name()));
+      times_ns[path.keyframe] = keyframe.timestamp_ns();
+    }
+    request.set_page_token(response.next_page_token());
+  } while (!request.page_token().empty());
+  return times_ns;
 }
 
 absl::StatusOr<std::vector<v1::MissionEvent>> StoreReader::ReadEvents() {

@@ -51,7 +51,7 @@ class StorePastTest : public ::testing::Test {
 TEST_F(StorePastTest, GivesOneMomentAfterTheOther) {
   std::vector<uint64_t> revisions;
   ToldMap last;
-  const absl::Status status = reader_->ReplayMap(0, [&](const ToldMap& map) {
+  const absl::Status status = reader_->ReplayMap(0, /*with_points=*/false, [&](const ToldMap& map) {
     revisions.push_back(map.revision);
     last = map;
     return absl::OkStatus();
@@ -80,7 +80,7 @@ TEST_F(StorePastTest, GivesOneMomentAfterTheOther) {
 
 TEST_F(StorePastTest, AnErrorOfTheCallerEndsIt) {
   int calls = 0;
-  const absl::Status status = reader_->ReplayMap(0, [&](const ToldMap&) {
+  const absl::Status status = reader_->ReplayMap(0, /*with_points=*/false, [&](const ToldMap&) {
     ++calls;
     return absl::DataLossError("enough");
   });
@@ -102,7 +102,8 @@ TEST_F(StorePastTest, EventsEndOnceItIsQuiet) {
 TEST_F(StorePastTest, HandsOnThatThereIsNoSuchMission) {
   StoreReader nowhere(server_->InProcessChannel(), "nowhere");
   const auto ignore = [](const ToldMap&) { return absl::OkStatus(); };
-  EXPECT_EQ(nowhere.ReplayMap(0, ignore).code(), absl::StatusCode::kNotFound);
+  EXPECT_EQ(nowhere.ReplayMap(0, /*with_points=*/false, ignore).code(),
+            absl::StatusCode::kNotFound);
   EXPECT_EQ(nowhere.ReadMap().status().code(), absl::StatusCode::kNotFound);
   EXPECT_EQ(nowhere.ReadEvents().status().code(), absl::StatusCode::kNotFound);
 }

@@ -176,7 +176,7 @@ absl::StatusOr<ServedTrajectory> StoreReader::ReadTrajectory(const std::string& 
       ASSIGN_OR_RETURN(const Rigid3d frame_from_camera, FromProto(pose.frame_from_camera()));
       trajectory.push_back({pose.timestamp_ns(), frame_from_camera,
                             pose.run() == 0 ? pose.local_map() : NameOfRun(pose.run()),
-                            pose.island()});
+                            pose.island(), pose.after_gap()});
     }
   }
   RETURN_IF_ERROR(ToStatus(reader->Finish(), absl::StrCat("GetTrajectory of ", agent)));

@@ -64,11 +64,13 @@ class StoreReader {
   // messages for ToldMap; a moment's last one does not say `continues`, and so does the last of
   // all. It is as long as the store lets it be: hundreds of megabytes.
   absl::StatusOr<std::vector<v1::WatchMapResponse>> ReadPast(uint32_t max_moments);
-  // Gives the map without points as it was at each of at most `max_moments` moments, 2 to
+  // Gives the map, with points or without, as it was at each of at most `max_moments` moments, 2 to
   // 1,000, and as it is in the end; an error of `on_moment` ends it. UNIMPLEMENTED: the store is
   // older.
   using OnMoment = std::function<absl::Status(const ToldMap& map)>;
-  absl::Status ReplayMap(uint32_t max_moments, const OnMoment& on_moment);
+  absl::Status ReplayMap(uint32_t max_moments, bool with_points, const OnMoment& on_moment);
+  // Returns when each of the keyframes that the store has was taken, by its robot's clock.
+  absl::StatusOr<std::map<KeyframeId, int64_t>> ReadKeyframeTimes();
   // Returns the events that the store remembers, oldest first. It takes two seconds longer than
   // they take to come. UNIMPLEMENTED: the store is older.
   absl::StatusOr<std::vector<v1::MissionEvent>> ReadEvents();

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <memory>
 #include <utility>
 
@@ -20,6 +21,21 @@ constexpr int kCovarianceNumbers = 36;
 
 uint32_t Count(int value) { return static_cast<uint32_t>(std::max(value, 0)); }
 
+// On the wire a stage that came later has the larger number.
+struct StageOnTheWire {
+  LocateStage stage;
+  v1::LocateStage proto;
+};
+constexpr StageOnTheWire kStages[] = {
+    {LocateStage::kFewFeatures, v1::LOCATE_STAGE_FEW_FEATURES},
+    {LocateStage::kNoCandidates, v1::LOCATE_STAGE_NO_CANDIDATES},
+    {LocateStage::kFewMatches, v1::LOCATE_STAGE_FEW_MATCHES},
+    {LocateStage::kNoPose, v1::LOCATE_STAGE_NO_POSE},
+    {LocateStage::kFewInliers, v1::LOCATE_STAGE_FEW_INLIERS},
+    {LocateStage::kCameraInDoubt, v1::LOCATE_STAGE_CAMERA_IN_DOUBT},
+    {LocateStage::kOutsidePrior, v1::LOCATE_STAGE_OUTSIDE_PRIOR},
+    {LocateStage::kLocated, v1::LOCATE_STAGE_LOCATED}};
+
 absl::StatusOr<int> CountFromProto(absl::string_view field, uint32_t value) {
   if (value > kMaxCount) return OutOfRange(field, value, 0u, kMaxCount);
   return static_cast<int>(value);
@@ -28,13 +44,14 @@ absl::StatusOr<int> CountFromProto(absl::string_view field, uint32_t value) {
 }  // namespace
 
 v1::LocateStage ToProto(LocateStage stage) {
-  return static_cast<v1::LocateStage>(static_cast<int>(stage) + 1);
+  const auto* entry = std::ranges::find(kStages, stage, &StageOnTheWire::stage);
+  return entry == std::end(kStages) ? v1::LOCATE_STAGE_UNSPECIFIED : entry->proto;
 }
 
 absl::StatusOr<LocateStage> FromProto(v1::LocateStage stage) {
-  constexpr int kLast = static_cast<int>(v1::LOCATE_STAGE_LOCATED);
-  if (stage < 1 || stage > kLast) return OutOfRange("stage", static_cast<int>(stage), 1, kLast);
-  return static_cast<LocateStage>(static_cast<int>(stage) - 1);
+  const auto* entry = std::ranges::find(kStages, stage, &StageOnTheWire::proto);
+  if (entry != std::end(kStages)) return entry->stage;
+  return OutOfRange("stage", static_cast<int>(stage), 1, static_cast<int>(std::size(kStages)));
 }
 
 void ToProto(const std::optional<Matrix6d>& covariance,
@@ -161,6 +178,9 @@ v1::LocateFrameResponse::Header HeaderOf(const LocateFrameResult& result) {
   header.set_word_matches(Count(result.word_matches));
   header.set_pose_inliers(Count(result.pose_inliers));
   header.set_inliers(Count(result.inliers));
+  header.set_inliers_needed(Count(result.inliers_needed));
+  header.set_visible_points(Count(result.visible_points));
+  header.set_chance_inliers(Count(result.chance_inliers));
   if (result.fitting_camera.has_value()) {
     ToProto(*result.fitting_camera, header.mutable_fitting_camera());
   }
@@ -183,6 +203,12 @@ absl::StatusOr<LocateFrameResult> MakeResult(const v1::LocateFrameResponse::Head
   ASSIGN_OR_RETURN(result.word_matches, CountFromProto("word_matches", header.word_matches()));
   ASSIGN_OR_RETURN(result.pose_inliers, CountFromProto("pose_inliers", header.pose_inliers()));
   ASSIGN_OR_RETURN(result.inliers, CountFromProto("inliers", header.inliers()));
+  ASSIGN_OR_RETURN(result.inliers_needed,
+                   CountFromProto("inliers_needed", header.inliers_needed()));
+  ASSIGN_OR_RETURN(result.visible_points,
+                   CountFromProto("visible_points", header.visible_points()));
+  ASSIGN_OR_RETURN(result.chance_inliers,
+                   CountFromProto("chance_inliers", header.chance_inliers()));
   if (header.has_fitting_camera()) {
     ASSIGN_OR_RETURN(result.fitting_camera, FromProto(header.fitting_camera()));
   }

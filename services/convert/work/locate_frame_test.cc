@@ -60,6 +60,9 @@ TEST(LocateFrameTest, AResultTravels) {
   result.word_matches = 40;
   result.pose_inliers = 33;
   result.inliers = 90;
+  result.inliers_needed = 44;
+  result.visible_points = 320;
+  result.chance_inliers = 11;
   result.camera_from_map.translation = {1, 2, 3};
   result.covariance = Matrix6d::Identity() * 0.01;
   result.keyframes = {{{0xa}, 3}, {{0xb}, 1}};
@@ -72,6 +75,9 @@ TEST(LocateFrameTest, AResultTravels) {
   EXPECT_EQ(read->word_matches, 40);
   EXPECT_EQ(read->pose_inliers, 33);
   EXPECT_EQ(read->inliers, 90);
+  EXPECT_EQ(read->inliers_needed, 44);
+  EXPECT_EQ(read->visible_points, 320);
+  EXPECT_EQ(read->chance_inliers, 11);
   EXPECT_EQ(read->camera_from_map.translation, result.camera_from_map.translation);
   EXPECT_EQ(*read->covariance, *result.covariance);
   EXPECT_EQ(read->keyframes, result.keyframes);
@@ -100,7 +106,8 @@ TEST(LocateFrameTest, DisparitiesNeedABaseline) {
 TEST(LocateFrameTest, EachStageTravels) {
   for (const LocateStage stage :
        {LocateStage::kFewFeatures, LocateStage::kNoCandidates, LocateStage::kFewMatches,
-        LocateStage::kNoPose, LocateStage::kFewInliers, LocateStage::kOutsidePrior}) {
+        LocateStage::kNoPose, LocateStage::kFewInliers, LocateStage::kCameraInDoubt,
+        LocateStage::kOutsidePrior}) {
     LocateFrameResult result;
     result.stage = stage;
     result.camera_from_map.translation = {1, 2, 3};  // Says nothing, and does not travel.
@@ -111,7 +118,7 @@ TEST(LocateFrameTest, EachStageTravels) {
   }
   EXPECT_THAT(std::string(FromProto(v1::LOCATE_STAGE_UNSPECIFIED).status().message()),
               HasSubstr("stage is 0"));
-  EXPECT_FALSE(FromProto(static_cast<v1::LocateStage>(8)).ok());
+  EXPECT_FALSE(FromProto(static_cast<v1::LocateStage>(9)).ok());
 }
 
 TEST(LocateFrameTest, APicturesFeaturesTravelWithTheirNodes) {

@@ -2,16 +2,38 @@
 
 #include <glog/logging.h>
 
+#include <string>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "slam/exchange/session_end.h"
 
 namespace corbslam::services {
 namespace {
 
-// Returns true if the robot does not ask again after this status.
-bool IsForGood(const absl::Status& status) {
-  return absl::IsAborted(status) || absl::IsPermissionDenied(status);
+// Returns what the robot does about a session that can't be had, or ended so.
+const char* WhetherItAsksAgain(const absl::Status& cause) {
+  if (SaysMissionDeleted(cause)) return ", and does not try again";
+  const bool is_refused =
+      absl::IsAborted(cause) || absl::IsPermissionDenied(cause) || absl::IsInvalidArgument(cause);
+  return is_refused ? ", and asks again every two minutes at least" : ", and tries again";
+}
+
+std::string WhatMappingDoes(const absl::Status& cause) {
+  return absl::StrCat("; the robot maps on",
+                      SaysMissionDeleted(cause) ? "" : ", keeps what the store lacks",
+                      WhetherItAsksAgain(cause));
+}
+
+std::string WhatLocalisingDoes(const absl::Status& cause, bool has_a_map) {
+  std::string words = has_a_map ? "; the robot localises on in what it was told of the map"
+                                : "; the robot only localises, and has no map until a session "
+                                  "stands: it is lost";
+  absl::StrAppend(&words, WhetherItAsksAgain(cause));
+  if (!absl::IsNotFound(cause)) return words;
+  return absl::StrCat(words,
+                      ". Is --mission right? corbslam mission list says which missions there are, "
+                      "and a robot without --localise-only begins one");
 }
 
 std::string InWords(absl::Duration duration) {
@@ -50,7 +72,7 @@ void UplinkLog::OnOpening() {
 
 void UplinkLog::OnOpened() {
   absl::MutexLock lock(&mutex_);
-  connected_ = true;
+  connected_ = was_ever_connected_ = true;
   opening_ = trouble_ = false;
   opened_at_ = options_.clock();
   if (std::exchange(warned_, false)) {
@@ -139,9 +161,8 @@ void UplinkLog::WarnIfDue() {
                << (without < absl::Seconds(1) ? "any more"
                                               : absl::StrCat("since ", InWords(without)))
                << ": " << cause_ << DescribeShortLived()
-               << (IsForGood(cause_)
-                       ? "; the robot maps on, and does not try again"
-                       : "; the robot maps on, keeps what the store lacks, and tries again");
+               << (options_.localise_only ? WhatLocalisingDoes(cause_, was_ever_connected_)
+                                          : WhatMappingDoes(cause_));
 }
 
 }  // namespace corbslam::services

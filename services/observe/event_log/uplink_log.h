@@ -25,6 +25,8 @@ struct UplinkLogOptions {
   // A cause that was found stays valid for this long, unless the attempts end otherwise than
   // before.
   absl::Duration explain_again = absl::Seconds(15);
+  // The robot makes no map, and so has none of its own meanwhile.
+  bool localise_only = false;
   // What ends sooner is no recovery: it is told as seldom as if the session had never stood.
   absl::Duration lasting = absl::Seconds(15);
   std::function<absl::Time()> clock = &absl::Now;
@@ -69,6 +71,7 @@ class UplinkLog : public UplinkObserver {
   mutable absl::Mutex mutex_;
   bool stop_ ABSL_GUARDED_BY(mutex_) = false;
   bool connected_ ABSL_GUARDED_BY(mutex_) = false;
+  bool was_ever_connected_ ABSL_GUARDED_BY(mutex_) = false;
   bool opening_ ABSL_GUARDED_BY(mutex_) = false;
   // True if an attempt failed or was slow that nobody has looked into yet.
   bool trouble_ ABSL_GUARDED_BY(mutex_) = false;

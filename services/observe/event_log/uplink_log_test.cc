@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "absl/strings/match.h"
+#include "slam/exchange/session_end.h"
 
 namespace corbslam::services {
 namespace {
@@ -126,12 +127,43 @@ TEST_F(UplinkLogTest, SaysAnotherCauseAndRemindsRarely) {
   EXPECT_THAT(lines_.WaitFor(3)[2], HasSubstr("since 1m20s"));
 }
 
-TEST_F(UplinkLogTest, SaysThatAFencedRobotDoesNotTryAgain) {
+// A robot that only localises has no map of its own to go on with.
+TEST_F(UplinkLogTest, OneThatOnlyLocalisesMapsNothingOn) {
+  UplinkLogOptions options;
+  options.localise_only = true;
+  UplinkLog log(
+      {.mission = "labb", .agent = "beta"},
+      [this](const absl::Status& seen) { return Explain(seen); }, options);
+  SetCause(absl::NotFoundError("there is no mission labb"));
+  log.OnOpening();
+  log.OnClosed(absl::NotFoundError("there is no mission labb"));
+  EXPECT_THAT(
+      lines_.WaitFor(1)[0],
+      AllOf(HasSubstr("there is no mission labb"), HasSubstr("only localises"),
+            HasSubstr("it is lost"), HasSubstr("Is --mission right?"), Not(HasSubstr("maps on"))));
+  log.OnOpening();
+  log.OnOpened();
+  lines_.WaitFor(2);
+  SetCause(absl::UnavailableError("Connection refused"));
+  log.OnClosed(absl::UnavailableError("x"));
+  EXPECT_THAT(lines_.WaitFor(3)[2],
+              AllOf(HasSubstr("localises on in what it was told"), Not(HasSubstr("maps on"))));
+}
+
+TEST_F(UplinkLogTest, SaysThatAFencedRobotAsksAgainRarely) {
   log_.OnOpening();
   log_.OnOpened();
   log_.OnClosed(absl::AbortedError("a newer session"));
   EXPECT_THAT(lines_.WaitFor(2)[1],
-              AllOf(HasSubstr("a newer session"), HasSubstr("does not try again")));
+              AllOf(HasSubstr("a newer session"), HasSubstr("asks again every two minutes")));
+}
+
+TEST_F(UplinkLogTest, SaysThatAMissionThatWasDeletedIsNotTriedAgain) {
+  log_.OnOpening();
+  log_.OnOpened();
+  log_.OnClosed(MissionDeletedError("lab"));
+  EXPECT_THAT(lines_.WaitFor(2)[1],
+              AllOf(HasSubstr("mission lab was deleted"), HasSubstr("does not try again")));
 }
 
 // A store grants a session each four seconds, and ends it at once.

@@ -34,6 +34,24 @@ void AddBackups(const BackupCounts& counts, absl::Duration every, Families& fami
                  absl::ToDoubleSeconds(every));
 }
 
+void AddHealth(const BackupCollector::Health& health, Families& families) {
+  families.Gauge("corbslam_backups_damaged", "Stored backups that are known to be damaged.",
+                 static_cast<double>(health.shelf.damaged));
+  families.Gauge("corbslam_backups_unverified",
+                 "Stored backups that were not compared with their checksums yet.",
+                 static_cast<double>(health.shelf.unverified));
+  families.Gauge("corbslam_backups_verified_time_seconds",
+                 "When the stored backup was compared with its checksums that was compared longest "
+                 "ago, seconds since 1970; 0: none was.",
+                 UnixSeconds(health.shelf.oldest_verified));
+  families.Counter("corbslam_backups_verified_bytes_total",
+                   "Bytes of stored backups that were read again to find damage.",
+                   static_cast<double>(health.verification.bytes));
+  families.Counter("corbslam_backups_verify_rounds_total",
+                   "How often all stored backups were read so.",
+                   static_cast<double>(health.verification.rounds));
+}
+
 void AddScrubs(const ScrubCounts& counts, Families& families) {
   families.Counter("corbslam_scrubbed_bytes_total",
                    "Bytes of missions that were read again to find damage.",
@@ -49,6 +67,7 @@ void AddScrubs(const ScrubCounts& counts, Families& families) {
 std::vector<prometheus::MetricFamily> BackupCollector::Collect() const {
   Families families;
   AddBackups(backups_ != nullptr ? backups_() : BackupCounts(), every_, families);
+  AddHealth(health_ != nullptr ? health_() : Health(), families);
   AddScrubs(scrubs_ != nullptr ? scrubs_() : ScrubCounts(), families);
   return families.Take();
 }

@@ -10,6 +10,8 @@
 
 #include "absl/time/time.h"
 #include "map_store/mission/backup_keeper.h"
+#include "map_store/mission/backup_verifier.h"
+#include "map_store/records/backup_shelf.h"
 #include "map_store/rocks/journal_scrubber.h"
 
 namespace corbslam::services {
@@ -20,10 +22,20 @@ class BackupCollector : public prometheus::Collectable {
   using CountBackups = std::function<map_store::BackupCounts()>;
   using CountScrubs = std::function<map_store::ScrubCounts()>;
 
-  // Either function may be null: then its numbers are 0. `every`: how often backups are made; 0:
+  struct Health {
+    map_store::ShelfHealth shelf;
+    map_store::BackupVerification verification;
+  };
+  using DescribeHealth = std::function<Health()>;
+
+  // Any function may be null: then its numbers are 0. `every`: how often backups are made; 0:
   // never.
-  BackupCollector(CountBackups backups, absl::Duration every, CountScrubs scrubs)
-      : backups_(std::move(backups)), every_(every), scrubs_(std::move(scrubs)) {}
+  BackupCollector(CountBackups backups, absl::Duration every, CountScrubs scrubs,
+                  DescribeHealth health = nullptr)
+      : backups_(std::move(backups)),
+        every_(every),
+        scrubs_(std::move(scrubs)),
+        health_(std::move(health)) {}
 
   std::vector<prometheus::MetricFamily> Collect() const override;
 
@@ -31,6 +43,7 @@ class BackupCollector : public prometheus::Collectable {
   const CountBackups backups_;
   const absl::Duration every_;
   const CountScrubs scrubs_;
+  const DescribeHealth health_;
 };
 
 }  // namespace corbslam::services

@@ -1,6 +1,8 @@
 #include "services/observe/metrics/ingest_metrics.h"
 
+#include <algorithm>
 #include <utility>
+#include <vector>
 
 #include "services/observe/metrics/buckets.h"
 
@@ -49,6 +51,7 @@ void IngestMetrics::OnClosed(const SessionAgent& agent, const absl::Status& stat
   absl::MutexLock lock(&mutex_);
   AgentCounts& counts = agents_[agent];
   --counts.sessions;
+  counts.broke = !status.ok();
   counts.last_closed = clock_();
 }
 
@@ -85,12 +88,26 @@ void IngestMetrics::OnShareDelayed(const SessionAgent& agent, size_t bytes, absl
   counts.delay += waited;
 }
 
+absl::Time IngestMetrics::FindMissedSince() const {
+  std::vector<absl::Time> closed;
+  for (const auto& [agent, counts] : agents_) {
+    if (counts.is_missing()) closed.push_back(counts.last_closed);
+  }
+  const absl::Time week_ago = clock_() - kMissedFor;
+  if (closed.size() <= kMostMissing) return week_ago;
+  const auto first_told = closed.end() - kMostMissing;
+  std::ranges::nth_element(closed, first_told);
+  return std::max(week_ago, *first_told);
+}
+
 void IngestMetrics::DropGone(const std::set<std::string>& missions) {
-  const absl::Time now = clock_();
+  const absl::Time kept_since = clock_() - kKeptFor;
+  const absl::Time missed_since = std::min(FindMissedSince(), kept_since);
   std::erase_if(agents_, [&](const auto& entry) {
     const auto& [agent, counts] = entry;
     if (counts.sessions > 0) return false;
-    return !missions.contains(agent.mission) || now - counts.last_closed > kKeptFor;
+    if (!missions.contains(agent.mission)) return true;
+    return counts.last_closed < (counts.broke ? missed_since : kept_since);
   });
 }
 
@@ -102,6 +119,9 @@ void IngestMetrics::AddAgents(const std::set<std::string>& missions, Families& f
     const MetricLabels labels = {{"mission", agent.mission}, {"agent", agent.agent}};
     families.Gauge("corbslam_agent_connected", "Whether the agent has a session now.",
                    counts.sessions > 0, labels);
+    families.Gauge("corbslam_agent_missing",
+                   "Whether the agent's last session broke, and none has begun since.",
+                   counts.is_missing(), labels);
     families.Counter("corbslam_agent_received_bytes_total", "Bytes of the agent's messages.",
                      static_cast<double>(counts.received_bytes), labels);
     families.Counter("corbslam_agent_sent_bytes_total", "Bytes of the messages to the agent.",

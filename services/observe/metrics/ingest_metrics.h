@@ -23,12 +23,17 @@
 
 namespace corbslam::services {
 
-// Counts batches and acknowledgements in the registry, and what is counted for each agent here: an
-// agent's series go when its mission is deleted, and a while after its last session, so that
-// Prometheus has seen them at their end. Thread-safe.
+// Counts batches and acknowledgements in the registry, and what is counted for each agent here. An
+// agent's series go when its mission is deleted, and a while after it has ended its last session
+// itself, so that Prometheus has seen them at their end. An agent whose session broke is missing:
+// its series stay until it comes back, or for a week. Thread-safe.
 class IngestMetrics : public SyncObserver {
  public:
   static constexpr absl::Duration kKeptFor = absl::Minutes(5);
+  static constexpr absl::Duration kMissedFor = absl::Hours(7 * 24);
+  // Of more agents that are missing, those that have been so for longest are not told beyond
+  // kKeptFor.
+  static constexpr size_t kMostMissing = 1000;
 
   // `registry` is not owned and must outlive it.
   explicit IngestMetrics(prometheus::Registry& registry,
@@ -49,7 +54,11 @@ class IngestMetrics : public SyncObserver {
 
  private:
   struct AgentCounts {
+    bool is_missing() const { return sessions == 0 && broke; }
+
     int sessions = 0;
+    // The last session was not ended by the agent itself.
+    bool broke = false;
     absl::Time last_closed;
     uint64_t received_bytes = 0;
     uint64_t sent_bytes = 0;
@@ -59,6 +68,9 @@ class IngestMetrics : public SyncObserver {
     absl::Duration delay;
   };
   void DropGone(const std::set<std::string>& missions) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  // Returns when the last session of an agent ended, at the latest, that is missing and told no
+  // more.
+  absl::Time FindMissedSince() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
   const std::function<absl::Time()> clock_;
   prometheus::Family<prometheus::Counter>& batches_;

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "absl/strings/str_cat.h"
 #include "services/observe/metrics/testing/metric_values.h"
 
 namespace corbslam::services {
@@ -86,6 +87,37 @@ TEST_F(IngestMetricsTest, AnAgentsSeriesGoAWhileAfterItsLastSession) {
   const auto families = registry_.Collect();
   EXPECT_EQ(ValueOf(families, "corbslam_sessions_ended_total", {{"code", "ABORTED"}}), 1);
   EXPECT_EQ(ValueOf(families, "corbslam_sessions_ended_total", {{"code", "OK"}}), 1);
+}
+
+TEST_F(IngestMetricsTest, AnAgentWhoseSessionBrokeIsMissingUntilItComesBack) {
+  metrics_.OnOpened(kAlpha);
+  EXPECT_EQ(ValueOf(Agents({"lab"}), "corbslam_agent_missing", kAlphaLabels), 0);
+  metrics_.OnClosed(kAlpha, absl::UnavailableError("the line broke"));
+  now_ += absl::Hours(24);
+  EXPECT_EQ(ValueOf(Agents({"lab"}), "corbslam_agent_missing", kAlphaLabels), 1);
+  EXPECT_EQ(ValueOf(Agents({"lab"}), "corbslam_agent_connected", kAlphaLabels), 0);
+  metrics_.OnOpened(kAlpha);
+  EXPECT_EQ(ValueOf(Agents({"lab"}), "corbslam_agent_missing", kAlphaLabels), 0);
+  metrics_.OnClosed(kAlpha, absl::OkStatus());
+  EXPECT_EQ(ValueOf(Agents({"lab"}), "corbslam_agent_missing", kAlphaLabels), 0);
+}
+
+TEST_F(IngestMetricsTest, OfManyMissingAgentsTheNewestAreTold) {
+  for (size_t i = 0; i < IngestMetrics::kMostMissing + 10; ++i) {
+    const SessionAgent agent{.mission = "lab", .agent = absl::StrCat("robot", i)};
+    metrics_.OnOpened(agent);
+    metrics_.OnClosed(agent, absl::UnavailableError("the line broke"));
+    now_ += absl::Seconds(1);
+  }
+  now_ += absl::Hours(1);
+  const auto families = Agents({"lab"});
+  const auto labels = [](size_t i) -> LabelMap {
+    return {{"mission", "lab"}, {"agent", absl::StrCat("robot", i)}};
+  };
+  EXPECT_EQ(ValueOf(families, "corbslam_agent_missing", labels(9)), std::nullopt);
+  EXPECT_EQ(ValueOf(families, "corbslam_agent_missing", labels(10)), 1);
+  now_ += IngestMetrics::kMissedFor;
+  EXPECT_TRUE(Agents({"lab"}).empty());
 }
 
 TEST_F(IngestMetricsTest, AnAgentsSeriesGoWithItsMission) {

@@ -128,6 +128,9 @@ std::vector<prometheus::MetricFamily> MissionCollector::Collect() const {
   families.Gauge("corbslam_service_tasks_waiting",
                  "Calls and messages that no thread of the store has begun with.",
                  Number(service_.waiting_tasks()));
+  families.Gauge("corbslam_long_calls",
+                 "Backups, restores, sleeps, deletions and the like that are under way, or wait.",
+                 Number(service_.long_work()));
   families.Gauge("corbslam_streams_open", "Open streams of agents and viewers.",
                  Number(service_.streams().open_streams()));
   families.Gauge("corbslam_unfinished_batches_bytes",

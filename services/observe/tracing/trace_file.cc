@@ -16,8 +16,10 @@ absl::StatusOr<std::unique_ptr<TraceFile>> TraceFile::Open(const std::string& pa
                                                            const TraceFileOptions& options) {
   // The old file is kept, so that a restart does not lose what led to a crash.
   std::error_code error;
-  if (std::filesystem::is_regular_file(path, error)) {
-    std::filesystem::rename(path, path + ".before", error);
+  // Where a link leads is what is kept: the link stays.
+  const std::filesystem::path old = std::filesystem::canonical(path, error);
+  if (!error && std::filesystem::is_regular_file(old, error)) {
+    std::filesystem::rename(old, old.string() + ".before", error);
   }
   std::ofstream file(path, std::ios::binary | std::ios::trunc);
   const int number = ProcessNumber(process);

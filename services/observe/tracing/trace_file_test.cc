@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
 
@@ -52,6 +53,21 @@ TEST(TraceFileTest, WhatWasThereIsKeptBesideIt) {
   }
   EXPECT_EQ((*testing::ReadTrace(path))[0]["args"]["name"], "second");
   EXPECT_EQ((*testing::ReadTrace(path + ".before"))[0]["args"]["name"], "first");
+}
+
+TEST(TraceFileTest, ALinkAndADeviceStayWhatTheyAre) {
+  const std::string path = ::testing::TempDir() + "/trace_file_linked.json";
+  const std::string link = ::testing::TempDir() + "/trace_file_link.json";
+  std::filesystem::remove(link);
+  std::filesystem::create_symlink(path, link);
+  for (const absl::string_view process : {"first", "second"}) {
+    ASSERT_TRUE(TraceFile::Open(link, process).ok());
+  }
+  EXPECT_TRUE(std::filesystem::is_symlink(link));
+  EXPECT_EQ((*testing::ReadTrace(path))[0]["args"]["name"], "second");
+  EXPECT_EQ((*testing::ReadTrace(path + ".before"))[0]["args"]["name"], "first");
+  ASSERT_TRUE(TraceFile::Open("/dev/null", "third").ok());
+  EXPECT_TRUE(std::filesystem::is_character_file("/dev/null"));
 }
 
 TEST(TraceFileTest, HoldsWhatWasAddedOnceItIsClosed) {

@@ -29,6 +29,7 @@ using client_agent::SourceFrame;
 using client_agent::StreamFrame;
 using client_agent::TrackingResult;
 using client_agent::TrackingState;
+using client_agent::WhyNoPose;
 
 namespace {
 
@@ -68,15 +69,59 @@ void TellListener(const TrackingResult& result, uint64_t dropped, FrameStream& s
   listener->OnPose(pose);
 }
 
-std::string DescribeNothing(const FrameStream& stream, const PlayedFrames& played) {
+std::string AdviseOnPictures(const FrameStream& stream) {
+  return stream.is_live() ? "corbslam rig check --rig FILE --source SOURCE says what is wrong with "
+                            "what the camera gives"
+                          : "Ask corbslam doctor --source what is wrong with the pictures";
+}
+
+// Says why a robot that only localises found none of its frames.
+std::string WhyNotLocalised(const FrameStream& stream, const AgentStatus& status,
+                            const RobotTask& task) {
+  if (absl::IsNotFound(task.session)) {
+    return absl::StrCat(task.session.message(),
+                        ". Is --mission right? corbslam mission list says which there are; a robot "
+                        "without --localise-only begins one");
+  }
+  if (!task.session.ok()) {
+    return absl::StrCat("nothing of others' map came, as no session with the map store stands: ",
+                        task.session.ToString());
+  }
+  if (status.why_no_pose == WhyNoPose::kAnotherCamera) {
+    return "what others mapped shows these places, but to another camera than the rig's (the log "
+           "says which fits): is the rig file this camera's, of this picture size? (docs/rig.md)";
+  }
+  const std::string show =
+      absl::StrCat("corbslam mission show --mission ", task.mission, " says what is there");
+  if (status.foreign_keyframes == 0 && task.shares_nearby) {
+    return absl::StrCat("nothing of others' map came: nobody has mapped in mission ", task.mission,
+                        " yet, or the map store did not recognise the place in any frame. ", show);
+  }
+  if (status.foreign_keyframes == 0) {
+    return absl::StrCat("nobody has mapped in mission ", task.mission,
+                        " yet, or nothing of it came in that time. ", show);
+  }
+  return absl::StrCat("it was recognised nowhere in the ", status.foreign_keyframes,
+                      " keyframes of others that it has: is it a place that was mapped, seen from "
+                      "where robots were, and the rig this camera's (docs/localize.md)? ",
+                      AdviseOnPictures(stream));
+}
+
+std::string DescribeNothing(const FrameStream& stream, const PlayedFrames& played,
+                            const AgentStatus& status, const RobotTask& task) {
   const std::string frames = played.played > 0
                                  ? absl::StrCat("none of ", played.played, " frames was tracked")
                                  : "there was no frame to track";
-  return absl::StrCat(frames, ": there is no map. ",
-                      stream.is_live()
-                          ? "corbslam rig check --rig FILE --source SOURCE says what is wrong with "
-                            "what the camera gives"
-                          : "Ask corbslam doctor --source what is wrong with the pictures");
+  if (played.played > 0 && task.localise_only) {
+    return absl::StrCat(frames, ": ", WhyNotLocalised(stream, status, task));
+  }
+  if (played.played > 0 && task.resume && status.keyframes > 0) {
+    return absl::StrCat(frames, ": the place was not recognised in the map of ", status.keyframes,
+                        " keyframes that --resume took up. Is the robot where it was? A new local "
+                        "map begins after ten seconds of good pictures. ",
+                        AdviseOnPictures(stream));
+  }
+  return absl::StrCat(frames, ": there is no map. ", AdviseOnPictures(stream));
 }
 
 }  // namespace
@@ -117,7 +162,8 @@ absl::Status PlayStream(
 }
 
 SourceFindings CollectWarnings(const SourceFindings& at_start, const Agent& agent,
-                               const FrameStream& stream, const PlayedFrames& played) {
+                               const FrameStream& stream, const PlayedFrames& played,
+                               const RobotTask& task) {
   SourceFindings warnings = at_start;
   const AgentStatus status = agent.GetStatus();
   warnings.insert(warnings.end(), status.input_findings.begin(), status.input_findings.end());
@@ -141,7 +187,7 @@ SourceFindings CollectWarnings(const SourceFindings& at_start, const Agent& agen
   const bool had_any = played.played > 0 || stream.left_out().count > 0 || !played.stopped;
   if (status.tracked == 0 && had_any) {
     warnings.push_back(
-        {FindingLevel::kWarning, "nothing-tracked", DescribeNothing(stream, played)});
+        {FindingLevel::kWarning, "nothing-tracked", DescribeNothing(stream, played, status, task)});
   }
   return warnings;
 }

@@ -49,13 +49,24 @@ absl::Status PlayStream(
     const std::function<void(const client_agent::TrackingResult&, const FrameMoment&)>& on_frame,
     FrameRateLimit* limit = nullptr);
 
+// What the robot was told to do, for words about a run that tracked nothing.
+struct RobotTask {
+  bool localise_only = false;
+  bool resume = false;
+  std::string mission;
+  // Only keyframes near where the robot is known to be are sent to it.
+  bool shares_nearby = false;
+  absl::Status session;  // Why no session stands with the store; OK: one does, or none is wanted.
+};
+
 // Returns what looked wrong over a whole run: `at_start`, then what the agent's sensor found,
 // the stream in its frames, frames that were left out, and that nothing was tracked: not so where
 // somebody stopped the robot before its first frame.
 client_agent::SourceFindings CollectWarnings(const client_agent::SourceFindings& at_start,
                                              const client_agent::Agent& agent,
                                              const client_agent::FrameStream& stream,
-                                             const PlayedFrames& played);
+                                             const PlayedFrames& played,
+                                             const RobotTask& task = {});
 
 // Adds to the report of the agent what the run knows: its frames and the time they took, what
 // looked wrong and what this process used.

@@ -24,6 +24,7 @@ using client_agent::TrajectoryPose;
 
 namespace {
 
+using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::Not;
@@ -43,7 +44,8 @@ class NotingAgent : public Agent {
   void BeginLocalMap() override { told.push_back(-1); }
   void Step() override {}
   absl::Status Finish(absl::Duration /*timeout*/) override { return absl::OkStatus(); }
-  AgentStatus GetStatus() const override { return {}; }
+  AgentStatus status;
+  AgentStatus GetStatus() const override { return status; }
   std::optional<Similarity3d> GlobalFromLocal() const override { return std::nullopt; }
   AgentTimings GetTimings() const override { return {}; }
   std::vector<TrajectoryPose> LocalTrajectory() const override { return {}; }
@@ -183,6 +185,47 @@ TEST_F(PlayStreamTest, NoFrameAtAllIsNothingTracked) {
   warnings = CollectWarnings({}, agent_, stream_, frames_);
   ASSERT_THAT(warnings, SizeIs(2));
   EXPECT_EQ(warnings[1].code, "nothing-tracked");
+}
+
+// Why nothing was tracked is said by the case.
+TEST_F(PlayStreamTest, ARobotThatOnlyLocalisesIsToldWhatIsSo) {
+  stream_.live = false;
+  stream_.PutFrame(0, 0);
+  stream_.Put(StreamEnd());
+  EXPECT_TRUE(Play().ok());
+  const auto words = [this](const RobotTask& task) {
+    return CollectWarnings({}, agent_, stream_, frames_, task).back().text;
+  };
+  RobotTask task{.localise_only = true, .mission = "labb", .session = {}};
+  task.session = absl::NotFoundError("there is no mission labb");
+  EXPECT_THAT(words(task), AllOf(HasSubstr("there is no mission labb"),
+                                 HasSubstr("--mission right"), Not(HasSubstr("doctor"))));
+  task.session = absl::UnavailableError("Connection refused");
+  EXPECT_THAT(words(task), AllOf(HasSubstr("no session"), HasSubstr("Connection refused")));
+  task.session = absl::OkStatus();
+  EXPECT_THAT(words(task),
+              AllOf(HasSubstr("nobody has mapped in mission labb"), Not(HasSubstr("doctor"))));
+  task.shares_nearby = true;
+  EXPECT_THAT(words(task), HasSubstr("did not recognise the place"));
+  agent_.status.foreign_keyframes = 31;
+  EXPECT_THAT(words(task), AllOf(HasSubstr("recognised nowhere in the 31 keyframes"),
+                                 HasSubstr("corbslam doctor")));
+  agent_.status.why_no_pose = client_agent::WhyNoPose::kAnotherCamera;
+  EXPECT_THAT(words(task),
+              AllOf(HasSubstr("another camera than the rig's"), Not(HasSubstr("there is no map"))));
+}
+
+TEST_F(PlayStreamTest, ARobotThatResumedIsToldThatThePlaceWasNotRecognised) {
+  stream_.PutFrame(0, 0);
+  stream_.Put(StreamEnd());
+  EXPECT_TRUE(Play().ok());
+  agent_.status.keyframes = 12;
+  const std::string words =
+      CollectWarnings({}, agent_, stream_, frames_, {.resume = true, .mission = "", .session = {}})
+          .back()
+          .text;
+  EXPECT_THAT(words, AllOf(HasSubstr("map of 12 keyframes that --resume took up"),
+                           Not(HasSubstr("there is no map"))));
 }
 
 TEST_F(PlayStreamTest, WhatTheStreamFoundIsAmongTheWarnings) {

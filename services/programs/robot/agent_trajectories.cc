@@ -1,12 +1,16 @@
 #include "services/programs/robot/agent_trajectories.h"
 
+#include <filesystem>
+#include <fstream>
 #include <map>
+#include <system_error>
 #include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "slam/evaluation/pose_header.h"
 #include "slam/evaluation/trajectory_io.h"
 #include "slam/util/status_macros.h"
+#include "slam/util/whole_file.h"
 
 namespace corbslam::services {
 
@@ -44,6 +48,20 @@ std::vector<LocalMapPath> SplitByLocalMap(const std::vector<TrajectoryPose>& pos
   return paths;
 }
 
+// Removes files of further local maps that an earlier drive left: those of two drives side by side
+// would be taken for one.
+void RemoveLeftOver(const std::string& path, size_t first) {
+  std::error_code error;
+  for (size_t number = first;; ++number) {
+    const std::string left = absl::StrCat(path, ".", number);
+    if (!std::filesystem::is_regular_file(std::filesystem::symlink_status(left, error))) return;
+    std::string begin(2, ' ');
+    std::ifstream(left).read(begin.data(), 2);
+    if (begin != "# ") return;
+    std::filesystem::remove(left, error);
+  }
+}
+
 }  // namespace
 
 absl::Status CheckPosesOf(const SensorCalibration& calibration, PosesOf poses_of) {
@@ -55,6 +73,10 @@ absl::Status WriteAgentTrajectories(const Agent& agent, const SensorCalibration&
   ASSIGN_OR_RETURN(const auto camera_from_wanted, FindWanted(calibration, poses_of));
   const std::vector<LocalMapPath> paths =
       SplitByLocalMap(agent.LocalTrajectory(), camera_from_wanted);
+  if (paths.size() > 1) {
+    RETURN_IF_ERROR(CheckForPlainFile(
+        path, absl::StrCat("the robot made ", paths.size(), " local maps, each a file")));
+  }
   for (size_t i = 0; i < paths.size(); ++i) {
     const std::string comment =
         absl::StrCat(PoseHeaderLine(poses_of), " in the frame of local map ", ToString(paths[i].id),
@@ -62,6 +84,7 @@ absl::Status WriteAgentTrajectories(const Agent& agent, const SensorCalibration&
     RETURN_IF_ERROR(WriteTumTrajectory(paths[i].poses,
                                        i == 0 ? path : absl::StrCat(path, ".", i + 1), comment));
   }
+  if (IsForPlainFile(path)) RemoveLeftOver(path, paths.size() + 1);
   return absl::OkStatus();
 }
 

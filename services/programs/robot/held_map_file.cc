@@ -7,6 +7,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "services/agent_service/near_map_message.h"
+#include "slam/util/whole_file.h"
 
 namespace corbslam::services {
 
@@ -29,11 +30,7 @@ absl::Status WriteHeldMap(const std::optional<NearMap>& held, const std::string&
     ToProto(*held, &proto);
     bytes = proto.SerializeAsString();
   }
-  std::ofstream file(path, std::ios::binary | std::ios::trunc);
-  file << bytes;
-  file.close();
-  if (!file) return absl::UnavailableError(absl::StrCat("can't write ", path));
-  return absl::OkStatus();
+  return WriteWhole(path, bytes);
 }
 
 absl::StatusOr<std::optional<NearMap>> ReadHeldMap(const std::string& path) {

@@ -77,6 +77,10 @@ std::string Explain(const TrackingResult& result, const SensorImages& images,
       return "there is no map, and mapping is paused";
     case WhyNoPose::kNotRecognised:
       return "the picture is good, and the map doesn't show this place from here";
+    case WhyNoPose::kAnotherCamera:
+      return "what others mapped shows this place, but to another camera than the rig's: is the "
+             "rig "
+             "file this camera's, of this picture size? (docs/rig.md)";
   }
   return "";
 }

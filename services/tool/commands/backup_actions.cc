@@ -7,6 +7,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/time/clock.h"
+#include "services/client/store/store_reader.h"
 #include "services/convert/resource_names.h"
 #include "services/tool/commands/commands.h"
 #include "services/tool/commands/mission_arguments.h"
@@ -44,6 +45,13 @@ absl::Status ListBackups(const MissionArguments& arguments) {
   ASSIGN_OR_RETURN(const auto channel, Connect(arguments));
   ASSIGN_OR_RETURN(const std::vector<v1::StoredBackup> backups,
                    BackupAdmin(channel).List(arguments.mission));
+  if (backups.empty() && !arguments.mission.empty()) {
+    const absl::Status known = StoreReader(channel, arguments.mission).Statistics().status();
+    if (absl::IsNotFound(known)) {
+      return absl::NotFoundError(absl::StrCat("the store has neither a mission ", arguments.mission,
+                                              " nor a stored backup of one"));
+    }
+  }
   PrintBackups(backups);
   return absl::OkStatus();
 }

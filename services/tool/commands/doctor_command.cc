@@ -2,6 +2,7 @@
 #include <memory>
 
 #include "absl/time/clock.h"
+#include "client_agent/live/live_sources.h"
 #include "services/client/reachability/cause.h"
 #include "services/command_line/command_line.h"
 #include "services/programs/default_vocabulary.h"
@@ -49,6 +50,7 @@ Findings Examine(const DoctorArguments& arguments) {
 }
 
 absl::Status RunDoctor(const DoctorArguments& arguments) {
+  client_agent::RegisterLiveSources();
   const Findings findings = Examine(arguments);
   std::fputs((arguments.json ? ToJson(findings).dump(2) + "\n" : FormatFindings(findings)).c_str(),
              stdout);

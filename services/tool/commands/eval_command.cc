@@ -150,9 +150,11 @@ void AddEvalCommand(CLI::App& app, Command& chosen) {
       ->check(CLI::IsMember({"se3", "sim3"}))
       ->capture_default_str();
   eval->add_option("--from-frame", files.from_frame,
-                   "Only frames of the sequence from this one on, aligned on those");
+                   "Only frames of the sequence from this one on, aligned on those")
+      ->check(CLI::Range(0, 1'000'000'000));
   eval->add_option("--max-gap", arguments->max_gap_s,
                    "Seconds between estimate and truth, at most; up to 1")
+      ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
   eval->add_option("--json", arguments->json,
                    "File to write the table to as JSON, too; - prints JSON instead");

@@ -22,6 +22,7 @@
 #include "slam/evaluation/pose_header.h"
 #include "slam/util/status_macros.h"
 #include "slam/util/text_file.h"
+#include "slam/util/whole_file.h"
 
 namespace corbslam::services {
 
@@ -89,7 +90,7 @@ absl::Status ExportPoints(const MissionArguments& arguments,
                    ", coloured by the robot that made them (the PLY's comments say which),"),
       "in the mission's global frame, that of its first local map; metres."};
   if (!left_out.empty()) readme.push_back(left_out);
-  RETURN_IF_ERROR(WriteLines(readme, arguments.file + ".README.md"));
+  RETURN_IF_ERROR(WriteReadme(readme, arguments.file));
   PrintResult(absl::StrCat(arguments.file, ": ", points.size(), " points\n"),
               {{"file", arguments.file},
                {"points", points.size()},
@@ -133,25 +134,12 @@ absl::Status WriteColmapReadme(const std::string& mission, const ColmapSource& s
        source.poses_of == PosesOf::kRecordedCamera
            ? "Pictures are the recorded left ones, cameras have their distortion: link each robot's"
            : "Pictures are the left ones undistorted and rectified, which nobody wrote: link each",
-       "to images/ROBOT/NANOSECONDS.png, called after its time. ROBOT+2 holds pictures of times "
-       "that",
-       "ROBOT has already: the robot was started again and saw the same recording.",
+       "to images/ROBOT/NANOSECONDS.png, called after its time. ROBOT+4 holds those of local map "
+       "ROBOT/4",
+       "(as `mission show` calls it) of times that ROBOT has already: the robot saw them again.",
        absl::StrCat(left_out,
                     " keyframes that nothing connects with the global frame are left out.")},
       folder + "/README.md");
-}
-
-ColmapSource MakeColmapSource(const map_store::MissionState& state, PosesOf poses_of) {
-  ColmapSource source;
-  source.poses_of = poses_of;
-  for (const auto& [id, local_map] : state.local_maps) {
-    source.robots[id] = local_map.agent;
-    for (size_t i = 0; i < local_map.cameras.size(); ++i) {
-      const std::optional<RecordedCamera> recorded = local_map.Recorded(i);
-      if (recorded.has_value()) source.recorded[{id, static_cast<uint32_t>(i)}] = *recorded;
-    }
-  }
-  return source;
 }
 
 absl::Status ExportColmap(const MissionArguments& arguments,
@@ -167,7 +155,7 @@ absl::Status ExportColmap(const MissionArguments& arguments,
   }
   ASSIGN_OR_RETURN(const map_store::MissionState state, ReadState(arguments, channel));
   ASSIGN_OR_RETURN(const Map map, GlobalMapOf(state));
-  const ColmapSource source = MakeColmapSource(state, poses_of);
+  const ColmapSource source = ColmapSourceOf(state, poses_of);
   ASSIGN_OR_RETURN(const ColmapCounts counts, WriteColmapModel(map, source, arguments.file));
   const size_t left_out = KeyframesElsewhere(state);
   RETURN_IF_ERROR(WriteColmapReadme(arguments.mission, source, left_out, arguments.file));
@@ -192,6 +180,12 @@ absl::Status Export(const MissionArguments& arguments) {
   if (arguments.moments != 0 && arguments.format != "mcap") {
     return absl::InvalidArgumentError(absl::StrCat(
         "--moments: ", arguments.format, " holds the map as it is; only mcap holds its past"));
+  }
+  // It may be standard output itself.
+  if (!IsForPlainFile(arguments.file)) PrintToStandardError();
+  if (!arguments.clock.empty() && arguments.format != "mcap") {
+    return absl::InvalidArgumentError(absl::StrCat("--clock: ", arguments.format,
+                                                   " has each robot's own; only mcap has another"));
   }
   ASSIGN_OR_RETURN(const auto channel, Connect(arguments));
   // The exports below find nothing where there is no keyframe; the message here says so at once.
@@ -231,6 +225,13 @@ void AddExportAction(CLI::App& mission, const std::shared_ptr<MissionArguments>&
       ->add_option("--moments", arguments->moments,
                    "mcap: of the map's past at most so many moments, 2 to 1000 (default: 100)")
       ->check(CLI::Range(2, 1000));
+  action
+      ->add_option(
+          "--clock", arguments->clock,
+          "mcap: robots (the default): each pose has its frame's time, and the recording "
+          "lies beside others of the robots; recording: a second a moment, then all drives "
+          "begin together")
+      ->check(CLI::IsMember({"robots", "recording"}));
   action->add_option("--agent", arguments->agent, "Only this robot's");
   action
       ->add_option("--poses-of", arguments->poses_of,

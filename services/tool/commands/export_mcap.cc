@@ -14,13 +14,15 @@
 #include "services/tool/export/mcap/mission_recording.h"
 #include "services/tool/export/robot_colours.h"
 #include "services/tool/mission/mission_summary.h"
+#include "services/tool/mission/summary_pairs.h"
 #include "services/tool/output/result.h"
 #include "slam/evaluation/pose_header.h"
 #include "slam/util/status_macros.h"
-#include "slam/util/text_file.h"
 
 namespace corbslam::services {
 namespace {
+
+constexpr char kOwnClock[] = "recording";
 
 // What happens to a call that an older store does not know.
 bool IsUnknownCall(const absl::Status& status) {
@@ -51,6 +53,11 @@ absl::StatusOr<RecordedMission> Collect(const MissionArguments& arguments, Store
   ASSIGN_OR_RETURN(mission.overlaps, AcceptedOverlaps(summary));
   ASSIGN_OR_RETURN(mission.notes, CollectNotes(store, summary));
   mission.frame_of_robots = arguments.poses_of.empty() ? "camera" : arguments.poses_of;
+  if (arguments.clock != kOwnClock) {
+    mission.clock = RecordingClock::kRobots;
+    ASSIGN_OR_RETURN(mission.keyframe_times_ns, store.ReadKeyframeTimes());
+    if (arguments.moments > 0) mission.expected_moments = arguments.moments;
+  }
   return mission;
 }
 
@@ -58,11 +65,19 @@ absl::StatusOr<RecordedMission> Collect(const MissionArguments& arguments, Store
 absl::StatusOr<ToldMap> RecordPast(const MissionArguments& arguments, StoreReader& store,
                                    MissionRecording& recording) {
   uint64_t told = 0;
-  const absl::Status status =
-      store.ReplayMap(arguments.moments, [&](const ToldMap& map) -> absl::Status {
-        told = map.version;
-        return recording.AddMoment(map);
-      });
+  const auto add = [&](const ToldMap& map) -> absl::Status {
+    told = map.version;
+    return recording.AddMoment(map);
+  };
+  bool with_points = arguments.clock != kOwnClock;
+  absl::Status status = store.ReplayMap(arguments.moments, with_points, add);
+  if (with_points && absl::IsResourceExhausted(status) && recording.moments() == 0) {
+    Say("the past with its points is more than the map store tells at once: points are those of "
+        "the "
+        "end alone\n");
+    with_points = false;
+    status = store.ReplayMap(arguments.moments, with_points, add);
+  }
   if (IsUnknownCall(status)) {
     Say("the map store is older than this program and tells no past: the map is as it is\n");
   } else if (status.code() == absl::StatusCode::kResourceExhausted) {
@@ -80,10 +95,11 @@ absl::StatusOr<ToldMap> RecordPast(const MissionArguments& arguments, StoreReade
 
 // Adds a robot's drives, each island's part of them on its own.
 absl::Status AddDrives(const std::string& robot, const ServedTrajectory& served, const ToldMap& map,
-                       std::vector<RecordedTrajectory>& trajectories) {
-  size_t drive = 0;
-  for (const TrajectoryFile& parts : ShareFiles(PartsOf(served))) {
-    ++drive;
+                       const LocalMapNames& names, std::vector<RecordedTrajectory>& trajectories) {
+  const std::vector<TrajectoryFile> drives = ShareFiles(PartsOf(served));
+  const std::vector<std::string> suffixes = SuffixesOf(drives, names);
+  for (size_t i = 0; i < drives.size(); ++i) {
+    const TrajectoryFile& parts = drives[i];
     std::map<LocalMapId, RecordedTrajectory> by_island;
     for (const TrajectoryPart& part : parts) {
       if (part.poses.empty()) continue;
@@ -92,7 +108,7 @@ absl::Status AddDrives(const std::string& robot, const ServedTrajectory& served,
       const auto known = map.islands.find(island);
       RecordedTrajectory& trajectory = by_island[island];
       trajectory.robot = robot;
-      trajectory.drive = drive;
+      trajectory.suffix = suffixes[i];
       trajectory.island = island;
       trajectory.in_global_frame = known != map.islands.end() && known->second.in_global_frame;
       trajectory.drive_begins_ns = parts.front().poses.front().timestamp_ns;
@@ -107,26 +123,45 @@ absl::StatusOr<std::vector<RecordedTrajectory>> ReadDrives(const MissionSummary&
                                                            PosesOf poses_of, const ToldMap& map,
                                                            StoreReader& store) {
   std::vector<RecordedTrajectory> trajectories;
+  const LocalMapNames names = ShortNames(summary);
   for (const v1::MissionAgent& agent : summary.agents) {
     const std::string robot = LastSegment(agent.name());
     ASSIGN_OR_RETURN(const ServedTrajectory served,
                      store.ReadTrajectory(robot, v1::TRAJECTORY_FRAME_GLOBAL, poses_of,
                                           StoreReader::Reach::kAllIslands));
-    RETURN_IF_ERROR(AddDrives(robot, served, map, trajectories));
+    RETURN_IF_ERROR(AddDrives(robot, served, map, names, trajectories));
   }
   return trajectories;
 }
 
-absl::Status WriteReadme(const MissionArguments& arguments, PosesOf poses_of,
-                         const MissionRecording& recording) {
-  return WriteLines(
-      {absl::StrCat("Recording of mission ", arguments.mission, " for Foxglove and Rerun: ",
-                    recording.moments(), " moments of the map, a second each,"),
-       "then the robots driving again in the map as it is, each by its own clock since its first "
-       "frame.",
+// Clocks that are a day apart make a recording of which nothing is seen at once.
+void SayIfClocksDiffer(const std::vector<RecordedTrajectory>& trajectories) {
+  constexpr int64_t kDay_ns = int64_t{86'400} * 1'000'000'000;
+  for (const RecordedTrajectory& a : trajectories) {
+    for (const RecordedTrajectory& b : trajectories) {
+      if (b.drive_begins_ns / 2 - a.drive_begins_ns / 2 <= kDay_ns / 2) continue;
+      Say(absl::StrCat("the clocks of ", a.robot, " and ", b.robot,
+                       " are more than a day apart: --clock recording has both drives begin "
+                       "together\n"));
+      return;
+    }
+  }
+}
+
+absl::Status WriteReadmeOf(const MissionArguments& arguments, PosesOf poses_of,
+                           const MissionRecording& recording) {
+  const bool is_own = arguments.clock == kOwnClock;
+  return WriteReadme(
+      {absl::StrCat("Recording of mission ", arguments.mission,
+                    " for Foxglove and Rerun: ", recording.moments(), " moments of the map, ",
+                    is_own ? "a second each," : "each at the time of its newest keyframe,"),
+       is_own
+           ? "then the robots driving again in the map as it is, each by its own clock since its "
+             "first frame."
+           : "and the robots driving in the map as it is in the end, at their frames' own times.",
        absl::StrCat("Robots' poses: ", PoseHeaderLine(poses_of), ";"),
        "frames and topics are listed in CORB-SLAM's docs/operations.md; metres."},
-      arguments.file + ".README.md");
+      arguments.file);
 }
 
 }  // namespace
@@ -143,11 +178,21 @@ absl::Status ExportMcap(const MissionArguments& arguments,
   ASSIGN_OR_RETURN(RecordedMission mission, Collect(arguments, store, summary));
   ASSIGN_OR_RETURN(MissionRecording recording,
                    MissionRecording::Create(arguments.file, std::move(mission)));
+  std::vector<RecordedTrajectory> trajectories;
+  if (arguments.clock != kOwnClock) {
+    ASSIGN_OR_RETURN(const ToldMap now, store.ReadMap());
+    ASSIGN_OR_RETURN(trajectories, ReadDrives(summary, poses_of, now, store));
+    SayIfClocksDiffer(trajectories);
+    RETURN_IF_ERROR(recording.BeginDrives(now, std::move(trajectories)));
+  }
   ASSIGN_OR_RETURN(const ToldMap map, RecordPast(arguments, store, recording));
-  ASSIGN_OR_RETURN(const auto trajectories, ReadDrives(summary, poses_of, map, store));
-  RETURN_IF_ERROR(recording.End(map, trajectories));
+  trajectories.clear();
+  if (arguments.clock == kOwnClock) {
+    ASSIGN_OR_RETURN(trajectories, ReadDrives(summary, poses_of, map, store));
+  }
+  RETURN_IF_ERROR(recording.End(map, std::move(trajectories)));
   RETURN_IF_ERROR(recording.Finish());
-  RETURN_IF_ERROR(WriteReadme(arguments, poses_of, recording));
+  RETURN_IF_ERROR(WriteReadmeOf(arguments, poses_of, recording));
   PrintResult(absl::StrCat(arguments.file, ": ", recording.moments(), " moments, ",
                            map.CountKeyframes(), " keyframes\n"),
               {{"file", arguments.file},

@@ -8,6 +8,7 @@
 #include "services/convert/resource_names.h"
 #include "services/tool/commands/mission_arguments.h"
 #include "services/tool/mission/mission_admin.h"
+#include "services/tool/output/confirmation.h"
 #include "services/tool/output/result.h"
 #include "slam/util/status_macros.h"
 
@@ -45,6 +46,12 @@ absl::StatusOr<v1::ForgetLocalMapsRequest> MakeRequest(const MissionArguments& a
 absl::Status Forget(const MissionArguments& arguments) {
   ASSIGN_OR_RETURN(const v1::ForgetLocalMapsRequest request, MakeRequest(arguments));
   ASSIGN_OR_RETURN(const auto channel, Connect(arguments));
+  if (!arguments.dry_run) {
+    RETURN_IF_ERROR(
+        ConfirmLoss(absl::StrCat("Sessions of ", arguments.agent, " in mission ", arguments.mission,
+                                 " go for good; --dry-run says which."),
+                    arguments.yes));
+  }
   MissionAdmin admin(channel);
   ASSIGN_OR_RETURN(const v1::ForgetLocalMapsResponse forgotten, admin.Forget(request));
   nlohmann::ordered_json ids = nlohmann::ordered_json::array();
@@ -77,7 +84,9 @@ void AddForgetAction(CLI::App& mission, const std::shared_ptr<MissionArguments>&
   forget->add_option("--before", arguments->before,
                      "Those that ended before this time of the robot's clock: nanoseconds, or "
                      "2026-11-28T12:00:00Z");
-  forget->add_option("--keep", arguments->keep_local_maps, "All but so many of the newest");
+  forget->add_option("--keep", arguments->keep_local_maps, "All but so many of the newest")
+      ->check(CLI::Range(0, 1'000'000));
+  AddYesFlag(*forget, *arguments);
   forget->add_flag("--dry-run", arguments->dry_run, "Say what would go, and delete nothing");
 }
 

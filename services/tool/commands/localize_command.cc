@@ -27,16 +27,41 @@ struct LocalizeArguments {
   bool json = false;
 };
 
-absl::StatusOr<RawCamera> CameraOf(const LocalizeArguments& arguments) {
-  if (arguments.rig.empty()) return ParseCamera(arguments.camera);
+absl::Status SetCamera(const LocalizeArguments& arguments, PictureSearch& search) {
+  if (arguments.rig.empty()) {
+    ASSIGN_OR_RETURN(search.camera, ParseCamera(arguments.camera));
+    return absl::OkStatus();
+  }
   ASSIGN_OR_RETURN(const client_agent::Rig rig, client_agent::ReadRigFile(arguments.rig));
-  return rig.cameras[0].raw;
+  search.camera = rig.cameras[0].raw;
+  search.width_px = rig.cameras[0].width_px;
+  search.height_px = rig.cameras[0].height_px;
+  search.calibration = arguments.rig;
+  return absl::OkStatus();
+}
+
+// Throws what wrong flags end with.
+void CheckFlags(const LocalizeArguments& arguments) {
+  const auto refuse = [](const std::string& why) {
+    throw CLI::ParseError(why, CLI::ExitCodes::ValidationError);
+  };
+  if (arguments.rig.empty() && arguments.camera.empty()) {
+    refuse(
+        "localize needs the camera that took the pictures: --rig FILE (docs/rig.md), or for one "
+        "whose lens doesn't distort --camera \"FX FY CX CY\", in pixels of these pictures");
+  }
+  if (!arguments.rig.empty() && !arguments.camera.empty()) {
+    refuse("--rig and --camera both say which camera took the pictures: give one of them");
+  }
+  const absl::StatusOr<RawCamera> camera =
+      arguments.camera.empty() ? RawCamera() : ParseCamera(arguments.camera);
+  if (!camera.ok()) refuse(std::string(camera.status().message()));
 }
 
 absl::Status Localize(LocalizeArguments arguments) {
   PictureSearch& search = arguments.search;
   RETURN_IF_ERROR(CheckNameSegment("--mission", search.mission));
-  ASSIGN_OR_RETURN(search.camera, CameraOf(arguments));
+  RETURN_IF_ERROR(SetCamera(arguments, search));
   if (!arguments.near.empty()) {
     ASSIGN_OR_RETURN(search.near_m, ParsePlace(arguments.near));
   }
@@ -67,16 +92,15 @@ void AddLocalizeCommand(CLI::App& app, Command& chosen) {
       ->required();
   action->add_option("--server", arguments->server, "HOST:PORT of the map store")->required();
   action->add_option("--mission", arguments->search.mission, "Its name")->required();
-  auto* camera = action->add_option_group("camera");
-  camera->add_option("--rig", arguments->rig,
+  action->add_option("--rig", arguments->rig,
                      "Rig file (docs/rig.md) whose first camera took them");
-  camera->add_option("--camera", arguments->camera,
+  action->add_option("--camera", arguments->camera,
                      "\"FX FY CX CY\" in pixels, of a camera without distortion");
-  camera->require_option(1);
   auto* near = action->add_option("--near", arguments->near,
                                   "\"X Y Z\" in the global frame: only around there, metres");
   auto* radius =
-      action->add_option("--radius", arguments->search.radius_m, "Within so many metres of --near");
+      action->add_option("--radius", arguments->search.radius_m, "Within so many metres of --near")
+          ->check(CLI::Range(0.001, 1e6));
   near->needs(radius);
   radius->needs(near);
   action->add_flag("--all-islands", arguments->search.all_islands,
@@ -84,7 +108,10 @@ void AddLocalizeCommand(CLI::App& app, Command& chosen) {
   action->add_flag("--json", arguments->json, "Print JSON, for scripts");
   AddTlsFlags(*action, arguments->security);
   AddClientFlags(*action, arguments->security);
-  action->callback([arguments, &chosen] { chosen = [=] { return Localize(*arguments); }; });
+  action->callback([arguments, &chosen] {
+    CheckFlags(*arguments);
+    chosen = [=] { return Localize(*arguments); };
+  });
 }
 
 }  // namespace corbslam::services

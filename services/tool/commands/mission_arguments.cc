@@ -6,6 +6,8 @@
 #include "services/client/store/store_reader.h"
 #include "services/security/flags.h"
 #include "services/tool/output/progress.h"
+#include "slam/util/text_file.h"
+#include "slam/util/whole_file.h"
 
 namespace corbslam::services {
 
@@ -17,6 +19,10 @@ std::function<void(uint64_t bytes)> ShowBytes(const char* what, uint64_t total) 
   return [line = std::make_shared<ProgressLine>(), what, total](uint64_t bytes) {
     line->Tell(absl::StrCat(what, ": ", DescribeBytes(bytes, total)));
   };
+}
+
+absl::Status WriteReadme(const std::vector<std::string>& lines, const std::string& file) {
+  return IsForPlainFile(file) ? WriteLines(lines, file + ".README.md") : absl::OkStatus();
 }
 
 CLI::App* AddMissionAction(CLI::App& mission, const char* name, const char* what,
@@ -36,6 +42,10 @@ void AddMissionFlag(CLI::App& action, MissionArguments& arguments) {
 
 void AddJsonFlag(CLI::App& action, MissionArguments& arguments) {
   action.add_flag("--json", arguments.json, "Print JSON, for scripts");
+}
+
+void AddYesFlag(CLI::App& action, MissionArguments& arguments) {
+  action.add_flag("--yes", arguments.yes, "Do not ask at a terminal whether it is meant");
 }
 
 }  // namespace corbslam::services

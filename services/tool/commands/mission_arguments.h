@@ -10,6 +10,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
@@ -26,6 +27,7 @@ struct MissionArguments {
   std::string mission;
   std::string file;
   bool json = false;
+  bool yes = false;                   // Of `delete` and `forget`: nobody is asked.
   MissionSettings settings;           // Of `create` and `set`.
   RobotSettingsFlags robot_settings;  // Of `settings`.
   // These are of stored backups: missions/M/backups/N, a time, and a new mission's name.
@@ -40,8 +42,9 @@ struct MissionArguments {
   std::string before;
   std::optional<uint32_t> keep_local_maps;
   bool dry_run = false;
-  // `export` alone has the three fields below.
+  // `export` alone has the four fields below.
   std::string format;
+  std::string clock;
   std::string poses_of;  // Empty if the flag was not given.
   uint32_t moments = 0;  // 0 if the flag was not given.
 };
@@ -53,12 +56,17 @@ absl::StatusOr<std::shared_ptr<grpc::Channel>> Connect(const MissionArguments& a
 // (0).
 std::function<void(uint64_t bytes)> ShowBytes(const char* what, uint64_t total = 0);
 
+// Writes the lines to FILE.README.md, beside what was exported; there is none beside a device or a
+// pipe.
+absl::Status WriteReadme(const std::vector<std::string>& lines, const std::string& file);
+
 // Adds a command below `mission`, with the flags that say which store.
 CLI::App* AddMissionAction(CLI::App& mission, const char* name, const char* what,
                            absl::Status (*run)(const MissionArguments&),
                            const std::shared_ptr<MissionArguments>& arguments, Command& chosen);
 void AddMissionFlag(CLI::App& action, MissionArguments& arguments);
 void AddJsonFlag(CLI::App& action, MissionArguments& arguments);
+void AddYesFlag(CLI::App& action, MissionArguments& arguments);
 
 // These add `mission create` and `mission set`; `mission settings`; `mission show`; and `mission
 // export`.

@@ -8,6 +8,7 @@
 #include "services/tool/mission/mission_admin.h"
 #include "services/tool/mission/mission_json.h"
 #include "services/tool/mission/mission_summary.h"
+#include "services/tool/output/confirmation.h"
 #include "services/tool/output/result.h"
 #include "slam/util/status_macros.h"
 
@@ -47,6 +48,10 @@ absl::Status Sleep(const MissionArguments& arguments) {
 
 absl::Status Delete(const MissionArguments& arguments) {
   ASSIGN_OR_RETURN(const auto channel, Connect(arguments));
+  RETURN_IF_ERROR(ConfirmLoss(absl::StrCat("Mission ", arguments.mission, " at ", arguments.server,
+                                           " goes for good, for its robots, too; `mission backup` "
+                                           "would keep it."),
+                              arguments.yes));
   MissionAdmin admin(channel);
   ASSIGN_OR_RETURN(const uint32_t local_maps, admin.Delete(arguments.mission));
   PrintResult(
@@ -88,6 +93,7 @@ void AddMissionCommand(CLI::App& app, Command& chosen) {
   CLI::App* remove =
       AddMissionAction(*mission, "delete", "Forget a mission for good", &Delete, arguments, chosen);
   AddMissionFlag(*remove, *arguments);
+  AddYesFlag(*remove, *arguments);
 }
 
 }  // namespace corbslam::services

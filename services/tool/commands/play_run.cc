@@ -1,5 +1,6 @@
 #include "services/tool/commands/play_run.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <map>
 #include <memory>
@@ -23,6 +24,7 @@
 #include "services/tool/evaluation/picture.h"
 #include "services/tool/output/progress.h"
 #include "services/tool/output/result.h"
+#include "services/tool/run/run_folder.h"
 #include "slam/evaluation/trajectory_io.h"
 #include "slam/util/folders.h"
 #include "slam/util/status_macros.h"
@@ -31,6 +33,7 @@ namespace corbslam::services {
 
 using client_agent::FormatSourceSpec;
 using client_agent::FrameReader;
+using client_agent::FramesOf;
 using client_agent::OpenReader;
 using client_agent::SourceSpec;
 
@@ -207,6 +210,30 @@ void PrintWarnings(const RunReport& report) {
   }
 }
 
+// A page that was open says no more than that the connection broke.
+void SayThatTheViewEnded(const RunPlan& plan) {
+  const std::string where =
+      plan.mission.server.empty()
+          ? absl::StrCat("open ", plan.out, "/report.html to look further")
+          : absl::StrCat("map_viewer --store ", plan.mission.server, " shows the mission further");
+  Say(absl::StrCat("The page of --view ended with the run; ", where, ".\n"));
+}
+
+// Refuses a frame from which on nothing is counted, if somebody named one.
+absl::Status CheckFromFrame(const RunPlan& plan) {
+  if (!plan.is_from_frame_given) return absl::OkStatus();
+  size_t last = 0;
+  for (const RobotPlan& robot : plan.mission.robots) {
+    ASSIGN_OR_RETURN(const std::unique_ptr<FrameReader> reader, OpenReader(robot.source));
+    for (const size_t frame : FramesOf(robot.source, reader->frame_count())) {
+      last = std::max(last, frame);
+    }
+  }
+  if (plan.from_frame <= last) return absl::OkStatus();
+  return absl::InvalidArgumentError(absl::StrCat("--from-frame is ", plan.from_frame,
+                                                 ", and the last frame that is played is ", last));
+}
+
 }  // namespace
 
 absl::Status PlayRun(RunPlan plan) {
@@ -215,11 +242,12 @@ absl::Status PlayRun(RunPlan plan) {
   ASSIGN_OR_RETURN(plan.own, ChooseOwn(plan.own, NamesOf(plan.mission.robots)));
   ASSIGN_OR_RETURN(std::vector<ReportWarning> warnings,
                    CheckSources(plan.mission.robots, plan.mission.strict));
+  RETURN_IF_ERROR(CheckFromFrame(plan));
   // Both runs have the same seed.
   if (plan.company && !plan.mission.seed.has_value())
     plan.mission.seed = std::random_device()() | 1u;
+  ASSIGN_OR_RETURN(const RunFolder folder, RunFolder::Take(plan.out, plan.command_line));
   plan.mission.log_folder = plan.out + "/logs";
-  RETURN_IF_ERROR(MakeFolder(plan.mission.log_folder));
   if (plan.mission.view) {
     ASSIGN_OR_RETURN(plan.mission.truth_path,
                      WriteTruth(plan.mission.robots, plan.mission.log_folder));
@@ -235,6 +263,7 @@ absl::Status PlayRun(RunPlan plan) {
   PrintResult(absl::StrFormat("Done in %.0f s: %s/report.md, report.html, report.json, map.png\n",
                               absl::ToDoubleSeconds(absl::Now() - start), plan.out),
               ToJson(outcome.report));
+  if (plan.mission.view) SayThatTheViewEnded(plan);
   if (!WantsJson()) PrintWarnings(outcome.report);
   return JudgeOutcome(outcome, plan.out);
 }

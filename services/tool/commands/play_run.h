@@ -17,6 +17,7 @@ struct RunPlan {
   std::string own;
   std::string out;
   size_t from_frame = 15;
+  bool is_from_frame_given = false;
   // True: the same robots play a second time, alone, as the mission NAME-alone.
   bool company = false;
   std::string command_line;

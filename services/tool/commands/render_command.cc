@@ -58,18 +58,25 @@ absl::Status CheckTruth(const std::string& truth, const std::vector<RobotPaths>&
       " ms. Is it what these robots saw, and are its times of the same clock, in seconds?"));
 }
 
-// Aligns the truth of one sequence to the robots that lie in the global frame.
-absl::StatusOr<FusedAccuracy> AlignTruth(StoreReader& store, const std::vector<std::string>& agents,
-                                         const std::string& truth) {
-  if (truth.empty()) return FusedAccuracy{};
-  ASSIGN_OR_RETURN(const SourceSpec source, ParseSourceSpec(truth));
+absl::StatusOr<std::vector<RobotPaths>> ReadPaths(StoreReader& store,
+                                                  const std::vector<std::string>& agents) {
   std::vector<RobotPaths> robots;
   for (const std::string& agent : agents) {
     RobotPaths& paths = robots.emplace_back();
     paths.name = agent;
-    paths.source = source;
-    ASSIGN_OR_RETURN(paths.local, store.ReadTrajectory(agent, v1::TRAJECTORY_FRAME_LOCAL));
     ASSIGN_OR_RETURN(paths.global, store.ReadTrajectory(agent, v1::TRAJECTORY_FRAME_GLOBAL));
+  }
+  return robots;
+}
+
+// Aligns the truth of one sequence to the robots that lie in the global frame.
+absl::StatusOr<FusedAccuracy> AlignTruth(StoreReader& store, std::vector<RobotPaths> robots,
+                                         const std::string& truth) {
+  if (truth.empty()) return FusedAccuracy{};
+  ASSIGN_OR_RETURN(const SourceSpec source, ParseSourceSpec(truth));
+  for (RobotPaths& paths : robots) {
+    paths.source = source;
+    ASSIGN_OR_RETURN(paths.local, store.ReadTrajectory(paths.name, v1::TRAJECTORY_FRAME_LOCAL));
   }
   ASSIGN_OR_RETURN(Accuracy accuracy, ComputeAccuracy(robots, 0, Alignment::kSe3));
   RETURN_IF_ERROR(CheckTruth(truth, robots, accuracy.fused));
@@ -77,8 +84,8 @@ absl::StatusOr<FusedAccuracy> AlignTruth(StoreReader& store, const std::vector<s
 }
 
 absl::Status DrawNow(const ServedMap& map, const std::string& own, const FusedAccuracy& accuracy,
-                     const RenderArguments& arguments) {
-  const MapPicture picture = ComposePicture(map, own, accuracy);
+                     const std::vector<RobotPaths>& robots, const RenderArguments& arguments) {
+  const MapPicture picture = ComposePicture(map, own, accuracy, DrivenOf(robots));
   if (IsSvg(arguments.out)) {
     ASSIGN_OR_RETURN(const std::string svg,
                      RenderMapSvg(picture, SvgLook::kAlone, arguments.picture));
@@ -132,9 +139,9 @@ absl::Status Render(RenderArguments arguments) {
     return absl::NotFoundError("mission " + arguments.mission + " has no keyframes yet");
   }
   ASSIGN_OR_RETURN(const std::string own, ChooseOwnOf(map, arguments));
-  ASSIGN_OR_RETURN(const FusedAccuracy accuracy,
-                   AlignTruth(store, ListAgents(map), arguments.truth));
-  if (arguments.past.at.empty()) RETURN_IF_ERROR(DrawNow(map, own, accuracy, arguments));
+  ASSIGN_OR_RETURN(const std::vector<RobotPaths> paths, ReadPaths(store, ListAgents(map)));
+  ASSIGN_OR_RETURN(const FusedAccuracy accuracy, AlignTruth(store, paths, arguments.truth));
+  if (arguments.past.at.empty()) RETURN_IF_ERROR(DrawNow(map, own, accuracy, paths, arguments));
   if (looks_back) {
     RETURN_IF_ERROR(RenderPast(store, own, accuracy, arguments.past, arguments.out));
   }
@@ -158,10 +165,13 @@ void AddPastOptions(CLI::App& render, PastOptions& past) {
   render.add_option("--animate", past.animate,
                     "Write the mission's past as an animation, too: FILE.webp");
   render.add_option("--fps", past.frames_per_second, "Moments a second of --animate, 5 to 20")
+      ->check(CLI::Range(5, 20))
       ->capture_default_str();
-  render.add_option("--moments", past.moments,
-                    "At most so many moments of the past are looked at, 2 to 1000; by default "
-                    "1000 for --at, 200 for --animate alone");
+  render
+      .add_option("--moments", past.moments,
+                  "At most so many moments of the past are looked at, 2 to 1000; by default "
+                  "1000 for --at, 200 for --animate alone")
+      ->check(CLI::Range(2, 1000));
 }
 
 }  // namespace
@@ -174,7 +184,9 @@ void AddRenderCommand(CLI::App& app, Command& chosen) {
   render->add_option("--own", arguments->own, "The robot drawn as own (the first)");
   render->add_option("--truth", arguments->truth,
                      "kitti:DIR, tum:DIR, euroc:DIR or sim:WORLD, drawn dashed");
-  render->add_option("--width", arguments->picture.width_px, "Pixels")->capture_default_str();
+  render->add_option("--width", arguments->picture.width_px, "Pixels")
+      ->check(CLI::Range(200, 10'000))
+      ->capture_default_str();
   render->add_option("--out", arguments->out, "The picture to write: FILE.svg or FILE.png")
       ->capture_default_str();
   AddPastOptions(*render, arguments->past);

@@ -2,7 +2,6 @@
 #include <cstdio>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <opencv2/imgcodecs.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -21,6 +20,8 @@
 #include "services/tool/output/result.h"
 #include "services/tool/rig/retake.h"
 #include "services/tool/rig/rig_check.h"
+#include "slam/rendering/map_picture.h"
+#include "slam/util/folders.h"
 #include "slam/util/status_macros.h"
 #include "slam/util/text_file.h"
 
@@ -134,9 +135,7 @@ absl::Status Check(const CheckArguments& arguments) {
   std::string text = FormatRigCheck(check);
   nlohmann::ordered_json json = RigCheckToJson(check);
   if (!arguments.out.empty() && !check.picture.empty()) {
-    if (!cv::imwrite(arguments.out, check.picture)) {
-      return absl::UnavailableError("cannot write " + arguments.out);
-    }
+    RETURN_IF_ERROR(WriteImage(check.picture, arguments.out));
     absl::StrAppend(&text, "picture: ", arguments.out, "\n");
     json["picture"] = arguments.out;
   }
@@ -149,6 +148,7 @@ absl::Status TakeAgain(const RetakeArguments& arguments) {
   ASSIGN_OR_RETURN(const SourceSpec spec, ParseSourceSpec(arguments.source));
   ASSIGN_OR_RETURN(const std::unique_ptr<FrameReader> reader, OpenReader(spec));
   ASSIGN_OR_RETURN(const Rig rig, ReadRigFile(arguments.rig));
+  RETURN_IF_ERROR(CheckNewFolder(arguments.out));
   ASSIGN_OR_RETURN(const size_t frames, Retake(*reader, spec, rig, arguments.out));
   const std::string source =
       absl::StrCat("kitti:", arguments.out, "?rig=", arguments.out, "/rig.yaml");
@@ -157,22 +157,31 @@ absl::Status TakeAgain(const RetakeArguments& arguments) {
   return absl::OkStatus();
 }
 
+std::vector<std::string> FormatNames() {
+  std::vector<std::string> names;
+  for (const absl::string_view name : client_agent::RigFormats()) names.emplace_back(name);
+  return names;
+}
+
 void AddConvert(CLI::App& rig, Command& chosen) {
   auto arguments = std::make_shared<ConvertArguments>();
   CLI::App* convert = rig.add_subcommand(
-      "convert", "Make a rig file of what Kalibr, ROS, OpenCV, ORB-SLAM, EuRoC or KITTI wrote");
+      "convert", "Make a rig file of what Kalibr, ROS, OpenCV, ORB-SLAM or another system wrote");
   convert
       ->add_option("files", arguments->files.paths, "The calibration's file or files, left first")
       ->required();
-  convert->add_option("--format", arguments->files.format,
-                      absl::StrCat("One of ", absl::StrJoin(client_agent::RigFormats(), ", "),
-                                   "; else found out from the files"));
+  convert
+      ->add_option("--format", arguments->files.format,
+                   absl::StrCat("One of ", absl::StrJoin(client_agent::RigFormats(), ", "),
+                                "; else found out from the files"))
+      ->check(CLI::IsMember(FormatNames()));
   convert->add_option("--size", arguments->size,
                       "WIDTHxHEIGHT of the pictures, where the files leave it out");
   convert->add_option("--lens", arguments->files.lens,
                       "Of OpenCV's D with 4 numbers: radial-tangential, or equidistant "
                       "(cv::fisheye)");
-  convert->add_option("--rate", arguments->rate_hz, "Frames a second");
+  convert->add_option("--rate", arguments->rate_hz, "Frames a second")
+      ->check(CLI::Range(0.001, 10000.0));
   convert->add_option("--mask", arguments->mask, "Picture that is black where the robot is seen");
   convert->add_flag("--trust-calibration", arguments->files.trust,
                     "Also take an improbable calibration");

@@ -94,8 +94,10 @@ void AddRunCommand(CLI::App& app, const std::string& command_line, Command& chos
   run->add_option("--source", arguments->plan.sources,
                   SourceUsage() + ", each with ?OPTIONS; several: one robot each")
       ->required();
-  run->add_option("--robots", arguments->robots, "Among how many one source is split (2)");
+  run->add_option("--robots", arguments->robots, "Among how many one source is split (2)")
+      ->check(CLI::Range(1, 100));
   run->add_option("--overlap", arguments->overlap, "Frames by which parts reach beyond their share")
+      ->check(CLI::Range(0, 1'000'000))
       ->capture_default_str();
   run->add_option("--split", arguments->split, "halves, or interleaved: every n-th frame of a part")
       ->check(CLI::IsMember({"halves", "interleaved"}))
@@ -103,13 +105,18 @@ void AddRunCommand(CLI::App& app, const std::string& command_line, Command& chos
   run->add_option("--perturb", arguments->perturbations,
                   "What robot N sees differently, as 2:gamma=0.8,noise=4,reverse");
   run->add_option("--own", arguments->plan.own, "The robot drawn as own (the first)");
-  run->add_option("--from-frame", arguments->plan.from_frame,
-                  "Errors are given also from this frame of the sequence on")
-      ->capture_default_str();
+  const CLI::Option* const from_frame =
+      run->add_option("--from-frame", arguments->plan.from_frame,
+                      "Errors are given also from this frame of the sequence on")
+          ->check(CLI::Range(0, 1'000'000'000))
+          ->capture_default_str();
   run->add_option("--out", arguments->plan.out, "Folder for all results")->capture_default_str();
   AddCompanyFlag(*run, arguments->plan);
   AddMissionOptions(*run, arguments->plan.mission);
-  run->callback([arguments, &chosen] { chosen = [arguments] { return Run(*arguments); }; });
+  run->callback([arguments, from_frame, &chosen] {
+    arguments->plan.is_from_frame_given = from_frame->count() > 0;
+    chosen = [arguments] { return Run(*arguments); };
+  });
 }
 
 void AddDemoCommand(CLI::App& app, const std::string& command_line, Command& chosen) {

@@ -1,9 +1,7 @@
 #include "services/tool/commands/run_results.h"
 
 #include <algorithm>
-#include <filesystem>
 #include <optional>
-#include <system_error>
 
 #include "absl/strings/str_cat.h"
 #include "services/tool/evaluation/picture.h"
@@ -28,23 +26,14 @@ absl::Status WriteTrajectories(const MissionOutcome& outcome, const std::string&
 
 absl::Status WritePicture(const MissionOutcome& outcome, const Accuracy& accuracy,
                           const std::string& own, const std::string& path) {
-  ASSIGN_OR_RETURN(const cv::Mat image,
-                   RenderMap(ComposePicture(outcome.map, own, accuracy.fused)));
+  ASSIGN_OR_RETURN(const cv::Mat image, RenderMap(ComposePicture(outcome.map, own, accuracy.fused,
+                                                                 DrivenOf(outcome.paths))));
   return WriteImage(image, path);
 }
 
-// Writes what each robot holds as NAME.map.png, and nearer as NAME.near.png. Pictures of an earlier
-// run are removed.
-absl::Status WriteHeldPictures(const std::vector<RobotPaths>& robots,
-                               const std::vector<ReportDetail::Held>& held,
+// Writes what each robot holds as NAME.map.png, and nearer as NAME.near.png.
+absl::Status WriteHeldPictures(const std::vector<ReportDetail::Held>& held,
                                const std::string& folder) {
-  for (const RobotPaths& robot : robots) {
-    for (const char* end : {".map.png", ".near.png"}) {
-      std::error_code error;
-      std::filesystem::remove(absl::StrCat(folder, "/", robot.name, end), error);
-      if (error) return absl::UnavailableError(absl::StrCat(folder, ": ", error.message()));
-    }
-  }
   for (const ReportDetail::Held& robot : held) {
     const std::string stem = absl::StrCat(folder, "/", robot.robot);
     ASSIGN_OR_RETURN(const cv::Mat whole, RenderMap(robot.map));
@@ -94,7 +83,7 @@ absl::Status WriteResults(const std::string& folder, const std::string& own,
   RETURN_IF_ERROR(WriteLines({ToMarkdown(outcome.report)}, folder + "/report.md"));
   ReportDetail detail = ComposeDetail(outcome.paths, outcome.map, own, accuracy);
   detail.held = ComposeHeld(outcome.paths, outcome.held, outcome.map);
-  RETURN_IF_ERROR(WriteHeldPictures(outcome.paths, detail.held, folder));
+  RETURN_IF_ERROR(WriteHeldPictures(detail.held, folder));
   RETURN_IF_ERROR(WriteLines({ToHtml(outcome.report, detail)}, folder + "/report.html"));
   return WritePicture(outcome, accuracy, own, folder + "/map.png");
 }

@@ -1,5 +1,8 @@
 // Adds `mission create` and `mission set`.
+#include <cstdint>
+
 #include "absl/strings/str_cat.h"
+#include "services/command_line/values.h"
 #include "services/convert/resource_names.h"
 #include "services/tool/commands/mission_arguments.h"
 #include "services/tool/mission/mission_admin.h"
@@ -10,6 +13,10 @@
 
 namespace corbslam::services {
 namespace {
+
+// No mission and no link has more.
+constexpr uint64_t kMost = uint64_t{1} << 50;
+constexpr uint64_t kMost_mib = kMost >> 20;
 
 void Print(const char* what, const v1::Mission& mission) {
   PrintResult(
@@ -43,17 +50,23 @@ absl::Status Set(const MissionArguments& arguments) {
 
 void AddSettingFlags(CLI::App& action, MissionSettings& settings) {
   // An empty one takes back what was there, which an optional value would not tell from none.
-  action.add_option_function<std::string>(
+  MayBeEmpty(action.add_option_function<std::string>(
       "--description", [&settings](const std::string& text) { settings.description = text; },
-      "What people want to know of it");
+      "What people want to know of it"));
   action.add_option("--label", settings.labels, "KEY=VALUE, for tools; may be repeated")
       ->allow_extra_args(false);
-  action.add_option("--max-keyframes", settings.max_keyframes, "Keyframes at most; 0: no limit");
-  action.add_option("--max-memory-mb", settings.max_memory_mb,
-                    "MiB of the store's memory at most; 0: no limit");
-  action.add_option("--max-disk-mb", settings.max_disk_mb, "MiB of disk at most; 0: no limit");
-  action.add_option("--uplink-kbps", settings.uplink_kbps,
-                    "Kilobits a second that each robot sends at most; 0: no limit");
+  action.add_option("--max-keyframes", settings.max_keyframes, "Keyframes at most; 0: no limit")
+      ->check(CLI::Range(uint64_t{0}, kMost));
+  action
+      .add_option("--max-memory-mb", settings.max_memory_mb,
+                  "MiB of the store's memory at most; 0: no limit")
+      ->check(CLI::Range(uint64_t{0}, kMost_mib));
+  action.add_option("--max-disk-mb", settings.max_disk_mb, "MiB of disk at most; 0: no limit")
+      ->check(CLI::Range(uint64_t{0}, kMost_mib));
+  action
+      .add_option("--uplink-kbps", settings.uplink_kbps,
+                  "Kilobits a second that each robot sends at most; 0: no limit")
+      ->check(CLI::Range(uint64_t{0}, kMost));
   action.add_option("--retention", settings.retention,
                     "Deleted once unused for so long, as 30d or 12h; never");
   action.add_option("--origin", settings.origin,

@@ -12,6 +12,7 @@
 #include "services/tool/output/result.h"
 #include "services/tool/run/plan.h"
 #include "services/tool/sequence/sequence_writer.h"
+#include "slam/util/folders.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::services {
@@ -59,6 +60,7 @@ absl::StatusOr<nlohmann::ordered_json> Write(const SourceSpec& source,
   options.on_progress = [&progress, start](size_t done, size_t total) {
     progress.Tell(DescribeCount(done, total, "frames", absl::Now() - start));
   };
+  RETURN_IF_ERROR(CheckNewFolder(folder));
   ASSIGN_OR_RETURN(const size_t frames, WriteSequence(source, options));
   const double elapsed_s = absl::ToDoubleSeconds(absl::Now() - start);
   Say(absl::StrFormat("%s: %d frames in %.1f s, %.1f frames/s\n", folder, frames, elapsed_s,
@@ -135,10 +137,13 @@ void AddSplitCommand(CLI::App& app, Command& chosen) {
   CLI::App* split = app.add_subcommand(
       "split", "The parts of a sequence that robots play, as in the paper's experiments");
   split->add_option("--source", arguments->simulate.source, "The whole sequence")->required();
-  split->add_option("--robots", arguments->robots, "Among how many")->capture_default_str();
+  split->add_option("--robots", arguments->robots, "Among how many")
+      ->check(CLI::Range(1, 100))
+      ->capture_default_str();
   split
       ->add_option("--overlap", arguments->overlap,
                    "Frames by which parts reach beyond their share")
+      ->check(CLI::Range(0, 1'000'000))
       ->capture_default_str();
   split->add_option("--out", arguments->simulate.out,
                     "Write a simulation's parts, each to a folder in this one");

@@ -1,7 +1,3 @@
-#include <fcntl.h>
-#include <sys/stat.h>
-#include <unistd.h>
-
 #include <cstdio>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -13,6 +9,7 @@
 #include "services/tool/commands/commands.h"
 #include "services/tool/output/result.h"
 #include "slam/util/status_macros.h"
+#include "slam/util/whole_file.h"
 
 namespace corbslam::services {
 namespace {
@@ -27,19 +24,18 @@ struct TokenArguments {
   std::string out;
 };
 
-// Writes a file that only its owner can read.
+// Writes a file that only its owner can read, also where one was that others could.
 absl::Status WriteSecret(const std::string& text, const std::string& path) {
-  const int file = open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, S_IRUSR | S_IWUSR);
-  bool good = file >= 0 && fchmod(file, S_IRUSR | S_IWUSR) == 0;
-  good = good && write(file, text.data(), text.size()) == static_cast<ssize_t>(text.size());
-  if (file >= 0) good = close(file) == 0 && good;
-  if (good) return absl::OkStatus();
-  return absl::UnavailableError(absl::StrCat("can't write ", path));
+  ASSIGN_OR_RETURN(WholeFile file, WholeFile::Create(path, WholeFile::Old::kReplaced,
+                                                     WholeFile::Readers::kOwnerAlways));
+  RETURN_IF_ERROR(file.Append(text));
+  return file.FinishUnsynced();
 }
 
 absl::Status MakeToken(const TokenArguments& arguments) {
   absl::Duration lifetime;
-  if (!absl::ParseDuration(arguments.lifetime, &lifetime) || lifetime < absl::Seconds(1)) {
+  if (!absl::ParseDuration(arguments.lifetime, &lifetime) || lifetime < absl::Seconds(1) ||
+      lifetime == absl::InfiniteDuration()) {
     return absl::InvalidArgumentError(absl::StrCat("--lifetime is \"", arguments.lifetime,
                                                    "\", must be at least 1s, as 90m or 720h"));
   }

@@ -98,11 +98,19 @@ void AddTrain(CLI::App& app, Command& chosen) {
   CLI::App* train = app.add_subcommand("train", "Learn a vocabulary from pictures");
   train->add_option("folders", arguments->folders, "Folders of png, jpg and pgm files")->required();
   train->add_option("--out", arguments->out, "The vocabulary to write")->required();
-  train->add_option("--features", arguments->features, "Features a picture")->capture_default_str();
-  train->add_option("--branching", arguments->training.branching)->capture_default_str();
-  train->add_option("--levels", arguments->training.levels)->capture_default_str();
+  train->add_option("--features", arguments->features, "Features a picture")
+      ->check(CLI::Range(1, 20000))
+      ->capture_default_str();
+  train->add_option("--branching", arguments->training.branching)
+      ->check(CLI::Range(2, 256))
+      ->capture_default_str();
+  train->add_option("--levels", arguments->training.levels)
+      ->check(CLI::Range(1, 16))
+      ->capture_default_str();
   train->add_option("--seed", arguments->training.seed)->capture_default_str();
-  train->add_option("--threads", arguments->training.threads)->capture_default_str();
+  train->add_option("--threads", arguments->training.threads)
+      ->check(CLI::Range(1, 256))
+      ->capture_default_str();
   train->callback([arguments, &chosen] { chosen = [arguments] { return Train(*arguments); }; });
 }
 

@@ -1,10 +1,15 @@
 #include <gmock/gmock.h>
+#include <grpcpp/server_builder.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <memory>
 
+#include "absl/strings/numbers.h"
+#include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
 #include "fusion_worker/local_fusion_worker.h"
 #include "services/fusion_worker_service/fusion_worker_service.h"
@@ -196,7 +201,7 @@ TEST_F(ServerChecksTest, CantCompareWithoutReflection) {
 TEST(DoctorTest, NoticesThatNobodyFuses) {
   EXPECT_TRUE(CheckFusionOf("store", {}).empty());
   std::vector<v1::Mission> missions(2);
-  EXPECT_EQ(LevelOf(CheckFusionOf("store", missions), "take its requests"), Level::kOk);
+  EXPECT_EQ(LevelOf(CheckFusionOf("store", missions), "no request to them has failed"), Level::kOk);
   for (v1::Mission& mission : missions) {
     mission.set_waiting_queries(6);
     mission.set_worker_away_since_ns(1'700'000'000'000'000'000);
@@ -206,6 +211,59 @@ TEST(DoctorTest, NoticesThatNobodyFuses) {
             Level::kFail);
   missions[0].set_lacks_fusion_worker(true);
   EXPECT_EQ(LevelOf(CheckFusionOf("store", missions), "never fused"), Level::kWarn);
+}
+
+TEST(DoctorTest, AsksTheMissionsThatAreNotDamagedWhetherAnybodyFuses) {
+  std::vector<v1::Mission> missions(2);
+  missions[0].set_damage("mission lab is damaged, and takes nothing in");
+  EXPECT_TRUE(CheckFusionOf("store", {missions[0]}).empty());
+  missions[1].set_waiting_queries(3);
+  missions[1].set_worker_away_since_ns(1'700'000'000'000'000'000);
+  EXPECT_EQ(LevelOf(CheckFusionOf("store", missions), "look-ups waiting: 3"), Level::kFail);
+}
+
+// Serves as many missions as it is told, a page at a time; the last one is damaged.
+class PagedStore : public v1::MapStore::Service {
+ public:
+  explicit PagedStore(int missions) : missions_(missions) {}
+  grpc::Status ListMissions(grpc::ServerContext* /*context*/,
+                            const v1::ListMissionsRequest* request,
+                            v1::ListMissionsResponse* response) override {
+    int first = 0;
+    if (!request->page_token().empty() && !absl::SimpleAtoi(request->page_token(), &first)) {
+      return {grpc::StatusCode::INVALID_ARGUMENT, "no page"};
+    }
+    if (first >= fails_from) return {grpc::StatusCode::UNAVAILABLE, "the store is stopping"};
+    const int end = std::min(first + 100, missions_);
+    for (int i = first; i < end; ++i) {
+      v1::Mission* mission = response->add_missions();
+      if (i == missions_ - 1) mission->set_damage("mission last is damaged");
+      if (i == missions_ - 2) mission->set_worker_away_since_ns(1'700'000'000'000'000'000);
+    }
+    if (end < missions_) response->set_next_page_token(absl::StrCat(end));
+    return grpc::Status::OK;
+  }
+
+  int fails_from = std::numeric_limits<int>::max();
+
+ private:
+  const int missions_;
+};
+
+TEST(DoctorTest, AsksForMissionsBeyondTheFirstPage) {
+  PagedStore store(250);
+  grpc::ServerBuilder builder;
+  builder.RegisterService(&store);
+  const std::unique_ptr<grpc::Server> server = builder.BuildAndStart();
+  const auto channel = server->InProcessChannel({});
+  Findings findings = CheckFusion("store", channel, absl::Seconds(5));
+  EXPECT_EQ(LevelOf(findings, "mission last is damaged"), Level::kFail);
+  EXPECT_EQ(LevelOf(findings, "no fusion worker takes its requests"), Level::kFail);
+  store.fails_from = 200;
+  findings = CheckFusion("store", channel, absl::Seconds(5));
+  EXPECT_EQ(
+      LevelOf(findings, "does not list all of its missions (200 came): the store is stopping"),
+      Level::kFail);
 }
 
 TEST(DoctorTest, NoticesDamagedMissions) {

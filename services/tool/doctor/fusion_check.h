@@ -14,14 +14,15 @@
 
 namespace corbslam::services {
 
-// Judges the fusion workers by what the missions of a store say of them. Returns no finding if
-// there is no mission.
+// Judges the fusion workers by what the missions of a store say of them: they are away if any of
+// those that are not damaged says so. Returns no finding if there is no such mission.
 Findings CheckFusionOf(const std::string& name, const std::vector<v1::Mission>& missions);
 
 // Returns a failure for each mission that is damaged.
 Findings CheckDamageOf(const std::string& name, const std::vector<v1::Mission>& missions);
 
-// Asks the store for its missions and judges both. Returns no finding if this caller may not ask.
+// Asks the store for all of its missions and judges both. Returns no finding if this caller may not
+// ask, and a failure if not all of them come. `patience` is that for each page.
 Findings CheckFusion(const std::string& name, const std::shared_ptr<grpc::Channel>& channel,
                      absl::Duration patience);
 

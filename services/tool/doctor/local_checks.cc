@@ -12,7 +12,9 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "client_agent/source/frame_reader.h"
+#include "client_agent/source/live_opening.h"
 #include "client_agent/source_checks/inspection.h"
+#include "services/command_line/secrets.h"
 #include "services/programs/checks.h"
 #include "slam/util/folders.h"
 #include "slam/util/status_macros.h"
@@ -149,6 +151,12 @@ Findings CheckDataFolder(const std::string& path) {
 Findings CheckSource(const std::string& source, bool strict) {
   const absl::StatusOr<SourceSpec> spec = ParseSourceSpec(source);
   if (!spec.ok()) return {SourceFailure(source, spec.status())};
+  if (client_agent::IsLive(*spec)) {
+    return {{Level::kWarn, kSource,
+             absl::StrCat(HideSecrets(source), ": a live camera, which doctor does not open"),
+             absl::StrCat("corbslam rig check --source '", HideSecrets(source),
+                          "' looks at its frames for some seconds")}};
+  }
   const absl::StatusOr<std::unique_ptr<FrameReader>> reader = OpenReader(*spec);
   if (!reader.ok()) return {SourceFailure(source, reader.status())};
   return LookInto(**reader, *spec, strict);

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "services/client/store/driven_way.h"
 
 namespace corbslam::services {
 
@@ -47,13 +48,30 @@ struct Place {
   size_t index = 0;
 };
 
+// Returns how far each robot usually goes from one keyframe to the next, in the picture's frame.
+std::map<const MapPicture::Robot*, double> UsualSteps(const std::map<KeyframeId, Place>& places) {
+  std::map<const MapPicture::Robot*, std::map<KeyframeId, Rigid3d>> poses;
+  for (const auto& [id, place] : places) {
+    poses[place.robot][id] = place.robot->keyframes[place.index];
+  }
+  std::map<const MapPicture::Robot*, double> steps;
+  for (const auto& [robot, own] : poses) steps[robot] = UsualStep(own);
+  return steps;
+}
+
 void AddEdges(const ServedMap& map, const std::map<KeyframeId, Place>& places) {
+  const auto usual_steps = UsualSteps(places);
   for (const ServedMap::Keyframe& keyframe : map.keyframes) {
     const auto child = places.find(keyframe.id);
     const auto parent = places.find(keyframe.parent);
     if (child == places.end() || parent == places.end()) continue;
-    if (child->second.robot != parent->second.robot) continue;
-    child->second.robot->edges.push_back({parent->second.index, child->second.index});
+    MapPicture::Robot* const robot = child->second.robot;
+    if (robot != parent->second.robot) continue;
+    if (IsGap(robot->keyframes[parent->second.index], robot->keyframes[child->second.index],
+              usual_steps.at(robot))) {
+      continue;
+    }
+    robot->edges.push_back({parent->second.index, child->second.index});
   }
 }
 

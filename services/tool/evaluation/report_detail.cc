@@ -51,14 +51,14 @@ void AddTimes(const ServedTrajectory& local, ReportDetail::Robot& detail) {
   }
 }
 
-// Returns the path in the global frame, with a gap between local maps.
+// Returns the path in the global frame, with a gap where tracking was lost and between local maps.
 std::vector<Eigen::Vector3d> PathOf(const ServedTrajectory& global) {
   std::vector<Eigen::Vector3d> path;
-  for (const TrajectoryPart& part : PartsOf(global)) {
+  for (const std::vector<Eigen::Vector3d>& piece : PiecesOf(global)) {
     if (!path.empty()) {
       path.push_back(Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN()));
     }
-    for (const StampedPose& pose : part.poses) path.push_back(pose.world_from_camera.translation);
+    path.insert(path.end(), piece.begin(), piece.end());
   }
   return path;
 }
@@ -81,7 +81,7 @@ ReportDetail ComposeDetail(const std::vector<RobotPaths>& robots, const ServedMa
     robot.errors_are_global = accuracy.robots[i].is_profile_global;
     robot.by_length = accuracy.robots[i].by_length;
   }
-  detail.map = ComposePicture(map, own, accuracy.fused);
+  detail.map = ComposePicture(map, own, accuracy.fused, DrivenOf(robots));
   return detail;
 }
 

@@ -40,6 +40,19 @@ TEST(ComposeDetailTest, KnowsWhenARobotWasLost) {
   EXPECT_FALSE(robot.path[22].allFinite());
 }
 
+TEST(ComposeDetailTest, CutsThePathWhereTrackingWasLost) {
+  RobotPaths paths;
+  paths.name = "alpha";
+  AddPoses(10, 20, "1", paths.global);
+  AddPoses(30, 40, "1", paths.global);
+  paths.global[11].after_gap = true;
+  const ReportDetail detail = ComposeDetail({paths}, {}, "alpha", {});
+  ASSERT_EQ(detail.robots[0].path.size(), 23u);
+  EXPECT_FALSE(detail.robots[0].path[11].allFinite());
+  ASSERT_EQ(detail.map.robots.size(), 1u);
+  EXPECT_EQ(detail.map.robots[0].paths.size(), 2u);
+}
+
 TEST(ComposeDetailTest, TakesRobotsThatBroughtNothing) {
   const ReportDetail detail = ComposeDetail({RobotPaths{"alpha", {}, {}, {}}}, {}, "alpha", {});
   ASSERT_EQ(detail.robots.size(), 1u);

@@ -3,6 +3,7 @@
 #define CORBSLAM_SERVICES_TOOL_EVALUATION_TRAJECTORY_FILES_H_
 
 #include <cstddef>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -40,12 +41,28 @@ Trajectory Join(const TrajectoryFile& file);
 // Returns "dir/alpha.txt" for number 1, "dir/alpha+2.txt" for 2: no robot's name has a '+'.
 std::string NumberedPath(const std::string& path, size_t number);
 
-// Returns "local map 00ab: poses 1 to 50" for each part.
-std::vector<std::string> DescribeParts(const TrajectoryFile& file);
+// What people call local maps, "alpha/4" by the name of the resource, as `mission show` does.
+using LocalMapNames = std::map<std::string, std::string>;
 
-// Writes TUM files at `path`, NumberedPath(path, 2) and so on; comments say what the poses are of,
-// in which frame ("in the mission's global frame"), and where a local map begins. UNAVAILABLE names
-// the path.
+// Returns what a robot's files, or drives, are called beside its name: the first one "", a further
+// one "+4" if alpha/4 is the earliest of its local maps. Where sessions have become one local map,
+// the next of them is "+4b". Those without such names (runs that only localised) are counted.
+std::vector<std::string> SuffixesOf(const std::vector<TrajectoryFile>& files,
+                                    const LocalMapNames& names);
+
+// Returns `path` with each of the suffixes before its ending: "dir/alpha.txt", "dir/alpha+4.txt".
+std::vector<std::string> SuffixedPaths(const std::string& path,
+                                       const std::vector<std::string>& suffixes);
+
+// Returns "local map alpha/4, 00ab: poses 1 to 50" for each part, without what `names` lacks.
+std::vector<std::string> DescribeParts(const TrajectoryFile& file, const LocalMapNames& names = {});
+
+// Writes TUM files at `paths`; comments say what the poses are of, in which frame ("in the
+// mission's global frame"), and where a local map begins. UNAVAILABLE names the path.
+absl::Status WriteTumFiles(const std::vector<TrajectoryFile>& files, PosesOf poses_of,
+                           const std::string& frame, const std::vector<std::string>& paths,
+                           const LocalMapNames& names = {});
+// Writes them at `path`, NumberedPath(path, 2) and so on.
 absl::Status WriteTumFiles(const std::vector<TrajectoryFile>& files, PosesOf poses_of,
                            const std::string& frame, const std::string& path);
 

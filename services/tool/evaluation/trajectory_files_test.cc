@@ -80,6 +80,21 @@ TEST(TrajectoryFilesTest, NumbersStandBeforeTheEnding) {
   EXPECT_EQ(NumberedPath("out.d/alpha", 3), "out.d/alpha+3");
 }
 
+// As `mission show` calls them.
+TEST(TrajectoryFilesTest, FilesAreCalledAfterTheirFirstLocalMap) {
+  const auto part = [](const std::string& id) { return TrajectoryPart{id, {}}; };
+  const std::vector<TrajectoryFile> files = {
+      {part("a"), part("b")}, {part("e"), part("d")}, {part("x")}, {part("c")}, {part("y")}};
+  const LocalMapNames names = {{"a", "alpha/1"}, {"b", "alpha/2"}, {"c", "alpha/3"},
+                               {"d", "alpha/4"}, {"e", "alpha/5"}, {"x", "alpha/4"}};
+  EXPECT_THAT(SuffixesOf(files, names), ElementsAre("", "+4", "+4b", "+3", "+5"));
+  EXPECT_THAT(SuffixedPaths("out/alpha.txt", {"", "+4"}),
+              ElementsAre("out/alpha.txt", "out/alpha+4.txt"));
+  EXPECT_THAT(DescribeParts({{"d", {{1, {}}}}}, names),
+              ElementsAre("local map alpha/4, d: poses 1 to 1"));
+  EXPECT_THAT(SuffixesOf(files, {}), ElementsAre("", "+2", "+3", "+4", "+5"));
+}
+
 TEST(TrajectoryFilesTest, FilesSayWhatTheyHold) {
   ServedTrajectory served;
   AddPoses("a", {1, 2}, served);

@@ -1,5 +1,6 @@
 #include "services/tool/export/colmap_model.h"
 
+#include <algorithm>
 #include <set>
 #include <utility>
 #include <variant>
@@ -100,18 +101,31 @@ absl::Status WriteCameras(const Map& map, const Numbers& numbers, const ColmapSo
   return WriteLines(lines, path);
 }
 
-// Gives each picture a name of its own.
-class PictureNames {
- public:
-  std::string Take(const std::string& robot, int64_t timestamp_ns) {
-    const size_t number = ++used_[{robot, timestamp_ns}];
-    const std::string suffix = number == 1 ? "" : absl::StrCat("+", number);
-    return absl::StrCat(robot, suffix, "/", timestamp_ns, ".png");
+// Gives each picture a name of its own, those of the robot's first local maps first.
+std::map<KeyframeId, std::string> NamePictures(const Map& map, const ColmapSource& source) {
+  const auto number_of = [&source](LocalMapId local_map) {
+    const auto number = source.numbers.find(local_map);
+    return number == source.numbers.end() ? size_t{1} : number->second;
+  };
+  std::vector<std::pair<size_t, KeyframeId>> in_order;
+  for (const auto& [id, keyframe] : map.keyframes()) {
+    in_order.emplace_back(number_of(id.local_map), id);
   }
-
- private:
-  std::map<std::pair<std::string, int64_t>, size_t> used_;
-};
+  std::sort(in_order.begin(), in_order.end());
+  std::map<KeyframeId, std::string> names;
+  std::set<std::string> taken;
+  for (const auto& [number, id] : in_order) {
+    const std::string robot = RobotOf(source, id.local_map);
+    const std::string file = absl::StrCat("/", map.FindKeyframe(id)->payload->timestamp_ns, ".png");
+    std::string name = robot + file;
+    if (!taken.insert(name).second) name = absl::StrCat(robot, "+", number, file);
+    for (char letter = 'b'; name != robot + file && !taken.insert(name).second; ++letter) {
+      name = absl::StrCat(robot, "+", number, std::string(1, letter), file);
+    }
+    names[id] = name;
+  }
+  return names;
+}
 
 // Adds the line of the image's pose, then that of its keypoints.
 void AddImage(const Keyframe& keyframe, const Numbers& numbers, const RecordedCamera& recorded,
@@ -138,11 +152,9 @@ absl::Status WriteImages(const Map& map, const Numbers& numbers, const ColmapSou
   std::vector<std::string> lines = {absl::StrCat("# ", PoseHeaderLine(source.poses_of)),
                                     "# IMAGE_ID QW QX QY QZ TX TY TZ CAMERA_ID NAME",
                                     "# X Y POINT3D_ID of each keypoint, -1: none"};
-  PictureNames names;
+  const std::map<KeyframeId, std::string> names = NamePictures(map, source);
   for (const auto& [id, keyframe] : map.keyframes()) {
-    const std::string name =
-        names.Take(RobotOf(source, id.local_map), keyframe.payload->timestamp_ns);
-    AddImage(keyframe, numbers, RecordedOf(source, keyframe), name, lines);
+    AddImage(keyframe, numbers, RecordedOf(source, keyframe), names.at(id), lines);
   }
   return WriteLines(lines, path);
 }
@@ -196,6 +208,28 @@ absl::StatusOr<Map> GlobalMapOf(const map_store::MissionState& state) {
                    map_store::TakeWholeSnapshot(state, island->second, {},
                                                 map_store::Rejected::kLeaveOut, read));
   return std::move(snapshot.view);
+}
+
+ColmapSource ColmapSourceOf(const map_store::MissionState& state, PosesOf poses_of) {
+  std::vector<const map_store::LocalMapState*> in_order;
+  for (const auto& [id, local_map] : state.local_maps) in_order.push_back(&local_map);
+  std::sort(in_order.begin(), in_order.end(),
+            [](const auto* a, const auto* b) { return a->order < b->order; });
+  ColmapSource source;
+  source.poses_of = poses_of;
+  std::map<std::string, size_t> counts;
+  for (const map_store::LocalMapState* local_map : in_order) {
+    const size_t number = ++counts[local_map->agent];
+    for (const LocalMapId name : local_map->Names()) {
+      source.robots[name] = local_map->agent;
+      source.numbers[name] = number;
+      for (size_t i = 0; i < local_map->cameras.size(); ++i) {
+        const std::optional<RecordedCamera> recorded = local_map->Recorded(i);
+        if (recorded.has_value()) source.recorded[{name, static_cast<uint32_t>(i)}] = *recorded;
+      }
+    }
+  }
+  return source;
 }
 
 absl::StatusOr<ColmapCounts> WriteColmapModel(const Map& map, const ColmapSource& source,

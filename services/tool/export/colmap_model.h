@@ -40,17 +40,22 @@ absl::StatusOr<Map> GlobalMapOf(const map_store::MissionState& state);
 // Holds what the model needs beside the map.
 struct ColmapSource {
   std::map<LocalMapId, std::string> robots;
+  // N of the local map that `mission show` calls ROBOT/N.
+  std::map<LocalMapId, size_t> numbers;
   // The key is a local map and a camera index; cameras that are not here are not known.
   std::map<std::pair<LocalMapId, uint32_t>, RecordedCamera> recorded;
   // kRecordedCamera or kRectifiedCamera.
   PosesOf poses_of = PosesOf::kRecordedCamera;
 };
 
+// Returns the source of a mission: sessions that have become parts of others are told like these.
+ColmapSource ColmapSourceOf(const map_store::MissionState& state, PosesOf poses_of);
+
 // Writes the three files into a folder, which is made. An image is called ROBOT/NANOSECONDS.png
-// after its time, or ROBOT+2/NANOSECONDS.png and so on where the robot has a picture of that time
-// already; a point has the colour of the robot that made it (robot_colours.h). Points that nobody
-// sees are left out. UNAVAILABLE names the path; INVALID_ARGUMENT a lens for which COLMAP has no
-// model.
+// after its time, or ROBOT+4/NANOSECONDS.png where an earlier local map than ROBOT/4 has a picture
+// of that time (ROBOT+4b/... where ROBOT/4 itself has another one, too); a point has the colour of
+// the robot that made it (robot_colours.h). Points that nobody sees are left out. UNAVAILABLE names
+// the path; INVALID_ARGUMENT a lens for which COLMAP has no model.
 absl::StatusOr<ColmapCounts> WriteColmapModel(const Map& map, const ColmapSource& source,
                                               const std::string& folder);
 

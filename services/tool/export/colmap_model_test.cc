@@ -160,12 +160,40 @@ TEST_F(ColmapModelTest, GivesEachPictureANameOfItsOwn) {
   map.AddKeyframe(MakeKeyframe({kMapB, 0}, 500, Rigid3d(), 20, 1));
   ColmapSource source = MakeSource();
   source.robots[kMapB] = "alpha";
+  source.numbers[kMapB] = 4;
   ASSERT_TRUE(WriteColmapModel(map, source, folder_).ok());
   const auto model = testing::ReadColmapModel(folder_);
   ASSERT_TRUE(model.ok()) << model.status();
   EXPECT_EQ(model->images.at(1).name, "alpha/1000000000.png");
-  EXPECT_EQ(model->images.at(2).name, "alpha+2/1000000000.png");
+  EXPECT_EQ(model->images.at(2).name, "alpha+4/1000000000.png");
   EXPECT_EQ(model->images.at(3).name, "alpha/1000000007.png");
+}
+
+// What became a part of another session is the robot's, too, and its camera's.
+TEST_F(ColmapModelTest, PartsOfLocalMapsAreTheRobots) {
+  map_store::MissionState state;
+  const auto add = [&state](LocalMapId id, const char* agent, size_t order) {
+    map_store::LocalMapState& local_map = state.local_maps[id];
+    local_map.id = id;
+    local_map.agent = agent;
+    local_map.order = order;
+    local_map.cameras.push_back(std::make_shared<const Camera>());
+    local_map.recorded_cameras.push_back(RecordedCamera());
+  };
+  // Ids are drawn: they say nothing of the order.
+  add(LocalMapId{9}, "alpha", 0);
+  add(LocalMapId{5}, "bravo", 1);
+  add(LocalMapId{3}, "alpha", 2);
+  map_store::JoinedLocalMap part;
+  part.id = LocalMapId{7};
+  state.local_maps[LocalMapId{3}].AddPart(part);
+  const ColmapSource source = ColmapSourceOf(state, PosesOf::kRecordedCamera);
+  EXPECT_EQ(source.robots.at(LocalMapId{7}), "alpha");
+  EXPECT_EQ(source.numbers.at(LocalMapId{9}), 1u);
+  EXPECT_EQ(source.numbers.at(LocalMapId{3}), 2u);
+  EXPECT_EQ(source.numbers.at(LocalMapId{7}), 2u);
+  EXPECT_EQ(source.numbers.at(LocalMapId{5}), 1u);
+  EXPECT_EQ(source.recorded.count({LocalMapId{7}, 0}), 1u);
 }
 
 TEST_F(ColmapModelTest, SaysHowFarPointsAreOff) {

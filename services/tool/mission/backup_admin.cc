@@ -82,7 +82,10 @@ absl::StatusOr<v1::StoredBackup> BackupAdmin::FindAt(const std::string& mission,
   const v1::StoredBackup* best = nullptr;
   for (const v1::StoredBackup& backup : backups) {
     if (absl::FromUnixNanos(backup.created_ns()) > at) continue;
-    if (best == nullptr || backup.created_ns() >= best->created_ns()) best = &backup;
+    // One that can't be restored is no choice, as long as there is another.
+    const bool is_sounder = best == nullptr || (!best->damage().empty() && backup.damage().empty());
+    const bool is_as_sound = best != nullptr && best->damage().empty() == backup.damage().empty();
+    if (is_sounder || (is_as_sound && backup.created_ns() >= best->created_ns())) best = &backup;
   }
   if (best != nullptr) return *best;
   if (backups.empty()) {
@@ -111,17 +114,25 @@ nlohmann::ordered_json ToJson(const v1::StoredBackup& backup) {
           {"bytes", backup.bytes()},
           {"revision", backup.revision()},
           {"keyframes", backup.keyframes()},
-          {"archived", backup.archived()}};
+          {"archived", backup.archived()},
+          {"mission_uid", backup.mission_uid()},
+          {"verified_ns", backup.verified_ns()},
+          {"damage", backup.damage()}};
 }
 
 std::string FormatBackups(const std::vector<v1::StoredBackup>& backups) {
-  std::string text = absl::StrFormat("%-48s %-20s %10s %9s %9s %s\n", "backup", "made", "MiB",
-                                     "keyframes", "revision", "");
+  std::string text =
+      absl::StrFormat("%-48s %-20s %10s %9s %9s %-32s %-20s %s\n", "backup", "made", "MiB",
+                      "keyframes", "revision", "uid of the mission", "verified", "");
   for (const v1::StoredBackup& backup : backups) {
-    absl::StrAppendFormat(&text, "%-48s %-20s %10.1f %9d %9d %s\n", backup.name(),
+    absl::StrAppendFormat(&text, "%-48s %-20s %10.1f %9d %9d %-32s %-20s %s\n", backup.name(),
                           FormatTime(backup.created_ns()),
                           static_cast<double>(backup.bytes()) / (1 << 20), backup.keyframes(),
-                          backup.revision(), backup.archived() ? "archive" : "");
+                          backup.revision(), backup.mission_uid(),
+                          backup.verified_ns() == 0 ? "not yet" : FormatTime(backup.verified_ns()),
+                          !backup.damage().empty() ? "DAMAGED: " + backup.damage()
+                          : backup.archived()      ? "archive"
+                                                   : "");
   }
   return text;
 }

@@ -82,13 +82,17 @@ TEST(BackupWordsTest, ATableAndJsonSayTheSame) {
   backup.set_bytes(3 << 20);
   backup.set_keyframes(4711);
   backup.set_archived(true);
+  backup.set_mission_uid("0123");
   const std::string table = FormatBackups({backup});
-  for (const char* part :
-       {"missions/lab/backups/3", "1970-01-01T00:10:00", "3.0", "4711", "archive"}) {
+  for (const char* part : {"missions/lab/backups/3", "1970-01-01T00:10:00", "3.0", "4711", "0123",
+                           "not yet", "archive"}) {
     EXPECT_THAT(table, HasSubstr(part));
   }
   EXPECT_EQ(ToJson(backup)["keyframes"], 4711);
   EXPECT_EQ(ToJson(backup)["archived"], true);
+  EXPECT_EQ(ToJson(backup)["mission_uid"], "0123");
+  backup.set_damage("a file");
+  EXPECT_THAT(FormatBackups({backup}), HasSubstr("DAMAGED: a file"));
 }
 
 }  // namespace

@@ -118,8 +118,10 @@ void AddSettings(const v1::Mission& mission, Json& json) {
 
 nlohmann::ordered_json ToJson(const v1::Mission& mission) {
   Json json = {{"name", mission.name()},
+               {"uid", mission.uid()},
                {"revision", mission.revision()},
                {"agents", mission.agents()},
+               {"connected_agents", mission.connected_agents()},
                {"local_maps", mission.local_maps()},
                {"islands", mission.islands()},
                {"keyframes", mission.keyframes()},

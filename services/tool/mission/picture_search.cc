@@ -1,5 +1,6 @@
 #include "services/tool/mission/picture_search.h"
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <utility>
@@ -17,6 +18,7 @@
 #include "services/convert/resource_names.h"
 #include "services/convert/work/locate_frame.h"
 #include "slam/exchange/frame_location.h"
+#include "slam/sensor/picture_header.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::services {
@@ -66,6 +68,40 @@ v1::LocalizeRequest MakeRequest(const PictureSearch& search, std::string encoded
   return request;
 }
 
+// What is no picture is the store's to refuse.
+absl::Status CheckSize(const PictureSearch& search, const std::string& path,
+                       const std::string& encoded) {
+  const absl::StatusOr<cv::Size> size = PictureSize(encoded);
+  const bool is_known = search.width_px > 0 && search.height_px > 0 && size.ok();
+  if (!is_known || *size == cv::Size(search.width_px, search.height_px)) return absl::OkStatus();
+  return absl::InvalidArgumentError(absl::StrCat(
+      path, " has ", size->width, "x", size->height, " pixels, and ", search.calibration,
+      " is the calibration of pictures of ", search.width_px, "x", search.height_px,
+      ": with it the place would be wrong. Give the picture as the camera took it, uncropped, or a "
+      "calibration of this size"));
+}
+
+// Most cameras look through the middle of their pictures.
+std::string DescribeOddCentre(const RawCamera& camera, const std::string& encoded) {
+  constexpr double kOdd = 0.15;
+  const absl::StatusOr<cv::Size> size = PictureSize(encoded);
+  if (!size.ok()) return "";
+  const bool is_odd = std::abs(camera.cx_px / size->width - 0.5) > kOdd ||
+                      std::abs(camera.cy_px / size->height - 0.5) > kOdd;
+  if (!is_odd) return "";
+  return absl::StrFormat(
+      "the camera's centre, %.1f %.1f, is far from the middle of the picture, which has %dx%d "
+      "pixels: are its numbers of this size of picture?",
+      camera.cx_px, camera.cy_px, size->width, size->height);
+}
+
+// Returns the root of the variances' sum of the place; empty where the points don't tell.
+std::string DescribeSigma(const v1::LocalizeResponse& answer) {
+  if (answer.covariance_size() != 36) return "";
+  const double variance = answer.covariance(0) + answer.covariance(7) + answer.covariance(14);
+  return absl::StrFormat(" (sigma %.3f m)", std::sqrt(std::max(variance, 0.0)));
+}
+
 absl::StatusOr<Rigid3d> IslandFromCamera(const v1::LocalizeResponse& answer) {
   ASSIGN_OR_RETURN(const Rigid3d camera_from_island, FromProto(answer.camera_from_island()));
   return camera_from_island.Inverse();
@@ -78,6 +114,16 @@ std::string DescribeOtherCamera(const v1::LocalizeResponse& answer) {
       "cx %.1f cy %.1f px, or another lens. Is the calibration of this camera, at "
       "this size of picture, uncropped?",
       answer.inliers(), fitting.fx_px(), fitting.fy_px(), fitting.cx_px(), fitting.cy_px());
+}
+
+// Says which rule the inliers did not satisfy.
+std::string DescribeFewInliers(const v1::LocalizeResponse& answer) {
+  const std::string found =
+      absl::StrCat("only ", answer.inliers(), " points of the map are where they should be");
+  if (answer.inliers_needed() == 0) return found;  // Of an older store.
+  return absl::StrCat(found, ", of ", answer.visible_points(), " that should be in the picture; ",
+                      answer.inliers_needed(), " are needed where chance alone finds ",
+                      answer.chance_inliers());
 }
 
 std::string DescribeFailure(const v1::LocalizeResponse& answer) {
@@ -95,7 +141,13 @@ std::string DescribeFailure(const v1::LocalizeResponse& answer) {
                           answer.pose_inliers(), " agree on a place");
     case LocateStage::kFewInliers:
       if (answer.has_fitting_camera()) return DescribeOtherCamera(answer);
-      return absl::StrCat("only ", answer.inliers(), " points of the map are where they should be");
+      return DescribeFewInliers(answer);
+    case LocateStage::kCameraInDoubt:
+      return absl::StrCat(
+          answer.inliers(),
+          " points of the map agree on a place, and with another camera it would be "
+          "elsewhere: they do not show that this one took the picture. A picture "
+          "with near and far things, and to its corners, would");
     case LocateStage::kOutsidePrior:
       return "it was taken outside of the radius";
     case LocateStage::kLocated:
@@ -125,9 +177,16 @@ absl::StatusOr<std::vector<FoundPicture>> FindPictures(
   const auto stub = v1::MapStore::NewStub(channel);
   std::vector<FoundPicture> found;
   for (const std::string& path : search.pictures) {
+    ASSIGN_OR_RETURN(const std::string encoded, ReadPicture(path));
+    RETURN_IF_ERROR(CheckSize(search, path, encoded));
+  }
+  for (const std::string& path : search.pictures) {
     ASSIGN_OR_RETURN(std::string encoded, ReadPicture(path));
+    FoundPicture picture{.path = path,
+                         .seconds = 0,
+                         .odd_centre = DescribeOddCentre(search.camera, encoded),
+                         .answer = {}};
     const v1::LocalizeRequest request = MakeRequest(search, std::move(encoded));
-    FoundPicture picture{.path = path, .seconds = 0, .answer = {}};
     grpc::ClientContext context;
     SetDeadline(context);
     const absl::Time begin = absl::Now();
@@ -142,15 +201,18 @@ absl::StatusOr<std::vector<FoundPicture>> FindPictures(
 std::string DescribeFound(const FoundPicture& found) {
   const v1::LocalizeResponse& answer = found.answer;
   if (answer.stage() != v1::LOCATE_STAGE_LOCATED) {
-    return absl::StrCat(found.path, ": not found: ", DescribeFailure(answer), "\n");
+    const std::string why = DescribeFailure(answer);
+    if (found.odd_centre.empty()) return absl::StrCat(found.path, ": not found: ", why, "\n");
+    return absl::StrCat(found.path, ": not found: ", why, " (", found.odd_centre, ")\n");
   }
   const auto pose = IslandFromCamera(answer);
   if (!pose.ok()) return absl::StrCat(found.path, ": ", pose.status().message(), "\n");
   const Eigen::Vector3d& at = pose->translation;
   const Eigen::Vector3d ahead = pose->rotation * Eigen::Vector3d::UnitZ();
   return absl::StrFormat(
-      "%s: at %.3f %.3f %.3f m, looks along %.3f %.3f %.3f, %d points agree, %s, %.0f ms\n",
-      found.path, at.x(), at.y(), at.z(), ahead.x(), ahead.y(), ahead.z(), answer.inliers(),
+      "%s: at %.3f %.3f %.3f m%s, looks along %.3f %.3f %.3f, %d points agree, %s, %.0f ms\n",
+      found.path, at.x(), at.y(), at.z(), DescribeSigma(answer), ahead.x(), ahead.y(), ahead.z(),
+      answer.inliers(),
       answer.in_global_frame() ? "global frame"
                                : absl::StrCat("in the frame of island ", answer.island()),
       1e3 * found.seconds);
@@ -166,6 +228,9 @@ nlohmann::json ToJson(const FoundPicture& found) {
                          {"word_matches", answer.word_matches()},
                          {"pose_inliers", answer.pose_inliers()},
                          {"inliers", answer.inliers()},
+                         {"inliers_needed", answer.inliers_needed()},
+                         {"visible_points", answer.visible_points()},
+                         {"chance_inliers", answer.chance_inliers()},
                          {"seconds", found.seconds}};
   if (answer.has_fitting_camera()) {
     const v1::Camera& fitting = answer.fitting_camera();

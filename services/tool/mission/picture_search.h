@@ -18,8 +18,12 @@ namespace corbslam::services {
 
 struct PictureSearch {
   std::string mission;
-  std::vector<std::string> pictures;      // Paths.
-  RawCamera camera;                       // Took all of them.
+  std::vector<std::string> pictures;  // Paths.
+  RawCamera camera;                   // Took all of them.
+  // The size of picture that its numbers are for, and the file that says so. 0: nobody said it.
+  int width_px = 0;
+  int height_px = 0;
+  std::string calibration;
   std::optional<Eigen::Vector3d> near_m;  // In the global frame.
   double radius_m = 0;
   bool all_islands = false;
@@ -28,11 +32,14 @@ struct PictureSearch {
 struct FoundPicture {
   std::string path;
   double seconds = 0;  // From the question to the answer.
+  // How the camera's centre lies in the picture, where that is odd; else empty.
+  std::string odd_centre;
   v1::LocalizeResponse answer;
 };
 
-// Asks about one picture after the other. NOT_FOUND or INVALID_ARGUMENT name a picture's file;
-// other errors are the store's.
+// Asks about one picture after the other. NOT_FOUND or INVALID_ARGUMENT name a picture's file, also
+// where it is of another size than the calibration, and then none is asked about; other errors are
+// the store's.
 absl::StatusOr<std::vector<FoundPicture>> FindPictures(
     const std::shared_ptr<grpc::Channel>& channel, const PictureSearch& search);
 

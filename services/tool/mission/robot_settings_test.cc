@@ -56,7 +56,7 @@ TEST_F(ToolRobotSettingsTest, WhatAnotherKeySignedIsNotTakenOver) {
   settings.set_mission("missions/lab");
   settings.set_agent("alpha");
   settings.set_version(2000);
-  settings.set_features(1);
+  settings.set_features(100);
   const auto others = SignRobotSettings(settings, test_data::MakeTokenKeys().private_pem);
   const auto refused = Make({.max_rate_hz = 10}, &*others);
   EXPECT_TRUE(absl::IsPermissionDenied(refused.status()));

@@ -11,6 +11,10 @@ namespace {
 
 std::atomic<bool> wants_json = false;
 
+std::atomic<bool> prints_to_standard_error = false;
+
+std::FILE* Output() { return prints_to_standard_error ? stderr : stdout; }
+
 // Bytes that are no UTF-8, of a file's name say, are replaced.
 std::string Dump(const nlohmann::ordered_json& document, int indent) {
   return document.dump(indent, ' ', false, nlohmann::json::error_handler_t::replace);
@@ -46,13 +50,15 @@ bool WantsJson() { return wants_json; }
 
 void Say(const std::string& text) {
   if (wants_json) return;
-  std::fputs(text.c_str(), stdout);
-  std::fflush(stdout);
+  std::fputs(text.c_str(), Output());
+  std::fflush(Output());
 }
 
+void PrintToStandardError() { prints_to_standard_error = true; }
+
 void PrintResult(const std::string& text, const nlohmann::ordered_json& document) {
-  std::fputs(wants_json ? (Dump(document, 2) + "\n").c_str() : text.c_str(), stdout);
-  std::fflush(stdout);
+  std::fputs(wants_json ? (Dump(document, 2) + "\n").c_str() : text.c_str(), Output());
+  std::fflush(Output());
 }
 
 nlohmann::ordered_json ErrorToJson(const absl::Status& error) {

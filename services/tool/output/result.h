@@ -24,6 +24,8 @@ bool WantsJson();
 
 // Prints text that is for people only: nothing with --json.
 void Say(const std::string& text);
+// Has what is printed go to standard error: standard output has a result of its own.
+void PrintToStandardError();
 // Prints the text, or with --json the document.
 void PrintResult(const std::string& text, const nlohmann::ordered_json& document);
 

@@ -1,7 +1,6 @@
 #include "services/tool/rig/retake.h"
 
 #include <cmath>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <optional>
 #include <variant>
@@ -12,6 +11,7 @@
 #include "absl/strings/str_split.h"
 #include "client_agent/source/rig/rig_file.h"
 #include "slam/camera/pair_geometry.h"
+#include "slam/rendering/map_picture.h"
 #include "slam/util/folders.h"
 #include "slam/util/status_macros.h"
 #include "slam/util/text_file.h"
@@ -50,8 +50,7 @@ cv::Mat PixelsOf(const RigCamera& camera, const Eigen::Quaterniond& rectified_fr
 absl::Status WriteRetaken(const cv::Mat& picture, const cv::Mat& pixels, const std::string& path) {
   cv::Mat retaken;
   cv::remap(picture, retaken, pixels, cv::noArray(), cv::INTER_CUBIC);
-  if (cv::imwrite(path, retaken)) return absl::OkStatus();
-  return absl::UnavailableError("cannot write " + path);
+  return WriteImage(retaken, path);
 }
 
 absl::StatusOr<StereoCalibration> RectifiedOf(const FrameReader& reader) {

@@ -24,6 +24,18 @@ uint64_t WireBytes(const Update& update, FeatureForm form, CameraBook& sent) {
   return bytes;
 }
 
+// Adds what a part's items take.
+void Measure(const v1::MapUpdateBatch& part, map_store::BatchTransfer& transfer) {
+  for (const v1::FullKeyframe& keyframe : part.full_keyframes()) {
+    transfer.full_keyframe_bytes += keyframe.ByteSizeLong();
+  }
+  for (const v1::LightKeyframe& keyframe : part.light_keyframes()) {
+    transfer.light_keyframe_bytes += keyframe.ByteSizeLong();
+  }
+  if (part.has_full_points()) transfer.full_map_point_bytes += part.full_points().ByteSizeLong();
+  if (part.has_light_points()) transfer.light_map_point_bytes += part.light_points().ByteSizeLong();
+}
+
 FeatureForm FormOf(const Capabilities& understood) {
   return understood.coded_features ? FeatureForm::kCoded : FeatureForm::kPlain;
 }
@@ -44,12 +56,20 @@ void DirectUplink::Open(const SessionRequest& request, UplinkListener* listener)
 
 bool DirectUplink::Send(const MapUpdateBatch& batch) {
   if (!session_.has_value()) return false;
-  const absl::StatusOr<Acknowledgement> stored = store_->Apply(*session_, batch);
+  // The store counts what a stream would have brought, as a server of it does.
+  map_store::BatchTransfer transfer;
+  uint64_t bytes = 0;
+  for (const auto& part :
+       ToProto(batch, sent_up_, kSharedBudget_bytes, FormOf(store_understands_))) {
+    bytes += part.ByteSizeLong();
+    Measure(part, transfer);
+  }
+  const absl::StatusOr<Acknowledgement> stored = store_->Apply(*session_, batch, &transfer);
   if (!stored.ok()) {
     End(stored.status());
     return false;
   }
-  bytes_up_ += WireBytes(batch, FormOf(store_understands_), sent_up_);
+  bytes_up_ += bytes;
   listener_->OnAcknowledged(*stored);
   return true;
 }

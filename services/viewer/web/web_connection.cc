@@ -2,7 +2,9 @@
 
 #include <glog/logging.h>
 
+#include <algorithm>
 #include <boost/asio/post.hpp>
+#include <boost/asio/steady_timer.hpp>
 #include <boost/beast/core/flat_buffer.hpp>
 #include <boost/beast/core/tcp_stream.hpp>
 #include <boost/beast/http/error.hpp>
@@ -85,36 +87,40 @@ std::optional<WebResponse> DescribeReadError(Error error) {
 template <typename Stream>
 class HttpSession : public WebConnection, public std::enable_shared_from_this<HttpSession<Stream>> {
  public:
-  HttpSession(Stream stream, WebShared& shared) : stream_(std::move(stream)), shared_(shared) {}
+  HttpSession(Stream stream, WebPeer peer, WebShared& shared)
+      : stream_(std::move(stream)), peer_(std::move(peer)), shared_(shared) {}
 
   void Start() override {
-    SetPatience();
+    SetPatience(shared_.options.first_patience);
     if constexpr (std::is_same_v<Stream, Tls>) {
       stream_.async_handshake(boost::asio::ssl::stream_base::server,
                               [self = this->shared_from_this()](Error error) {
-                                if (!error) self->Read();
+                                if (!error) self->Read(self->shared_.options.first_patience);
                               });
     } else {
-      Read();
+      Read(shared_.options.first_patience);
     }
   }
   void Close() override {
-    awaiting_ = nullptr;
+    // It may be all that keeps this.
+    const std::shared_ptr<HttpSession> kept = std::move(awaiting_);
+    use_.reset();
+    holding_back_.reset();
     if (const auto socket = socket_.lock()) return socket->Close();
     beast::get_lowest_layer(stream_).close();
   }
 
  private:
-  void SetPatience() {
+  void SetPatience(absl::Duration patience) {
     beast::get_lowest_layer(stream_).expires_after(
-        absl::ToChronoNanoseconds(shared_.options.patience));
+        absl::ToChronoNanoseconds(std::min(patience, shared_.options.patience)));
   }
 
-  void Read() {
+  void Read(absl::Duration patience) {
     parser_.emplace();
     parser_->header_limit(kMaxHeadBytes);
     parser_->body_limit(0);
-    SetPatience();
+    SetPatience(patience);
     http::async_read(
         stream_, buffer_, *parser_,
         [self = this->shared_from_this()](Error error, size_t) { self->OnRead(error); });
@@ -127,6 +133,7 @@ class HttpSession : public WebConnection, public std::enable_shared_from_this<Ht
       return;
     }
     WebRequest request;
+    request.host = peer_.host;
     if (!ReadRequest(parser_->get(), request)) {
       return Write(Refuse(400, "the path or query can't be read"), false);
     }
@@ -146,25 +153,30 @@ class HttpSession : public WebConnection, public std::enable_shared_from_this<Ht
     if (!IsSameOrigin(Text(head[http::field::origin]), Text(head[http::field::host]))) {
       return Write(Refuse(403, "a page of another site may not read this"), false);
     }
-    if (shared_.streams >= shared_.options.max_streams) {
-      return Write(Refuse(503, "too many pages are open; try again later"), false);
+    absl::StatusOr<std::shared_ptr<const void>> page =
+        shared_.pages.Enter(peer_.host, shared_.handler.CallerOf(request));
+    if (!page.ok()) {
+      return Write(Refuse(503, absl::StrCat("too many pages are open: ", page.status().message())),
+                   false);
     }
     const auto socket =
-        std::make_shared<WebSocket<Stream>>(std::move(stream_), parser_->release(), shared_);
+        std::make_shared<WebSocket<Stream>>(std::move(stream_), parser_->release(), peer_,
+                                            *std::move(page), this->shared_from_this(), shared_);
     socket_ = socket;
     socket->Accept(request);
   }
 
   void Ask(const WebRequest& request) {
-    // However long the answer takes: who makes it has limits of its own.
+    // However long the answer takes: who makes it has limits of its own, of how many at once, too.
     beast::get_lowest_layer(stream_).expires_never();
+    use_.emplace(shared_, peer_.id);
     const bool keep = parser_->get().keep_alive();
     awaiting_ = this->shared_from_this();
     // The answer may come when the connection, and the server with it, has gone.
     Respond respond = [weak = this->weak_from_this(), poster = shared_.poster,
                        keep](WebResponse response) {
       poster->Post([weak, keep, response = std::move(response)] {
-        if (const auto self = weak.lock()) self->Write(response, keep);
+        if (const auto self = weak.lock()) self->WriteLater(response, keep);
       });
     };
     try {
@@ -175,8 +187,21 @@ class HttpSession : public WebConnection, public std::enable_shared_from_this<Ht
     }
   }
 
+  void WriteLater(const WebResponse& answer, bool keep) {
+    if (answer.held_back <= absl::ZeroDuration()) return Write(answer, keep);
+    // Nothing is under way meanwhile.
+    use_.reset();
+    holding_back_.emplace(stream_.get_executor(), absl::ToChronoNanoseconds(answer.held_back));
+    holding_back_->async_wait([weak = this->weak_from_this(), answer, keep](Error error) {
+      const auto self = weak.lock();
+      if (self != nullptr && !error) self->Write(answer, keep);
+    });
+  }
+
   void Write(const WebResponse& answer, bool keep) {
     const std::shared_ptr<HttpSession> kept = std::move(awaiting_);
+    // A client that takes its answer slowly may make room for others.
+    use_.reset();
     body_ = answer.body != nullptr ? answer.body : std::make_shared<const std::string>();
     response_ = {};
     response_.version(11);
@@ -188,7 +213,7 @@ class HttpSession : public WebConnection, public std::enable_shared_from_this<Ht
     // The answer to HEAD has the length of what GET would bring.
     if (parser_->get().method() != http::verb::head)
       response_.body() = {body_->data(), body_->size()};
-    SetPatience();
+    SetPatience(shared_.options.patience);
     http::async_write(stream_, response_,
                       [self = this->shared_from_this(), keep](Error error, size_t) {
                         if (!error) self->OnWritten(keep);
@@ -197,14 +222,18 @@ class HttpSession : public WebConnection, public std::enable_shared_from_this<Ht
 
   void OnWritten(bool keep) {
     body_ = nullptr;
-    if (keep) return Read();
+    if (keep) return Read(shared_.options.patience);
     Error error;
     beast::get_lowest_layer(stream_).socket().shutdown(boost::asio::ip::tcp::socket::shutdown_send,
                                                        error);
   }
 
   Stream stream_;
+  const WebPeer peer_;
   WebShared& shared_;
+  // From a request until its answer is made.
+  std::optional<WebUse> use_;
+  std::optional<boost::asio::steady_timer> holding_back_;
   beast::flat_buffer buffer_;
   std::optional<http::request_parser<http::empty_body>> parser_;
   http::response<http::span_body<const char>> response_;
@@ -226,15 +255,16 @@ void LoopPoster::End() {
   context_ = nullptr;
 }
 
-std::shared_ptr<WebConnection> MakeWebConnection(boost::asio::ip::tcp::socket socket,
+std::shared_ptr<WebConnection> MakeWebConnection(boost::asio::ip::tcp::socket socket, WebPeer peer,
                                                  WebShared& shared) {
   Tcp stream(std::move(socket));
   if (shared.options.tls == nullptr) {
-    return std::make_shared<HttpSession<Tcp>>(std::move(stream), shared);
+    return std::make_shared<HttpSession<Tcp>>(std::move(stream), std::move(peer), shared);
   }
   // The stream's session holds what it needs of the context.
   const auto context = shared.options.tls->context();
-  return std::make_shared<HttpSession<Tls>>(Tls(std::move(stream), *context), shared);
+  return std::make_shared<HttpSession<Tls>>(Tls(std::move(stream), *context), std::move(peer),
+                                            shared);
 }
 
 }  // namespace corbslam::services

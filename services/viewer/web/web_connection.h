@@ -8,9 +8,12 @@
 #include <cstddef>
 #include <functional>
 #include <memory>
+#include <string>
 
 #include "absl/base/thread_annotations.h"
 #include "absl/synchronization/mutex.h"
+#include "services/runtime/connection_book.h"
+#include "services/server/work_slots.h"
 #include "services/viewer/web/web_message.h"
 #include "services/viewer/web/web_server.h"
 
@@ -35,7 +38,31 @@ struct WebShared {
   WebHandler& handler;
   const WebServerOptions& options;
   const std::shared_ptr<LoopPoster> poster;
+  WorkSlots pages;
   std::atomic<size_t> streams = 0;
+  // Only the server's thread uses it.
+  ConnectionBook book = {};
+};
+
+// Whose a connection is.
+struct WebPeer {
+  ConnectionBook::Id id = 0;
+  std::string host;
+};
+
+// Says, as long as it lives, that something is under way on a connection.
+class WebUse {
+ public:
+  WebUse(WebShared& shared, ConnectionBook::Id id) : shared_(shared), id_(id) {
+    shared_.book.Begin(id_);
+  }
+  ~WebUse() { shared_.book.End(id_); }
+  WebUse(const WebUse&) = delete;
+  WebUse& operator=(const WebUse&) = delete;
+
+ private:
+  WebShared& shared_;
+  const ConnectionBook::Id id_;
 };
 
 class WebConnection {
@@ -49,7 +76,7 @@ class WebConnection {
 
 // A connection lives as long as one of its operations is under way, or an answer is awaited. It
 // goes by the key pair that the options' TLS has now; without TLS: over TCP.
-std::shared_ptr<WebConnection> MakeWebConnection(boost::asio::ip::tcp::socket socket,
+std::shared_ptr<WebConnection> MakeWebConnection(boost::asio::ip::tcp::socket socket, WebPeer peer,
                                                  WebShared& shared);
 
 }  // namespace corbslam::services

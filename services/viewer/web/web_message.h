@@ -8,9 +8,12 @@
 #include <memory>
 #include <string>
 
+#include "absl/time/time.h"
+
 namespace corbslam::services {
 
 struct WebRequest {
+  std::string host;                          // Whose connection it is (HostOfIp).
   std::string method;                        // The word that was sent: "GET", or any other.
   std::string path;                          // Without query; percent signs are decoded.
   std::map<std::string, std::string> query;  // Decoded; of a name that comes twice the last value.
@@ -29,10 +32,18 @@ struct WebResponse {
   std::shared_ptr<const std::string> body;     // Null: empty.
   BodySource rest;                             // What comes behind `body`, if set.
   std::map<std::string, std::string> headers;  // Further ones.
+  // The answer is held back for so long; the connection may make room for others meanwhile.
+  absl::Duration held_back = absl::ZeroDuration();
 };
 
 // Takes the answer to a request, once; from any thread.
 using Respond = std::function<void(WebResponse)>;
+
+// A close code of WebSocket's (4000 to 4999) and words; 0: none.
+struct CloseReason {
+  uint16_t code = 0;
+  std::string words;
+};
 
 // What one WebSocket is sent. Its functions are called on the server's thread.
 class WebStream {
@@ -40,13 +51,17 @@ class WebStream {
   virtual ~WebStream() = default;
   // Returns the next message; null: there is none now, and `wake` will be called when there may be.
   virtual std::shared_ptr<const std::string> Next() = 0;
+  // Returns why it may not stay open; asked again and again.
+  virtual CloseReason WhyClose() { return {}; }
 };
 
-// A stream, or why there is none: a close code of WebSocket's (4000 to 4999) and words.
+// A stream, or why there is none.
 struct OpenedStream {
   std::unique_ptr<WebStream> stream;
   uint16_t close_code = 0;
   std::string reason;
+  // The refusal is held back for so long.
+  absl::Duration held_back = absl::ZeroDuration();
 };
 
 class WebHandler {
@@ -54,6 +69,12 @@ class WebHandler {
   virtual ~WebHandler() = default;
   // Both are called on the server's thread and must return soon.
   virtual void Answer(const WebRequest& request, Respond respond) = 0;
+  // Returns a name of who asks, for people; empty: nobody knows. Of one name a quarter of the
+  // streams may be.
+  virtual std::string CallerOf(const WebRequest& request) {
+    (void)request;
+    return "";
+  }
   // `wake` may be called from any thread, also after the stream is gone.
   virtual OpenedStream Open(const WebRequest& request, std::function<void()> wake) = 0;
 };

@@ -1,27 +1,43 @@
 #include "services/viewer/web/web_server.h"
 
+#include <algorithm>
+#include <atomic>
 #include <boost/asio/io_context.hpp>
-#include <deque>
+#include <map>
 #include <thread>
 #include <utility>
 
 #include "services/http/http_listener.h"
+#include "services/runtime/file_limit.h"
 #include "services/viewer/web/web_connection.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::services {
+namespace {
+
+// Half of the pages may be of one host, and a quarter of one token.
+WorkLimits PageLimits(size_t pages) {
+  return {.what = "pages",
+          .all = pages,
+          .of_caller = std::max<size_t>(1, pages / 2),
+          .of_resource = std::max<size_t>(1, pages / 4)};
+}
+
+}  // namespace
+
 // Holds the thread, and what only that thread touches once it runs.
 class WebServer::Loop {
  public:
   Loop(WebHandler* handler, const WebServerOptions& options)
       : options_(options),
-        shared_{*handler, options_, std::make_shared<LoopPoster>(&context_)},
+        shared_{*handler, options_, std::make_shared<LoopPoster>(&context_),
+                WorkSlots(PageLimits(options_.max_streams))},
         listener_(context_) {}
   ~Loop() {
     shared_.poster->End();
     context_.stop();
     if (thread_.joinable()) thread_.join();
-    for (const auto& weak : open_) {
+    for (const auto& [id, weak] : open_) {
       if (const auto connection = weak.lock()) connection->Close();
     }
   }
@@ -34,23 +50,66 @@ class WebServer::Loop {
     thread_ = std::thread([this] { context_.run(); });
   }
   size_t streams() const { return shared_.streams; }
+  ConnectionCounts connections() const {
+    return {.open = open_count_,
+            .busy = busy_count_,
+            .limits = LimitsWithin(FileLimit(), options_.connections),
+            .refused = refused_,
+            .closed_for_room = closed_for_room_};
+  }
 
  private:
   void Serve(boost::asio::ip::tcp::socket socket) {
-    std::erase_if(open_, [](const auto& connection) { return connection.expired(); });
-    if (open_.size() >= options_.max_connections) return;
+    Sweep();
+    boost::system::error_code error;
+    const boost::asio::ip::tcp::endpoint end = socket.remote_endpoint(error);
+    if (error) return;
+    const WebPeer peer = {next_id_++, HostOfIp(end.address().to_string())};
+    const ConnectionBook::Verdict verdict =
+        shared_.book.Enter(peer.id, peer.host, LimitsWithin(FileLimit(), options_.connections));
+    refused_ += verdict.taken ? 0 : 1;
+    if (!verdict.taken) return;
+    if (verdict.makes_room.has_value()) MakeRoom(*verdict.makes_room);
     boost::system::error_code ignored;
     socket.set_option(boost::asio::ip::tcp::no_delay(true), ignored);
-    const auto connection = MakeWebConnection(std::move(socket), shared_);
-    open_.push_back(connection);
+    const auto connection = MakeWebConnection(std::move(socket), peer, shared_);
+    open_.emplace(peer.id, connection);
+    Count();
     connection->Start();
+  }
+
+  void Sweep() {
+    std::erase_if(open_, [this](const auto& entry) {
+      if (entry.second.expired()) shared_.book.Leave(entry.first);
+      return entry.second.expired();
+    });
+    Count();
+  }
+
+  void Count() {
+    open_count_ = shared_.book.size();
+    busy_count_ = shared_.book.busy();
+  }
+
+  void MakeRoom(ConnectionBook::Id id) {
+    ++closed_for_room_;
+    const auto found = open_.find(id);
+    if (found == open_.end()) return;
+    if (const auto connection = found->second.lock()) connection->Close();
+    open_.erase(found);
   }
 
   const WebServerOptions options_;
   WebShared shared_;
   boost::asio::io_context context_{/*concurrency_hint=*/1};
   HttpListener listener_;
-  std::deque<std::weak_ptr<WebConnection>> open_;
+  ConnectionBook::Id next_id_ = 1;
+  std::map<ConnectionBook::Id, std::weak_ptr<WebConnection>> open_;
+  // Counted when a connection comes.
+  std::atomic<size_t> open_count_ = 0;
+  std::atomic<size_t> busy_count_ = 0;
+  std::atomic<uint64_t> refused_ = 0;
+  std::atomic<uint64_t> closed_for_room_ = 0;
   std::thread thread_;
 };
 
@@ -70,5 +129,7 @@ WebServer::WebServer(std::string address, std::unique_ptr<Loop> loop)
 WebServer::~WebServer() = default;
 
 size_t WebServer::streams() const { return loop_->streams(); }
+
+ConnectionCounts WebServer::connections() const { return loop_->connections(); }
 
 }  // namespace corbslam::services

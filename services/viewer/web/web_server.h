@@ -10,6 +10,8 @@
 
 #include "absl/status/statusor.h"
 #include "absl/time/time.h"
+#include "services/runtime/connection_book.h"
+#include "services/server/served_ports.h"
 #include "services/viewer/web/web_message.h"
 #include "services/viewer/web/web_tls.h"
 
@@ -21,10 +23,16 @@ struct WebServerOptions {
   // Names by which browsers may call it beside IP addresses and localhost (web_host.h); requests to
   // others get 421. Nullopt: any. With TLS the certificate says it, and browsers see to that.
   std::optional<std::vector<std::string>> hosts = std::nullopt;
-  // Connections beyond these are closed at once.
-  size_t max_connections = 256;
-  // WebSockets beyond these are refused with 503.
+  // Connections at one time; fewer where the process may not have as many files. One on which
+  // nothing is under way makes room for a newer one.
+  ConnectionLimits connections = {.all = 1024, .of_host = 512};
+  // WebSockets beyond these are refused with 503. Half of them may be of one host, a quarter of one
+  // token.
   size_t max_streams = 100;
+  // Limit for TLS and a connection's first request.
+  absl::Duration first_patience = absl::Seconds(10);
+  // How often it is asked whether a WebSocket may stay.
+  absl::Duration stay_interval = absl::Seconds(1);
   // Limit for a request to come, for a client to take any of what is written, and for an open
   // connection to ask nothing.
   absl::Duration patience = absl::Seconds(30);
@@ -48,6 +56,7 @@ class WebServer {
   // Returns "HOST:PORT" with the port that was chosen.
   const std::string& address() const { return address_; }
   size_t streams() const;
+  ConnectionCounts connections() const;
 
  private:
   class Loop;
@@ -56,6 +65,7 @@ class WebServer {
 
   const std::string address_;
   const std::unique_ptr<Loop> loop_;
+  const ServedPort port_{"web", [this] { return connections(); }};
 };
 
 }  // namespace corbslam::services

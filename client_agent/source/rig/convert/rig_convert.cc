@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <fstream>
 #include <functional>
 
 #include "absl/strings/match.h"
@@ -22,7 +23,8 @@ constexpr double kMostSkew = 1e-6;
 
 struct Format {
   absl::string_view name;
-  // Names of fields, each of which is in no file but of this format.
+  // Names of fields, each of which is in no file but of this format. Of LIST/FIELD the first entry
+  // of a list has the field, or the map of that name.
   std::vector<std::string> fields;
   absl::StatusOr<ConvertedRig> (*read)(const RigFiles& files);
 };
@@ -34,7 +36,12 @@ const std::vector<Format>& Formats() {
       {"euroc", {"T_BS"}, &ReadEurocPair},
       {"orbslam", {"Camera.fx", "Camera1.fx", "LEFT.K"}, &ReadOrbSlam},
       {"opencv", {"M1", "K1", "cameraMatrix1", "R", "T"}, &ReadOpenCvStereo},
-      {"kitti", {"P0", "P_rect_00"}, &ReadKittiPair}};
+      {"kitti", {"P0", "P_rect_00"}, &ReadKittiPair},
+      {"basalt", {"value0"}, &ReadBasalt},
+      {"svo", {"cameras/camera"}, &ReadSvo},
+      {"okvis2", {"cameras/T_SC"}, &ReadOkvis2},
+      {"stella_vslam", {"Camera/setup"}, &ReadStellaVslam},
+      {"vins_fusion", {"num_of_cam", "cam0_calib", "model_type"}, &ReadVinsFusion}};
   return *formats;
 }
 
@@ -57,13 +64,35 @@ absl::StatusOr<const Format*> FindInText(const std::string& path) {
   });
 }
 
+bool HasField(const YAML::Node& file, const std::string& field) {
+  const size_t slash = field.find('/');
+  if (slash == std::string::npos) return file[field].IsDefined();
+  const YAML::Node within = file[field.substr(0, slash)];
+  const std::string inner = field.substr(slash + 1);
+  if (within.IsDefined() && within.IsMap()) return within[inner].IsDefined();
+  return within.IsDefined() && within.IsSequence() && within.size() > 0 && within[0].IsMap() &&
+         within[0][inner].IsDefined();
+}
+
+// Refuses the first file by its writer's name, where that is known and not read.
+absl::Status CheckIsNotForeign(const std::string& path) {
+  constexpr size_t kLooked = size_t{1} << 20;
+  std::ifstream file(path, std::ios::binary);
+  std::string begin(kLooked, '\0');
+  file.read(begin.data(), static_cast<std::streamsize>(begin.size()));
+  begin.resize(static_cast<size_t>(std::max<std::streamsize>(0, file.gcount())));
+  const std::string foreign = DescribeForeignCalibration(begin);
+  if (foreign.empty()) return absl::OkStatus();
+  return absl::InvalidArgumentError(absl::StrCat(path, ": ", foreign));
+}
+
 absl::StatusOr<const Format*> FindInYaml(const std::string& path) {
   const Format* found = nullptr;
   RETURN_IF_ERROR(UseYamlFields(path, [&](const YAML::Node& file) -> absl::Status {
     if (file["rig"].IsDefined()) {
       return absl::InvalidArgumentError(absl::StrCat(path, ": is a rig file already"));
     }
-    found = FindByFields([&](const std::string& field) { return file[field].IsDefined(); });
+    found = FindByFields([&](const std::string& field) { return HasField(file, field); });
     return absl::OkStatus();
   }));
   return found;
@@ -83,6 +112,8 @@ absl::StatusOr<const Format*> FindFormat(const RigFiles& files) {
   const Format* found = nullptr;
   if (std::filesystem::is_directory(as_path, ignored)) {
     found = FindByFields([](const std::string& field) { return field == "T_BS"; });
+  } else if (const absl::Status foreign = CheckIsNotForeign(path); !foreign.ok()) {
+    return foreign;
   } else if (as_path.extension() == ".txt") {
     ASSIGN_OR_RETURN(found, FindInText(path));
   } else {
@@ -91,7 +122,8 @@ absl::StatusOr<const Format*> FindFormat(const RigFiles& files) {
   if (found != nullptr) return found;
   return absl::InvalidArgumentError(absl::StrCat(path, ": holds no calibration of a known format (",
                                                  absl::StrJoin(RigFormats(), ", "),
-                                                 "); say which with --format"));
+                                                 "), by the names of its fields; write a rig file "
+                                                 "by hand (docs/rig.md)"));
 }
 
 // Notes what is improbable; refuses what can't be.

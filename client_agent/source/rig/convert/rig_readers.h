@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "absl/strings/string_view.h"
 #include "client_agent/source/rig/convert/rig_convert.h"
 #include "slam/geometry/rigid3.h"
 
@@ -19,6 +20,16 @@ absl::StatusOr<ConvertedRig> ReadRosPair(const RigFiles& files);
 absl::StatusOr<ConvertedRig> ReadOpenCvStereo(const RigFiles& files);
 // The settings of ORB-SLAM2 and ORB-SLAM3, for stereo and RGB-D.
 absl::StatusOr<ConvertedRig> ReadOrbSlam(const RigFiles& files);
+// Basalt's calibration.json.
+absl::StatusOr<ConvertedRig> ReadBasalt(const RigFiles& files);
+// SVO's (rpg_svo_pro) calibration: cameras with T_B_C.
+absl::StatusOr<ConvertedRig> ReadSvo(const RigFiles& files);
+// OKVIS2's configuration: cameras with T_SC.
+absl::StatusOr<ConvertedRig> ReadOkvis2(const RigFiles& files);
+// stella_vslam's configuration, for stereo and RGB-D.
+absl::StatusOr<ConvertedRig> ReadStellaVslam(const RigFiles& files);
+// VINS-Fusion's configuration, and the cameras' files that it names.
+absl::StatusOr<ConvertedRig> ReadVinsFusion(const RigFiles& files);
 // EuRoC's cam0/sensor.yaml and cam1/sensor.yaml, or their recording's folder.
 absl::StatusOr<ConvertedRig> ReadEurocPair(const RigFiles& files);
 // KITTI's calib.txt (odometry) or calib_cam_to_cam.txt (raw): the grey pair.
@@ -31,6 +42,11 @@ Rigid3d MotionOfRectified(const Eigen::Matrix3d& left_rotation,
 
 // INVALID_ARGUMENT says how many files the format wants, unless it is given `count`.
 absl::Status ExpectFiles(const RigFiles& files, size_t count, absl::string_view what);
+
+// Returns whose a calibration is that can't be read, and what to do about it, by how its text
+// begins;
+// "" for any other.
+std::string DescribeForeignCalibration(absl::string_view text);
 
 // INVALID_ARGUMENT names file and field, unless the nine numbers are those of a camera matrix by
 // its rows, without skew, which no rig has.

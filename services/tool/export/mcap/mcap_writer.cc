@@ -22,7 +22,8 @@ absl::Status CheckRoom(absl::string_view what, uint16_t count) {
 
 absl::StatusOr<McapWriter> McapWriter::Create(const std::string& path, absl::string_view library,
                                               size_t chunk_bytes) {
-  ASSIGN_OR_RETURN(WholeFile file, WholeFile::Create(path, WholeFile::Old::kReplaced));
+  ASSIGN_OR_RETURN(WholeFile file, WholeFile::Create(path, WholeFile::Old::kReplaced,
+                                                     WholeFile::Readers::kOthersToo));
   McapWriter writer(McapOutput(std::move(file)), chunk_bytes);
   McapBytes header;
   header.Add(kNoProfile).Add(library);

@@ -115,14 +115,24 @@ TEST(McapWriterTest, SaysWhatItCantWrite) {
             absl::StatusCode::kResourceExhausted);
 }
 
-TEST(McapWriterTest, AFullDiskIsSaid) {
+TEST(McapWriterTest, AFullDiskIsSaidAndADeviceStaysOne) {
   if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "there is no /dev/full here";
+  auto writer = McapWriter::Create("/dev/full", "test");
+  const absl::Status status = writer.ok() ? writer->Finish() : writer.status();
+  EXPECT_EQ(status.code(), absl::StatusCode::kResourceExhausted) << status;
+  EXPECT_THAT(std::string(status.message()), HasSubstr("/dev/full"));
+  EXPECT_TRUE(std::filesystem::is_character_file("/dev/full"));
+}
+
+TEST(McapWriterTest, FollowsALinkThatStaysOne) {
   const std::string path = TestPath("a.mcap");
-  std::filesystem::create_symlink("/dev/full", path + ".part");
-  const auto writer = McapWriter::Create(path, "test");
-  std::filesystem::remove(path + ".part");
-  EXPECT_EQ(writer.status().code(), absl::StatusCode::kResourceExhausted) << writer.status();
-  EXPECT_THAT(std::string(writer.status().message()), HasSubstr(path));
+  const std::string link = TestPath("link.mcap");
+  std::filesystem::create_symlink(path, link);
+  auto writer = McapWriter::Create(link, "test");
+  ASSERT_TRUE(writer.ok()) << writer.status();
+  ASSERT_TRUE(writer->Finish().ok());
+  EXPECT_TRUE(std::filesystem::is_symlink(link));
+  EXPECT_TRUE(std::filesystem::is_regular_file(std::filesystem::symlink_status(path)));
 }
 
 }  // namespace

@@ -165,6 +165,66 @@ TEST(MissionRecordingTest, RobotsDriveBehindThePastByTheirOwnClocks) {
   EXPECT_EQ(file.metadata.at("corbslam").at("first_frame_ns/alpha"), "1403636579763555584");
 }
 
+// Two robots with one clock, whose keyframes were taken every half second.
+MadeUpMission MakeUpOnRobotsClock() {
+  MadeUpMission made_up = MakeUpMission();
+  constexpr int64_t kBegin_ns = 1'403'636'579'000'000'000;
+  made_up.mission.clock = RecordingClock::kRobots;
+  for (uint32_t i = 0; i < 4; ++i) {
+    made_up.mission.keyframe_times_ns[{kAlphas, i}] = kBegin_ns + i * 200'000'000;
+  }
+  for (size_t robot = 0; robot < 2; ++robot) {
+    RecordedTrajectory& trajectory = made_up.trajectories[robot];
+    trajectory.drive_begins_ns = kBegin_ns + static_cast<int64_t>(robot) * 50'000'000;
+    for (size_t i = 0; i < trajectory.poses.size(); ++i) {
+      trajectory.poses[i].timestamp_ns =
+          trajectory.drive_begins_ns + static_cast<int64_t>(i) * 100'000'000;
+    }
+  }
+  // The first moment knows two keyframes.
+  auto& first = made_up.moments[0].islands[kAlphas].keyframes;
+  first.erase({kAlphas, 2});
+  first.erase({kAlphas, 3});
+  return made_up;
+}
+
+TEST(MissionRecordingTest, OnTheRobotsClockPosesHaveTheirFramesTimes) {
+  const MadeUpMission made_up = MakeUpOnRobotsClock();
+  const McapFile file = RecordAndRead(made_up);
+  for (const RecordedTrajectory& trajectory : made_up.trajectories) {
+    const auto poses = file.On(RobotTopic(trajectory.robot, "pose"));
+    ASSERT_THAT(poses, SizeIs(10));
+    for (size_t i = 0; i < poses.size(); ++i) {
+      EXPECT_EQ(poses[i].time_ns, static_cast<uint64_t>(trajectory.poses[i].timestamp_ns));
+    }
+    ASSERT_THAT(file.On(RobotTopic(trajectory.robot, "trajectory")), SizeIs(1));
+  }
+  const auto keyframes = file.On("/map/alpha/keyframes");
+  ASSERT_THAT(keyframes, SizeIs(3));
+  EXPECT_EQ(keyframes[0].time_ns, 1'403'636'579'200'000'000u);
+  EXPECT_EQ(keyframes[1].time_ns, 1'403'636'579'600'000'000u);
+  EXPECT_EQ(keyframes[2].time_ns, 1'403'636'579'600'000'000u);
+  EXPECT_TRUE(std::is_sorted(file.messages.begin(), file.messages.end(),
+                             [](const auto& a, const auto& b) { return a.time_ns < b.time_ns; }));
+  EXPECT_THAT(file.metadata.at("corbslam").at("clock"), HasSubstr("robots' own"));
+}
+
+TEST(MissionRecordingTest, OnTheRobotsClockPointsComeAsTheyCame) {
+  const McapFile file = RecordAndRead(MakeUpOnRobotsClock());
+  const auto clouds = file.On("/map/alpha/points");
+  // At each moment, and as they are in the end.
+  ASSERT_THAT(clouds, SizeIs(4));
+  EXPECT_EQ(clouds[0].time_ns, 1'403'636'579'200'000'000u);
+}
+
+TEST(MissionRecordingTest, NoTimeIsBeforeZero) {
+  MadeUpMission early = MakeUpOnRobotsClock();
+  early.trajectories[0].drive_begins_ns = -5;
+  const absl::Status status = testing::Record(early, TestPath("a.mcap"));
+  EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_THAT(std::string(status.message()), HasSubstr("no time before 0"));
+}
+
 TEST(MissionRecordingTest, NotesComeWithTheirRevisionAndInTheEnd) {
   const auto notes = Decode<foxglove::Log>(RecordAndRead(MakeUpMission()), "/log");
   std::vector<std::string> texts;

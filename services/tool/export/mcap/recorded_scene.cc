@@ -1,9 +1,11 @@
 #include "services/tool/export/mcap/recorded_scene.h"
 
 #include <array>
+#include <map>
 #include <utility>
 
 #include "foxglove/scene.pb.h"
+#include "services/client/store/driven_way.h"
 #include "services/tool/export/mcap/foxglove_values.h"
 #include "services/tool/export/mcap/frame_names.h"
 #include "slam/util/median.h"
@@ -69,6 +71,17 @@ const ToldMap::Keyframe* Find(KeyframeId id, const ToldMap::Island& island) {
   return found == island.keyframes.end() ? nullptr : &found->second;
 }
 
+// Returns how far the robot usually went from one keyframe of a local map to the next.
+std::map<LocalMapId, double> UsualSteps(const ToldMap::Island& island) {
+  std::map<LocalMapId, std::map<KeyframeId, Rigid3d>> poses;
+  for (const auto& [id, keyframe] : island.keyframes) {
+    poses[id.local_map][id] = keyframe.island_from_camera;
+  }
+  std::map<LocalMapId, double> steps;
+  for (const auto& [local_map, own] : poses) steps[local_map] = UsualStep(own);
+  return steps;
+}
+
 // The lines of one robot in one island.
 struct RobotLines {
   foxglove::LinePrimitive* frusta = nullptr;
@@ -109,13 +122,17 @@ class KeyframeDrawing {
 
   void DrawIsland(LocalMapId id, const ToldMap::Island& island) {
     std::map<std::string, RobotLines> robots;
+    const std::map<LocalMapId, double> usual_steps = UsualSteps(island);
     for (const auto& [keyframe_id, keyframe] : island.keyframes) {
       const std::string robot = map_.AgentOf(keyframe_id.local_map);
       const auto [lines, is_new] = robots.try_emplace(robot);
       if (is_new) lines->second = BeginLines(id, robot);
       AddFrustum(keyframe.island_from_camera, depth_, *lines->second.frusta);
       const ToldMap::Keyframe* parent = Find(keyframe.parent, island);
-      if (parent != nullptr) AddLine(keyframe, *parent, *lines->second.tree);
+      if (parent != nullptr && !IsGap(parent->island_from_camera, keyframe.island_from_camera,
+                                      usual_steps.at(keyframe_id.local_map))) {
+        AddLine(keyframe, *parent, *lines->second.tree);
+      }
     }
   }
 

@@ -93,6 +93,9 @@ Box PathsBox(const ReportDetail& detail, const Eigen::Quaterniond& turn) {
   Box box;
   for (const MapPicture::Robot& robot : detail.map.robots) {
     for (const Rigid3d& pose : robot.keyframes) box.Add(turn * pose.translation);
+    for (const std::vector<Eigen::Vector3d>& path : robot.paths) {
+      for (const Eigen::Vector3d& x : path) box.Add(turn * x);
+    }
   }
   for (const std::vector<Eigen::Vector3d>& path : detail.map.truth) {
     for (const Eigen::Vector3d& x : path) box.Add(turn * x);

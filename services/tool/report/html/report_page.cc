@@ -76,6 +76,26 @@ std::string Warnings(const RunReport& report) {
       Lines(lines), "</section>\n");
 }
 
+// What stands on the page, each part with the way to it.
+std::string Contents(const RunReport& report, const ReportDetail& detail) {
+  const size_t warnings = AllWarnings(report).size();
+  std::string html = "<nav class=\"contents\" aria-label=\"Contents\">\n";
+  const auto add = [&html](const char* id, const std::string& name, const char* kind = "") {
+    absl::StrAppend(&html, "<a href=\"#", id, "\"", kind, ">", name, "</a>\n");
+  };
+  add("h-map", "The map");
+  if (warnings > 0) {
+    add("h-warnings", absl::StrCat("Warnings (", warnings, ")"), " class=\"warning\"");
+  }
+  if (report.company.has_value()) add("h-company", "What company gave");
+  if (!detail.held.empty()) add("h-held", "What each robot holds");
+  add("h-accuracy", "Accuracy");
+  add("h-robots", "The robots");
+  add("h-fusion", "Fusing");
+  add("h-cost", "What it cost");
+  return html + "</nav>\n";
+}
+
 // Returns an empty text without figures.
 std::string HeldMaps(const ReportDetail& detail) {
   const std::string plots = HeldPlots(detail);
@@ -156,6 +176,7 @@ std::string ToHtml(const RunReport& report, const ReportDetail& detail) {
        {"{{style}}", PageStyle()},
        {"{{about}}", About(report)},
        {"{{figures}}", Figures(report)},
+       {"{{contents}}", Contents(report, detail)},
        {"{{warnings}}", Warnings(report)},
        {"{{map_note}}", MapNote(detail.map)},
        {"{{map}}", FlatMap(detail.map)},

@@ -98,7 +98,8 @@ TEST(ToHtmlTest, ShowsAllRobotsAndNestsRightly) {
 TEST(ToHtmlTest, LoadsNothing) {
   const std::string html = ToHtml(MakeReport({"alpha"}), MakeDetail({"alpha"}));
   // The only addresses are names of namespaces, which nobody fetches.
-  for (const char* word : {"src=", "href=", "@import", "url(", "https:", "fetch(", "style=\""}) {
+  for (const char* word :
+       {"src=", "href=\"h", "href=\"/", "@import", "url(", "https:", "fetch(", "style=\""}) {
     EXPECT_THAT(html, Not(HasSubstr(word)));
   }
   EXPECT_THAT(html, HasSubstr("content=\"default-src 'none'; base-uri 'none'; form-action 'none'; "
@@ -144,6 +145,29 @@ void AddHeld(ReportDetail& detail) {
   for (const ReportDetail::Robot& robot : detail.robots) {
     detail.held.push_back({robot.name, detail.map, detail.map});
   }
+}
+
+// Returns what stands between `begin` and the next quotation mark, of each place where `begin` is.
+std::vector<std::string> QuotedBehind(const std::string& html, const std::string& begin) {
+  std::vector<std::string> found;
+  for (size_t at = html.find(begin); at != std::string::npos; at = html.find(begin, at + 1)) {
+    const size_t from = at + begin.size();
+    found.push_back(html.substr(from, html.find('"', from) - from));
+  }
+  return found;
+}
+
+TEST(ToHtmlTest, ContentsLeadToEachPartOfThePage) {
+  const std::vector<std::string> names = {"alpha"};
+  const std::string html = ToHtml(MakeReport(names), MakeDetail(names));
+  std::vector<std::string> linked = QuotedBehind(html, "<a href=\"#");
+  EXPECT_EQ(QuotedBehind(html, "href=\"").size(), linked.size()) << "the page leads nowhere else";
+  std::vector<std::string> parts = QuotedBehind(html, "<h2 id=\"");
+  EXPECT_GE(linked.size(), 5u);
+  std::sort(linked.begin(), linked.end());
+  std::sort(parts.begin(), parts.end());
+  EXPECT_EQ(linked, parts);
+  EXPECT_LT(html.find("id=\"h-map\""), html.find("id=\"h-accuracy\""));
 }
 
 TEST(ToHtmlTest, ShowsWhatCompanyGave) {

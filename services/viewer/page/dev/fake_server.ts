@@ -2,6 +2,7 @@
 //   --port=8090 --robots=3 --token=SECRET
 //   --big: at once 10,000 keyframes and 1,000,000 points, or as many as --points of each; --still: nobody drives; --steps=N: so many keyframes a robot at once
 //   /dev/changes?rate=10&points=1000: so many points move so often a second; /dev/merge: two islands merge now
+//   --drives: one robot's session is closed and thinned, and another robot only localises; --below=/map: a proxy has it below that path
 //   --old: a store that does not tell which keyframes see a point
 //   --merge=S,S: islands merge after so many seconds (default 12,20); --away=S: the store is away from then on for 5 s
 import { createServer, type IncomingMessage, type ServerResponse } from 'node:http';
@@ -25,8 +26,11 @@ const mission = new SimulatedMission('lab', number('robots', 3), number('points'
 mission.isOld = flags.has('old');
 if (isBig) mission.begin(3334);
 else mission.drive(number('steps', 60));
+mission.hasLocaliser = flags.has('drives');
+if (flags.has('drives') && mission.robots[2]) mission.robots[2].isThinned = true;
 const TYPES: Record<string, string> = { '.html': 'text/html; charset=utf-8', '.js': 'text/javascript', '.css': 'text/css', '.svg': 'image/svg+xml' };
 const POLICY = "default-src 'self'; img-src 'self' data:; style-src 'self'; connect-src 'self' ws: wss:";
+const below = flags.get('below') ?? '';
 const begunMs = Date.now();
 const sockets = new Set<WebSocket>();
 
@@ -43,6 +47,8 @@ function serveFile(path: string, response: ServerResponse): void {
 
 function serve(request: IncomingMessage, response: ServerResponse): void {
   const url = new URL(request.url ?? '/', 'http://localhost');
+  if (!url.pathname.startsWith(`${below}/`)) return refuse(response, 404, 'There is nothing of this name.');
+  url.pathname = url.pathname.slice(below.length);
   if (url.pathname.startsWith('/dev/')) return steer(url, response);
   if (!url.pathname.startsWith('/api/')) return serveFile(url.pathname, response);
   const token = flags.get('token');
@@ -51,7 +57,7 @@ function serve(request: IncomingMessage, response: ServerResponse): void {
   if (match && match[1] && match[1] !== mission.name) return refuse(response, 404, 'There is no such mission.');
   const told = !match ? undefined : match[1] ? answer(mission, match[2] ?? '', url.searchParams) : listMissions([mission]);
   if (!told) return refuse(response, 404, 'There is nothing of this name.');
-  response.writeHead(200, { 'Content-Type': told.type }).end(told.body);
+  response.writeHead(200, { 'Content-Type': told.type, ...told.headers }).end(told.body);
 }
 
 type Part = MessageInitShape<typeof ViewerMessageSchema>['part'];
@@ -86,10 +92,10 @@ const server = createServer(serve);
 new WebSocketServer({ server, handleProtocols: () => 'corbslam' }).on('connection', (socket, request) => {
   const token = flags.get('token');
   if (token && !request.headers['sec-websocket-protocol']?.includes(`token.${token}`)) return socket.close(4401, 'token');
-  if (!request.url?.startsWith(`/stream/missions/${mission.name}?`)) return socket.close(4404, 'mission');
+  if (!request.url?.startsWith(`${below}/stream/missions/${mission.name}?`)) return socket.close(4404, 'mission');
   return welcome(socket);
 });
-server.listen(number('port', 8090), () => console.log(`http://localhost:${number('port', 8090)}/#mission=${mission.name}`));
+server.listen(number('port', 8090), () => console.log(`http://localhost:${number('port', 8090)}${below}/#mission=${mission.name}`));
 
 /** Sends a change, and the events that came with it. */
 function tell(change: () => ReturnType<SimulatedMission['drive']>): void {

@@ -1,6 +1,6 @@
 // Makes the pictures of docs/viewer.md of a mission that was recorded: a merge before, in the middle and
 // behind, the timeline, why an overlap was refused, a phone.
-//   --parts merge,refused,timeline,phone --themes light,dark: these alone
+//   --parts merge,refused,overlap,timeline,phone --themes light,dark: these alone
 //   --programs DIR --journal DIR: a store's --data-dir, which is copied --mission NAME --out DIR [--page DIR] [--truth FILE]
 import { cpSync, mkdirSync, mkdtempSync, rmSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
@@ -101,6 +101,23 @@ async function showRefusal(browser: Browser, home: string, theme: Theme): Promis
   await page.context().close();
 }
 
+/** The accepted overlap of two robots with the most pairs that agree, its pictures as large as the window. */
+async function showOverlap(browser: Browser, home: string, theme: Theme): Promise<void> {
+  const page = await open(browser, home, 1366, 768, theme, '&show=pkto');
+  const rows = page.locator('.overlap.yes');
+  await rows.first().waitFor();
+  const pairs = await rows.evaluateAll((all) => all.map((row) => {
+    const robots = (row.querySelector('.text')?.textContent ?? '').split('–').map((side) => side.trim().split(' ')[0]);
+    return robots[0] === robots[1] ? 0 : parseInt((row.querySelector('small')?.textContent ?? '0').replace(/\u2009/g, ''), 10);
+  }));
+  await rows.nth(pairs.indexOf(Math.max(...pairs))).dispatchEvent('click');
+  await page.locator('.seen-figure').waitFor();
+  await page.locator('.enlarge').dispatchEvent('click');
+  await page.waitForTimeout(1500);
+  await keep(browser, page, `viewer_overlap_${theme}`);
+  await page.context().close();
+}
+
 /** A moment with several islands, as it is scrubbed to. */
 async function showTimeline(browser: Browser, home: string, theme: Theme): Promise<void> {
   const page = await open(browser, home, 1920, 1080, theme);
@@ -137,7 +154,7 @@ try {
   const page = option('page', '') ? ['--page', option('page')] : [];
   const truth = option('truth', '') ? ['--truth', `${mission}=${option('truth')}`] : [];
   const home = `http://${await begin('map_viewer', ['--store', store, ...page, ...truth])}/`;
-  const parts = { merge: showMerge, refused: showRefusal, timeline: showTimeline, phone: showPhone };
+  const parts = { merge: showMerge, refused: showRefusal, overlap: showOverlap, timeline: showTimeline, phone: showPhone };
   for (const part of option('parts', Object.keys(parts).join()).split(',') as (keyof typeof parts)[]) {
     for (const theme of option('themes', 'light,dark').split(',') as Theme[]) await parts[part](browser, home, theme);
   }

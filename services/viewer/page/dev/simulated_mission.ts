@@ -19,7 +19,12 @@ export interface SimulatedRobot {
   distance: number;
   /** By its clock. */
   startNs: bigint;
+  /** Its session is closed, and of its keyframes few are left. */
+  isThinned: boolean;
 }
+
+/** Of a thinned session these are left. */
+export const isLeft = (index: number) => index < 3 || index % 23 === 0;
 
 const STEP_M = 1.4;
 export const now = () => BigInt(Date.now()) * 1_000_000n;
@@ -34,9 +39,11 @@ export class SimulatedMission {
   private readonly random = new Random(7);
   /** As a store of an older version tells it. */
   isOld = false;
+  /** A robot that only localises drives, too. */
+  hasLocaliser = false;
 
   constructor(readonly name: string, count: number, readonly pointsPerKeyframe: number) {
-    this.robots = makeRobots(count, this.random).map((robot, island) => ({ robot, keyframes: [], points: [], island, distance: 0, startNs: BigInt(island) * 10n ** 13n }));
+    this.robots = makeRobots(count, this.random).map((robot, island) => ({ robot, keyframes: [], points: [], island, distance: 0, startNs: BigInt(island) * 10n ** 13n, isThinned: false }));
     for (const { robot } of this.robots) {
       this.happen({ case: 'agentJoined', value: { agent: `missions/${name}/agents/${robot.name}` } });
       this.happen({ case: 'localMapBegun', value: { agent: `agents/${robot.name}`, localMap: `localMaps/${hexId(robot.id)}` } });
@@ -47,7 +54,7 @@ export class SimulatedMission {
   drive(steps: number): WatchMapResponse {
     const changed = this.robots.map((one) => ({ one, from: [one.keyframes.length, one.points.length] }));
     for (const { one } of changed) {
-      for (let i = 0; i < steps; i++) this.step(one);
+      for (let i = 0; i < steps && !one.isThinned; i++) this.step(one);
     }
     if (this.random.below(12) === 0) this.refuse();
     const islands = changed.map(({ one, from }) => this.island(one, from[0], from[1], false));
@@ -122,14 +129,15 @@ export class SimulatedMission {
     const points = one.points.slice(fromPoint, toPoint);
     return {
       slot: one.island + 1, anew, inGlobalFrame: one.island === 0, localMapSlots: [one.island + 1, slot],
-      keyframes: one.keyframes.slice(fromKeyframe).map((keyframe, i) => {
+      keyframes: one.keyframes.slice(fromKeyframe).flatMap((keyframe, i) => {
         const { centre, rotation } = this.pose(one, keyframe);
         const index = fromKeyframe + i;
-        return {
+        if (one.isThinned && !isLeft(index)) return [];
+        return [{
           id: { slot, index }, timestampNs: keyframe.timeNs, placed: one.island === 0,
           cameraFromIsland: cameraFromFrame(centre, rotation),
           parent: index > 0 ? { slot, index: index - 1 } : undefined,
-        };
+        }];
       }),
       points: {
         ids: { slots: points.map(() => slot), indexDeltas: points.map((_, i) => BigInt(i === 0 ? fromPoint : 1)) },
@@ -173,13 +181,14 @@ export class SimulatedMission {
     const isAccepted = verdict === OverlapVerdict.ACCEPTED;
     const number = BigInt(this.overlaps.length + 1);
     const reached = isAccepted ? 9 : verdict;
-    const at = (stage: number, value: number) => (reached >= stage ? value : 0);
+    // The stage that refused it has too little.
+    const at = (stage: number, value: number) => (reached > stage ? value : reached === stage ? Math.floor(value / 9) : 0);
     this.overlaps.push(create(OverlapSchema, {
       query, candidate, verdict, note, number, name: `missions/${this.name}/overlaps/${number}`, fused: isAccepted,
       inliers: at(4, 61), revision: isAccepted ? this.revision + 1n : 0n,
       evidence: {
         sharedWords: 148, wordMatches: at(2, 57), ransacInliers: at(3, 31), guidedMatches: at(4, 88),
-        refinedInliers: at(4, 61), projectedMatches: at(5, 122), consistentKeyframes: at(6, 4), chanceMatches: at(5, 9), visiblePoints: at(5, 260),
+        refinedInliers: at(4, 61), projectedMatches: at(5, 122), consistentKeyframes: at(6, 4), chanceMatches: reached >= 5 ? 9 : 0, visiblePoints: reached >= 5 ? 260 : 0,
       },
     }));
   }

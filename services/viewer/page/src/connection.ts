@@ -1,5 +1,6 @@
 import type { MissionPulse } from '@gen/corbslam/v1/viewer_pb';
 import type { StreamState } from './feed/stream';
+import { plainWords } from './model/plain_words';
 import { missionTrouble } from './model/words';
 
 const REFUSALS = { token: 'The token was refused.', mission: 'This token does not open this mission.' };
@@ -92,7 +93,7 @@ export class Connection {
 }
 
 function reason(error: string): string {
-  return error ? `: ${error.replace(/\.$/, '')}` : '';
+  return error ? `: ${plainWords(error).replace(/\.$/, '')}` : '';
 }
 
 function sentence(words: string): string {

@@ -2,6 +2,7 @@ import type { Rest } from './feed/rest';
 import { type Drift, driftBetween, wayAlong } from './model/drift';
 import type { LocalMapModel } from './model/local_map';
 import type { MapModel } from './model/map_model';
+import { wayOf } from './model/way';
 import { Refresher } from './refresher';
 
 const EVERY_MS = 5000;
@@ -52,7 +53,8 @@ export class Drifts {
     const { revision } = this.model();
     const key = [revision, id, island, first, newest].join();
     if (this.asked.get(robot) === key) return;
-    const wayM = wayAlong(keyframes);
+    // Through what is left of a thinned session the way would be too short.
+    const wayM = wayOf(keyframes).hasGaps ? 0 : wayAlong(keyframes);
     const told = await Promise.all([first, newest].map((index) =>
       this.rest.keyframePose(this.mission, { localMap: id, index })));
     // Two answers of two revisions don't belong together: what was known stays until the next time.

@@ -1,11 +1,19 @@
 import type { Overlap } from '@gen/corbslam/v1/overlap_pb';
 import type { TrajectoryPose } from '@gen/corbslam/v1/resources_pb';
+import type { MissionPulse } from '@gen/corbslam/v1/viewer_pb';
 import type { Rest } from './feed/rest';
+import { type Driven, drivenPaths } from './model/driven';
+import { lastSegment } from './model/ids';
 import type { MapModel } from './model/map_model';
+import type { Vec3 } from './model/vector';
 import { Refresher } from './refresher';
 import type { Stage } from './scene/stage';
 import { segmentsByLocalMap, showSegments } from './scene/trajectories';
 import type { ViewState } from './view_state';
+
+/** All frames of a long mission are much: they are asked for so seldom that they take a small part of the time. */
+const DRIVEN_EVERY_MS = 10_000;
+const DRIVEN_PART = 20;
 
 /** What is not streamed but asked for while it is shown: overlaps and trajectories. */
 export class Fetched {
@@ -15,7 +23,12 @@ export class Fetched {
   private shownFrames: TrajectoryPose[] = [];
   private shownIslands = '';
   private seen = '';
+  private driven: Driven | undefined;
+  private seenDriven = '';
+  private shownDriven: Driven | undefined;
+  private shownAlone = 0;
   private readonly overlapsAgain: Refresher;
+  private readonly drivenAgain: Refresher;
   private readonly framesAgain: Refresher;
   private readonly localAgain: Refresher;
 
@@ -26,6 +39,7 @@ export class Fetched {
   ) {
     this.overlapsAgain = new Refresher(2000, () => this.fetchOverlaps(), onEnd);
     this.framesAgain = new Refresher(5000, () => this.fetchFrames(), onEnd);
+    this.drivenAgain = new Refresher(DRIVEN_EVERY_MS, () => this.fetchDriven(), onEnd);
     this.localAgain = new Refresher(3000, () => this.fetchLocal(), onEnd);
   }
 
@@ -47,9 +61,33 @@ export class Fetched {
     if (state.refused !== before?.refused) this.want();
   }
 
+  /** Asks where all frames were, if keyframes alone do not say where robots drove. */
+  wantDriven(pulse: MissionPulse | undefined): void {
+    if (!this.state?.paths || this.stage.pastRevision !== undefined) return;
+    const model = this.model();
+    // Who only localised and is away is one without local maps: the store knows it of sessions that stand.
+    const localisers = pulse?.agents.filter(({ localiseOnly, localMaps }) => localiseOnly || localMaps.length === 0) ?? [];
+    const isLeft = (name: string) => (model.localMap(lastSegment(name))?.keyframes.count ?? 0) > 0;
+    const bare = pulse?.localMaps.filter(({ name, trackedFrames }) => trackedFrames > 0n && !isLeft(name)) ?? [];
+    if (localisers.length + bare.length === 0 && !this.stage.map.hasGaps) return;
+    const moves = localisers.some(({ connected }) => connected) ? Math.floor(performance.now() / DRIVEN_EVERY_MS) : 0;
+    const now = [model.revision, model.keyframeCount >> 4, model.localMaps.size, localisers.length, bare.length, moves].join();
+    if (now === this.seenDriven) return;
+    this.seenDriven = now;
+    this.ask(this.drivenAgain);
+  }
+
+  /** Where the last run of a robot that only localised has ended, and in which island; undefined: it has none. */
+  lastLocalised(robot: string): { island: string; place: Vec3 } | undefined {
+    const run = this.stage.pastRevision === undefined ? this.driven?.runs.findLast(({ agent }) => agent === robot) : undefined;
+    const [x, y, z] = run?.places.slice(-3) ?? [];
+    return run && { island: run.island, place: [x, y, z] };
+  }
+
   onMap(model: MapModel): void {
     if (model.keyframeCount === 0) this.forget();
     this.showFrames(model);
+    this.showDriven(model);
     const now = [model.revision, model.keyframeCount >> 3].join();
     if (now === this.seen) return;
     this.seen = now;
@@ -60,15 +98,18 @@ export class Fetched {
 
   /** The mission is empty: it was deleted, or has not begun. */
   private forget(): void {
-    if (this.overlaps.length + this.frames.length === 0) return;
+    if (this.overlaps.length + this.frames.length === 0 && !this.driven) return;
     this.overlaps = this.stage.overlaps = [];
     this.frames = [];
+    this.driven = undefined;
+    this.seenDriven = '';
+    this.stage.runs.show([]);
     this.stage.updateLocal([]);
     this.seen = '';
   }
 
   stop(): void {
-    for (const refresher of [this.overlapsAgain, this.framesAgain, this.localAgain]) refresher.stop();
+    for (const refresher of [this.overlapsAgain, this.framesAgain, this.localAgain, this.drivenAgain]) refresher.stop();
   }
 
   private async fetchOverlaps(): Promise<void> {
@@ -80,6 +121,33 @@ export class Fetched {
   private async fetchFrames(): Promise<void> {
     this.frames = await this.rest.trajectory(this.mission, 'global');
     this.showFrames(this.model());
+    this.onChange();
+  }
+
+  private async fetchDriven(): Promise<void> {
+    const begunMs = performance.now();
+    this.driven = drivenPaths(await this.rest.trajectory(this.mission, 'global'));
+    this.drivenAgain.everyMs = Math.max(DRIVEN_EVERY_MS, DRIVEN_PART * (performance.now() - begunMs));
+    this.showDriven(this.model());
+    this.stage.invalidate();
+  }
+
+  /** As `showFrames`: of now alone, and in the frames of islands that are there. */
+  private showDriven(model: MapModel): void {
+    if (!this.driven) return;
+    const driven = this.stage.pastRevision === undefined ? this.driven : undefined;
+    for (const [id, view] of this.stage.map.views) {
+      const path = driven?.localMaps.get(id);
+      if (view.driven === path) continue;
+      view.driven = path;
+      view.syncPath();
+    }
+    const alone = [...(driven?.localMaps ?? [])].filter(([id]) => !model.localMap(id)?.keyframes.count).map(([, path]) => path);
+    const paths = [...(driven?.runs ?? []), ...alone];
+    if (paths.length + this.stage.runs.count === 0 || (driven === this.shownDriven && alone.length === this.shownAlone)) return;
+    [this.shownDriven, this.shownAlone] = [driven, alone.length];
+    this.stage.runs.show(paths);
+    this.stage.runs.place(this.stage.map);
     this.onChange();
   }
 

@@ -24,7 +24,7 @@ export class FrameLayout {
     this.root = h('div', { class: 'page' },
       h('header', {}, back, h('h1', { title: mission }, h('bdi', {}, mission)), this.connection),
       h('main', { class: 'map' }, this.canvas, h('div', { class: 'ports' }, this.globalPort, this.localPort),
-        toolbar, this.banner, this.below),
+        h('div', { class: 'above' }, toolbar, this.banner), this.below),
       sides);
     this.showTab('robots');
   }

@@ -23,6 +23,11 @@ export class KeepInSight {
     this.hasChanged = true;
   }
 
+  /** Somebody chose where to look from. */
+  hold(): void {
+    this.globalFit.stop();
+  }
+
   fit(state: ViewState): void {
     const extent = this.extent(state);
     this.globalFit.begin(extent);

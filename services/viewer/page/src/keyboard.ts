@@ -11,6 +11,8 @@ export interface KeyActions {
   step(by: number): boolean;
   escape(): void;
   help(): void;
+  measure(): void;
+  find(): void;
 }
 
 const COLOURS: ColourMode[] = ['robot', 'island', 'paper', 'height', 'age', 'observations'];
@@ -21,6 +23,8 @@ const TOGGLES = {
 
 /** Handles a key; returns whether it meant something. */
 export function handleKey(event: KeyboardEvent, state: ViewState, actions: KeyActions): boolean {
+  // An enlarged picture has the keys: Escape closes it alone.
+  if (document.querySelector('dialog.enlarged[open]')) return false;
   if (event.ctrlKey || event.altKey || event.metaKey || isTyping(event)) return false;
   const key = event.key.toLowerCase();
   if (key in TOGGLES) {
@@ -35,6 +39,8 @@ export function handleKey(event: KeyboardEvent, state: ViewState, actions: KeyAc
   else if (key === 'arrowleft' || key === 'arrowright') return actions.step(key === 'arrowleft' ? -1 : 1);
   else if (key === 'escape') actions.escape();
   else if (key === '?') actions.help();
+  else if (key === 'm') actions.measure();
+  else if (key === '/') actions.find();
   else return false;
   return true;
 }

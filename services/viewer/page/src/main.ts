@@ -1,6 +1,7 @@
 import { Rest, RestError } from './feed/rest';
 import { StartScreen } from './panels/start';
 import { MissionPage } from './mission_page';
+import { plainWords } from './model/plain_words';
 import { keepToken, takeToken } from './token';
 import { parseState } from './view_state';
 import { applyTheme } from './theme';
@@ -24,7 +25,7 @@ async function route(): Promise<void> {
   clearTimeout(timer);
   rest.token = takeToken();
   const state = parseState(location.hash);
-  if (page && page.mission === state.mission) return page.adopt(state);
+  if (page && page.mission === state.mission) return page.followLink(state);
   page?.close();
   page = undefined;
   applyTheme(state.theme);
@@ -50,8 +51,8 @@ async function showMissions(): Promise<void> {
   try {
     start.missions(await rest.missions());
   } catch (error) {
-    if (error instanceof RestError && error.status === 401) return start.askToken(error.message);
-    start.fail(error instanceof Error ? error.message : String(error));
+    if (error instanceof RestError && error.status === 401) return start.askToken(plainWords(error.message));
+    start.fail(plainWords(error instanceof Error ? error.message : String(error)));
   }
   timer = setTimeout(() => void (page === undefined && showMissions()), LOOK_AGAIN_MS);
 }

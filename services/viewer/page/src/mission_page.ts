@@ -1,3 +1,4 @@
+import { Vector3 } from 'three';
 import type { MissionEvent } from '@gen/corbslam/v1/events_pb';
 import type { Overlap } from '@gen/corbslam/v1/overlap_pb';
 import { Connection } from './connection';
@@ -8,25 +9,32 @@ import { TrueTrajectory } from './true_trajectory';
 import { FrameLayout } from './frame_layout';
 import { installHook } from './hook';
 import { handleKey } from './keyboard';
+import { KeptView } from './kept_view';
 import { KeepInSight } from './keep_in_sight';
 import { Live } from './live';
-import { type KeyframeId, lastSegment } from './model/ids';
+import { Measure } from './measure';
+import { type KeyframeId, lastSegment, parseKeyframeName } from './model/ids';
 import { driftWords } from './model/drift';
 import type { Landmark } from './model/sights';
-import { mapWords } from './model/words';
+import { RobotSeries } from './model/robot_series';
+import { type Found, search } from './model/search';
+import { mapWords, timeOfDay } from './model/words';
 import { MapNames } from './model/map_names';
 import type { IslandChange, MapModel } from './model/map_model';
 import { DetailsPanel } from './panels/details';
+import { FindBox } from './panels/find';
 import { EventsPanel } from './panels/events';
 import { helpDialog } from './panels/help';
 import { Legend, isUntold } from './panels/legend';
 import { NumbersPanel } from './panels/numbers';
 import { OverlapsPanel, overlapsNote } from './panels/overlaps';
+import { RobotPlots } from './panels/plots';
 import { RobotsPanel } from './panels/robots';
 import { ScaleBar } from './panels/scale_bar';
-import { h } from './panels/dom';
+import { h, setText } from './panels/dom';
 import { Toolbar } from './panels/toolbar';
 import { Past } from './past';
+import { RobotsNow } from './robots_now';
 import { Painter } from './scene/painting';
 import { Stage } from './scene/stage';
 import { SceneLabels } from './scene_labels';
@@ -55,7 +63,14 @@ export class MissionPage {
   private readonly drifts: Drifts;
   private readonly numbers = new NumbersPanel();
   readonly names = new MapNames();
-  private readonly events = new EventsPanel(this.names);
+  private readonly events = new EventsPanel(this.names, (event) => this.past.goToEvent(event));
+  private readonly series = new RobotSeries();
+  private readonly plots = new RobotPlots();
+  private readonly clock = h('span', { class: 'clock', title: 'The time by the viewer’s clock' });
+  private readonly find: FindBox;
+  private readonly measure: Measure;
+  private readonly kept: KeptView;
+  private readonly robotsNow: RobotsNow;
   private readonly legend = new Legend();
   private readonly overlapsPanel: OverlapsPanel;
   private readonly scale = new ScaleBar();
@@ -79,33 +94,41 @@ export class MissionPage {
     const change = (part: Partial<ViewState>) => this.change(part);
     this.toolbar = new Toolbar({
       change, fit: () => this.fit(), history: () => this.past.toggle(), help: () => this.toggleHelp(),
+      measure: () => this.measure.toggle(),
     });
     this.layout = new FrameLayout(this.mission, this.toolbar.root);
     document.body.replaceChildren(this.layout.root, this.help);
     this.stage = new Stage(this.layout.canvas, this.layout.globalPort, this.layout.localPort);
     this.inSight = new KeepInSight(this.stage);
-    this.labels = new SceneLabels(this.stage, this.painter, this.names);
+    this.robotsNow = new RobotsNow(this.stage.map, (robot) => this.fetched.lastLocalised(robot));
+    this.labels = new SceneLabels(this.stage, this.painter, this.names, (robot) => this.robotsNow.of(robot));
+    this.measure = new Measure(this.stage, () => this.toolbar.noteMeasure(this.measure.isOn));
+    this.find = new FindBox((text) => this.search(text), (found) => this.goTo(found));
     this.fetched = new Fetched(rest, this.mission, this.stage, () => this.model, () => this.repaint(),
       (error) => this.onRequests(error));
     this.truth = new TrueTrajectory(rest, this.mission, this.stage, () => this.model, () => this.repaint());
     const details = new DetailsPanel(() => this.selection.clear());
     this.selection = new Selection(this, details, () => this.layout.showTab('details'));
     this.past = new Past(rest, this.mission, (changes) => this.onMap(changes), () => this.live.model.pointCount,
-      (isPast) => this.connection.onPast(isPast));
+      (isPast) => this.connection.onPast(isPast), () => this.events.said);
     this.drifts = new Drifts(rest, this.mission, () => this.live.model, (error) => this.onRequests(error));
     this.robots = new RobotsPanel({
       toggle: (robot) => this.toggleRobot(robot), select: (robot) => change({ robot }),
       colour: (robot) => this.painter.legendColour(robot, this.state, this.model.islandsOf(robot)),
       drift: (robot) => driftWords(this.drifts.of(robot)),
+      hasLocalised: (robot) => this.fetched.lastLocalised(robot) !== undefined,
     });
     this.overlapsPanel = new OverlapsPanel((overlap) => this.selection.overlap(overlap));
-    this.layout.left.append(this.robots.root, this.numbers.root);
+    this.numbers.root.append(this.plots.root);
+    this.layout.left.append(this.find.root, this.robots.root, this.numbers.root);
     this.layout.right.append(details.root, this.overlapsPanel.root, this.events.root);
-    this.layout.below.append(this.past.timeline.root, h('div', { class: 'measures' }, this.scale.root, this.legend.root));
+    this.layout.below.append(this.past.timeline.root, this.measure.root,
+      h('div', { class: 'measures' }, this.scale.root, this.legend.root, this.clock));
     this.connection = new Connection(this.layout, !!rest.token, (reason) => this.onRefused(reason), () => ((this.live as Live | undefined)?.model.keyframeCount ?? 0) > 0);
     this.live = this.openLive();
+    this.kept = new KeptView(this);
     this.listen();
-    this.adopt(state);
+    this.followLink(state);
     document.title = `${this.mission} · CORB-SLAM`;
     installHook(this);
     requestAnimationFrame(this.tick);
@@ -114,6 +137,25 @@ export class MissionPage {
   /** The map that is shown: the live one, or the past's. */
   get model(): MapModel {
     return this.past.model ?? this.live.model;
+  }
+
+  /** Shows what an address says. */
+  followLink(state: ViewState): void {
+    this.adopt(state);
+    this.kept.want(state);
+  }
+
+  /** Looks from where a link says. */
+  lookFrom(camera: number[]): void {
+    this.wantsFit = false;
+    this.inSight.hold();
+    this.stage.globalPort.pose = camera;
+    this.stage.invalidate(true);
+  }
+
+  /** Something else is looked at. */
+  keepView(): void {
+    this.kept.keep();
   }
 
   adopt(state: ViewState): void {
@@ -137,15 +179,14 @@ export class MissionPage {
     if (next.follow && !next.robot) next.robot = this.painter.robots[0] ?? '';
     history.replaceState(null, '', formatState(next));
     this.adopt(next);
-    if (layerChanged) setTimeout(() => this.fit(), 50);
+    if (layerChanged) setTimeout(() => this.inSight.fit(this.state), 50);
   }
 
+  /** Who wants to see all does not follow one any more. */
   fit(): void {
+    if (this.state.follow) this.change({ follow: false });
+    this.kept.forgetCamera();
     this.inSight.fit(this.state);
-  }
-
-  agentOf(localMap: string): string {
-    return this.model.localMap(localMap)?.agent ?? '';
   }
 
   overlapChosen(overlap: Overlap | undefined, keyframe: KeyframeId | undefined): void {
@@ -168,6 +209,7 @@ export class MissionPage {
     this.fetched.stop();
     this.truth.stop();
     this.drifts.stop();
+    this.kept.stop();
     this.abort.abort();
     this.stage.dispose();
   }
@@ -178,6 +220,7 @@ export class MissionPage {
       onPulse: (pulse) => {
         this.names.learn(pulse);
         this.connection.onPulse(pulse);
+        this.series.note(pulse);
       },
       onEvent: (event) => this.onEvent(event),
       onConnection: (state) => this.connection.onState(state),
@@ -185,6 +228,7 @@ export class MissionPage {
   }
 
   private onMap(changes: IslandChange[]): void {
+    if (this.past.model || this.state.at) this.keepView();
     this.changes.push(...changes);
     this.mapChanged = true;
   }
@@ -226,12 +270,13 @@ export class MissionPage {
   private takeMap(): void {
     this.mapChanged = false;
     this.inSight.onMap();
+    if (this.changes.length > 0 || this.past.model) this.measure.forget();
     this.painter.addRobots(this.model.agents());
     this.painter.islands = [...this.model.localMaps.keys()];
     this.stage.pastRevision = this.past.model?.revision;
     this.stage.sync(this.model, this.changes.splice(0), !this.live.hasPicture || this.live.stream.isBehind);
     this.repaint();
-    if (this.wantsFit && this.model.keyframeCount > 1) this.fit();
+    if (this.wantsFit && !this.kept.hasCamera && this.model.keyframeCount > 1) this.inSight.fit(this.state);
     if (this.live.hasPicture && this.model.keyframeCount > 1) this.wantsFit = false;
     this.fetched.onMap(this.model);
     this.truth.onMap(this.model);
@@ -254,10 +299,15 @@ export class MissionPage {
     const known = (live.pulse?.agents ?? []).map(({ name }) => lastSegment(name));
     this.painter.addRobots(known);
     const now = { isLive: this.connection.isLive, isPast: this.past.model !== undefined };
+    if (this.robotsNow.take(now.isLive && !now.isPast ? live.pulse : undefined)) this.stage.invalidate();
+    this.kept.show();
+    this.plots.update(this.series, state.robot, this.painter.robots, (robot) => this.painter.robotColour(robot));
+    setText(this.clock, live.pulse && now.isLive ? timeOfDay(live.pulse.timeNs) : '');
     if (this.robots.isShown) this.drifts.want();
     this.robots.update(this.painter.robots, model, live.pulse, state, now);
+    this.fetched.wantDriven(live.pulse);
     this.events.rename();
-    this.legend.update(state, this.painter.theme, state.robot || (this.painter.robots[0] ?? ''), model);
+    this.legend.update(state, this.painter.theme, state.robot || (this.painter.robots[0] ?? ''), model, this.stage.heights);
     this.toolbar.noteObservations(!isUntold(model));
     this.selection.refresh();
     const receivedBytes = live.stream.receivedBytes + this.rest.receivedBytes;
@@ -267,7 +317,37 @@ export class MissionPage {
     });
     this.layout.describe(`The map: ${mapWords(model)}`);
     this.overlapsPanel.update(this.fetched.overlaps, state.refused, this.stage.chosenOverlap,
-      (id) => this.agentOf(id), { note: overlapsNote(now.isPast, this.fetched.overlaps.length) });
+      (name) => this.names.keyframe(name), { note: overlapsNote(now.isPast, this.fetched.overlaps.length), version: this.names.version });
+  }
+
+  private search(text: string): Found[] {
+    return search(text, { robots: this.painter.robots, model: this.model, names: this.names, overlaps: this.fetched.overlaps });
+  }
+
+  /** Chooses what was found, and moves the camera to it. */
+  private goTo(found: Found): void {
+    const at = this.placeOf(found);
+    if (found.kind === 'robot') this.change({ robot: found.robot, hidden: new Set([...this.state.hidden].filter((one) => one !== found.robot)) });
+    else if (found.kind === 'keyframe') void this.selection.keyframe(found.id);
+    else if (found.kind === 'overlap') {
+      const overlap = this.fetched.overlaps.find(({ number }) => number === found.number);
+      if (overlap) this.selection.overlap(overlap);
+    }
+    if (!at) return;
+    if (this.state.follow && found.kind !== 'robot') this.change({ follow: false });
+    this.inSight.hold();
+    this.stage.globalPort.approach(at);
+    this.stage.invalidate(true);
+  }
+
+  private placeOf(found: Found): Vector3 | undefined {
+    const { map } = this.stage;
+    if (found.kind === 'robot') return this.labels.newest(found.robot);
+    if (found.kind === 'keyframe') return map.world(found.id);
+    if (found.kind === 'map') return map.bounds(({ id }) => id === found.localMap).getCenter(new Vector3());
+    const overlap = this.fetched.overlaps.find(({ number }) => number === found.number);
+    const query = overlap && parseKeyframeName(overlap.query);
+    return query && map.world(query);
   }
 
   private toggleRobot(robot: string): void {
@@ -279,6 +359,12 @@ export class MissionPage {
   private toggleHelp(): void {
     if (this.help.open) this.help.close();
     else this.help.showModal();
+  }
+
+  private escape(): void {
+    if (this.measure.isOn) this.measure.toggle();
+    else if (this.selection.isEmpty) this.past.live();
+    else this.selection.clear();
   }
 
   private listen(): void {
@@ -293,7 +379,10 @@ export class MissionPage {
     const port = this.layout.globalPort;
     port.addEventListener('pointerdown', ({ clientX: x, clientY: y }) => void (down = { x, y }));
     port.addEventListener('click', (event) => {
-      if (Math.hypot(event.clientX - down.x, event.clientY - down.y) < 5) this.selection.pick(event);
+      if (Math.hypot(event.clientX - down.x, event.clientY - down.y) >= 5) return;
+      const box = port.getBoundingClientRect();
+      if (this.measure.isOn) this.measure.pick(event.clientX - box.left, event.clientY - box.top, this.state);
+      else this.selection.pick(event);
     });
   }
 
@@ -306,7 +395,8 @@ export class MissionPage {
         const robot = this.painter.robots[number] ?? '';
         this.change({ robot: robot === this.state.robot ? '' : robot });
       },
-      escape: () => (this.selection.isEmpty ? this.past.live() : this.selection.clear()),
+      escape: () => this.escape(),
+      measure: () => this.measure.toggle(), find: () => this.find.focus(),
     });
     if (!handled) return;
     event.preventDefault();

@@ -1,8 +1,17 @@
 import type { Rest } from './feed/rest';
+import type { MissionEvent } from '@gen/corbslam/v1/events_pb';
 import { History } from './model/history';
-import { count } from './model/words';
+import { plainWords } from './model/plain_words';
+import { count, timeOfDay } from './model/words';
 import type { IslandChange, MapModel } from './model/map_model';
-import { Timeline } from './panels/timeline';
+import { type TimelineMark, Timeline } from './panels/timeline';
+
+/** An event, and what it says to people. */
+export interface SaidEvent {
+  event: MissionEvent;
+  text: string;
+  kind: string;
+}
 
 const MOST_POINTS = 200_000;
 
@@ -16,6 +25,8 @@ export class Past {
     private readonly rest: Rest, private readonly mission: string,
     private readonly onMap: (changes: IslandChange[]) => void, private readonly points: () => number,
     private readonly onShown: (isPast: boolean) => void = () => {},
+    /** What happened, oldest first, as far as the page was told. */
+    private readonly events: () => readonly SaidEvent[] = () => [],
   ) {
     this.timeline = new Timeline({ seek: (step) => this.seek(step), live: () => this.live() });
   }
@@ -41,6 +52,31 @@ export class Past {
     return true;
   }
 
+  /** Where the past stands, for a link; empty: live. */
+  get moment(): string {
+    return this.model ? this.history!.moment(this.history!.position) : '';
+  }
+
+  /** Goes to a moment that a link names. */
+  goToMoment(moment: string): void {
+    this.goTo((history) => history.stepOfMoment(moment));
+  }
+
+  /** Goes to when something happened. */
+  goToEvent(event: MissionEvent): void {
+    this.goTo((history) => history.stepOfEvent(event));
+  }
+
+  private goTo(stepOf: (history: History) => number | undefined): void {
+    const go = () => {
+      const step = this.history && stepOf(this.history);
+      if (step !== undefined) this.seek(step);
+      else if (this.history) this.timeline.say('The past that is told does not reach to this.');
+    };
+    if (this.timeline.isOpen && this.history) go();
+    else void this.open().then(go);
+  }
+
   live(): void {
     if (!this.timeline.isOpen) return;
     this.close();
@@ -63,7 +99,7 @@ export class Past {
       await this.rest.history(this.mission, hasPoints, (change) => history.add(change));
       this.take(history, hasPoints);
     } catch (error) {
-      this.timeline.fail(error instanceof Error ? error.message : String(error));
+      this.timeline.fail(plainWords(error instanceof Error ? error.message : String(error)));
     }
     this.isLoading = false;
   }
@@ -75,13 +111,39 @@ export class Past {
     this.history = history;
     this.timeline.note = hasPoints ? '' : `without points, of which there are more than ${count(MOST_POINTS)}`;
     this.onShown(true);
+    this.timeline.mark(this.marks(history), history.steps.length, (step) => this.seek(step));
     this.seek(history.steps.length - 1);
   }
 
   private seek(step: number): void {
     if (!this.history) return;
     const changes = this.history.seek(step);
-    this.timeline.show(this.history.steps, this.history.position);
+    this.timeline.show(this.history.steps, this.history.position, this.clock(this.history));
     this.onMap(changes);
+  }
+
+  /** Events by the step that shows them first. */
+  private marks(history: History): TimelineMark[] {
+    const marks = new Map<number, TimelineMark>();
+    for (const { event, text, kind } of this.events()) {
+      const step = history.stepOfEvent(event);
+      if (step === undefined) continue;
+      const said = `${timeOfDay(event.timeNs)} ${text}`;
+      const known = marks.get(step);
+      if (known) known.words.push(said);
+      else marks.set(step, { step, kind, words: [said] });
+      if (kind === 'merge') marks.get(step)!.kind = kind;
+    }
+    return [...marks.values()].sort((a, b) => a.step - b.step);
+  }
+
+  /** By the store's clock: when the newest event happened that the moment shows. */
+  private clock(history: History): string {
+    let timeNs = 0n;
+    for (const { event } of this.events()) {
+      const step = history.stepOfEvent(event);
+      if (step !== undefined && step <= history.position && event.timeNs > timeNs) timeNs = event.timeNs;
+    }
+    return timeNs > 0n ? `${timeOfDay(timeNs)} by the store’s clock, or later` : '';
   }
 }

@@ -6,7 +6,7 @@ export class Refresher {
   private lastMs = -Infinity;
   private timer: ReturnType<typeof setTimeout> | undefined;
 
-  constructor(private readonly everyMs: number, private readonly fetch: () => Promise<void>,
+  constructor(public everyMs: number, private readonly fetch: () => Promise<void>,
     private readonly onEnd: (error?: unknown) => void = () => {}) {}
 
   want(): void {

@@ -1,4 +1,5 @@
 import { Vector3 } from 'three';
+import type { Doing } from './model/activity';
 import type { MapNames } from './model/map_names';
 import type { MapModel } from './model/map_model';
 import { type Label, Labels } from './scene/labels';
@@ -6,12 +7,25 @@ import type { Painter } from './scene/painting';
 import type { Stage } from './scene/stage';
 import type { ViewState } from './view_state';
 
+/** What is known of a robot at this moment. */
+export interface RobotNow {
+  doing: Doing;
+  /** Where it said itself that it is, if that is how it is known; in the picture. */
+  at: Vector3 | undefined;
+}
+
+/** What a label says beside the name, where that is worth a word. */
+const SAID: Partial<Record<Doing, string>> = { lost: 'lost', standing: 'no frames', finished: 'finished', gone: 'away' };
+
 /** The names over the map: islands, and each robot at its newest keyframe. */
 export class SceneLabels {
   private readonly global: Labels;
   private readonly local: Labels;
 
-  constructor(private readonly stage: Stage, private readonly painter: Painter, private readonly names: MapNames) {
+  constructor(
+    private readonly stage: Stage, private readonly painter: Painter, private readonly names: MapNames,
+    private readonly now: (robot: string) => RobotNow,
+  ) {
     this.global = new Labels(stage.globalPort);
     this.local = new Labels(stage.localPort);
   }
@@ -44,13 +58,19 @@ export class SceneLabels {
   }
 
   private robots(model: MapModel, state: ViewState): Label[] {
-    return model.agents().filter((robot) => !state.hidden.has(robot)).flatMap((robot) => {
+    const robots = new Set([...model.agents(), ...this.painter.robots]);
+    return [...robots].filter((robot) => !state.hidden.has(robot)).flatMap((robot) => {
       const at = this.newest(robot);
-      return at ? [{ key: `robot ${robot}`, text: robot, colour: this.painter.markColour(robot, state), at }] : [];
+      const { doing } = this.now(robot);
+      const text = SAID[doing] ? `${robot} · ${SAID[doing]}` : robot;
+      return at ? [{ key: `robot ${robot}`, text, colour: this.painter.markColour(robot, state), at, doing }] : [];
     });
   }
 
-  private newest(robot: string): Vector3 | undefined {
+  /** Where a robot is: where it said itself, or its newest keyframe. */
+  newest(robot: string): Vector3 | undefined {
+    const { at } = this.now(robot);
+    if (at) return at;
     const views = [...this.stage.map.views.values()].filter(({ model }) => model.agent === robot && model.keyframes.count > 0);
     const last = views.sort((a, b) => a.model.number - b.model.number).at(-1)?.model;
     const index = last?.keyframes.newest();

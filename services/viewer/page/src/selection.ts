@@ -1,11 +1,14 @@
 import type { Overlap } from '@gen/corbslam/v1/overlap_pb';
 import type { Keyframe } from '@gen/corbslam/v1/resources_pb';
 import type { MissionPage } from './mission_page';
-import { type KeyframeId, keyframeName } from './model/ids';
+import { Pictures } from './feed/pictures';
+import { type KeyframeId, keyframeName, parseKeyframeName } from './model/ids';
+import { plainWords } from './model/plain_words';
 import { type Sights, highlightWords, sightsOf, splitLandmarks } from './model/sights';
 import { type DetailsPanel, keyframeDetails } from './panels/details';
 import { h, setText } from './panels/dom';
 import { overlapDetails } from './panels/overlaps';
+import { seenOverlap } from './panels/seen_overlap';
 import { pickKeyframe, pickOverlap } from './scene/picking';
 
 /** What the user chose: a keyframe, an overlap, or nothing. */
@@ -15,6 +18,15 @@ export class Selection {
   private readonly highlight = h('p', { class: 'note' });
 
   constructor(private readonly page: MissionPage, private readonly details: DetailsPanel, private readonly onShow: () => void) {}
+
+  private get pictures(): Pictures {
+    return new Pictures(this.page.rest, this.page.mission);
+  }
+
+  /** As a link names it; empty: nothing. */
+  get name(): string {
+    return this.chosen;
+  }
 
   get isEmpty(): boolean {
     return this.chosen === '';
@@ -38,13 +50,14 @@ export class Selection {
     this.chosen = name;
     this.sights = undefined;
     this.page.overlapChosen(undefined, id);
+    this.page.keepView();
     this.details.show([h('p', { class: 'quiet' }, 'Asking the map store …')]);
     this.onShow();
     try {
       const keyframe = await this.page.rest.keyframe(this.page.mission, id);
       if (this.chosen === name) this.show(keyframe);
     } catch (error) {
-      if (this.chosen === name) this.details.show([h('p', { role: 'alert' }, error instanceof Error ? error.message : String(error))]);
+      if (this.chosen === name) this.details.show([h('p', { role: 'alert' }, plainWords(error instanceof Error ? error.message : String(error)))]);
     }
   }
 
@@ -60,14 +73,20 @@ export class Selection {
     this.page.sightsChosen(this.sights?.landmarks ?? []);
     setText(this.highlight, 'Which landmarks it sees the store does not tell.');
     this.refresh();
-    this.details.show(keyframeDetails(keyframe, this.page.names, this.sights, this.highlight));
+    const id = parseKeyframeName(keyframe.name);
+    const picture = id ? this.pictures.of(id) : Promise.resolve({ why: '' });
+    this.details.show(keyframeDetails(keyframe, this.page.names, this.sights, this.highlight, picture));
   }
 
   overlap(overlap: Overlap): void {
     this.sights = undefined;
-    this.chosen = `overlap ${overlap.number}`;
+    this.chosen = `overlaps/${overlap.number}`;
     this.page.overlapChosen(overlap, undefined);
-    this.details.show(overlapDetails(overlap, (id) => this.page.agentOf(id)));
+    this.page.keepView();
+    const [query, candidate] = [parseKeyframeName(overlap.query), parseKeyframeName(overlap.candidate)];
+    const seen = query && candidate ? [seenOverlap(this.pictures.ofOverlap(overlap.number, query, candidate))] : [];
+    const [title, ...rest] = overlapDetails(overlap, (name) => this.page.names.keyframe(name));
+    this.details.show([title, ...seen, ...rest]);
     this.onShow();
   }
 
@@ -75,6 +94,7 @@ export class Selection {
     this.chosen = '';
     this.sights = undefined;
     this.page.overlapChosen(undefined, undefined);
+    this.page.keepView();
     this.details.hide();
   }
 }

@@ -19,7 +19,20 @@ export interface ViewState {
   robot: string;
   follow: boolean;
   hidden: Set<string>;
+  /** Pixels that a point has at least. */
+  size: number;
+  /** Where the global layer's camera looks and stands, where somebody chose it: six numbers. */
+  camera: number[];
+  /** What was clicked: the end of a keyframe's or an overlap's name; empty: nothing. */
+  chosen: string;
+  /** A moment of the past, as History.moment says it; empty: live. */
+  at: string;
 }
+
+export const SIZES = [1, 1.5, 2.5, 4, 6];
+export const USUAL_SIZE = 1.5;
+const CHOSEN = /^(?:localMaps\/[0-9a-f]{16}\/keyframes\/\d{1,10}|overlaps\/\d{1,18})$/;
+const MOMENT = /^\d{1,18}\.\d{1,15}$/;
 
 const SHOW = { p: 'points', k: 'keyframes', t: 'paths', f: 'frames', o: 'overlaps', r: 'refused' } as const;
 const COLOURS: ColourMode[] = ['robot', 'island', 'paper', 'height', 'age', 'observations'];
@@ -41,6 +54,10 @@ export function parseState(fragment: string): ViewState {
     robot: values.get('robot') ?? '',
     follow: values.get('follow') === '1',
     hidden: new Set((values.get('hidden') ?? '').split(',').filter(Boolean)),
+    size: SIZES.find((size) => size === Number(values.get('size'))) ?? USUAL_SIZE,
+    camera: parseCamera(values.get('camera')),
+    chosen: CHOSEN.exec(values.get('chosen') ?? '')?.[0] ?? '',
+    at: MOMENT.exec(values.get('at') ?? '')?.[0] ?? '',
   };
 }
 
@@ -55,5 +72,18 @@ export function formatState(state: ViewState): string {
   if (state.robot) values.set('robot', state.robot);
   if (state.follow) values.set('follow', '1');
   if (state.hidden.size > 0) values.set('hidden', [...state.hidden].join(','));
-  return `#${values}`;
+  if (state.size !== USUAL_SIZE) values.set('size', String(state.size));
+  if (state.camera.length > 0) values.set('camera', state.camera.map((value) => Number(value.toFixed(2))).join());
+  if (state.chosen) values.set('chosen', state.chosen);
+  if (state.at) values.set('at', state.at);
+  // What needs no escape in a fragment stays readable.
+  return `#${values}`.replaceAll('%2C', ',').replaceAll('%2F', '/');
+}
+
+/** Six numbers, of which the last three are another place than the first three; else none. */
+function parseCamera(text: string | null): number[] {
+  const numbers = (text ?? '').split(',').map(Number);
+  const isPlace = numbers.length === 6 && numbers.every((value) => Number.isFinite(value) && Math.abs(value) < 1e7);
+  if (!isPlace) return [];
+  return [0, 1, 2].some((k) => numbers[k] !== numbers[k + 3]) ? numbers : [];
 }

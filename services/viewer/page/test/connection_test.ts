@@ -39,7 +39,7 @@ test('a mission that is not there is no store that does not answer', () => {
   connection.onPulse(pulse({ storeAnswers: false, missionMissing: true, storeError: 'there is no mission x' }));
   assert.equal(sign.banner, 'There is no such mission now. The page waits for it.');
   connection.onPulse(pulse({ storeAnswers: false, storeError: 'connection refused' }));
-  assert.equal(sign.banner, 'The map store does not answer: connection refused.');
+  assert.equal(sign.banner, 'The map store does not answer: nothing listens at its address.');
   connection.onState({ name: 'impossible', reason: 'mission is "a/b", must be letters' });
   assert.equal(sign.banner, 'There can be no such mission: Mission is "a/b", must be letters.');
 });

@@ -33,3 +33,13 @@ test('a session that became part of another one is its robot’s', () => {
   }));
   assert.equal(names.of(ID[2]), 'beta’s map 0000');
 });
+
+test('a keyframe of one of several sessions is told apart from those of the others', () => {
+  const names = new MapNames();
+  names.learn(told([ID[0]]));
+  assert.equal(names.keyframe(`missions/m/localMaps/${ID[0]}/keyframes/0`), 'alpha #0');
+  names.learn(told([ID[0], ID[1]]));
+  assert.equal(names.keyframe(`missions/m/localMaps/${ID[0]}/keyframes/0`), 'alpha’s map 1 #0');
+  assert.equal(names.keyframe(`missions/m/localMaps/${ID[1]}/keyframes/0`), 'alpha’s map 2 #0');
+  assert.equal(names.keyframe('nothing of the kind'), 'nothing of the kind');
+});

@@ -17,7 +17,10 @@ test('events are said in words', () => {
   assert.equal(
     said({ case: 'islandsMerged', value: { agents: ['a/x', 'a/y', 'a/z'], localMaps: ['l/1', 'l/2', 'l/3'], ms: 1250 } }),
     'Maps of x, y and z became one (3 local maps, 1.3 s)');
-  assert.equal(said({ case: 'loopClosed', value: { overlaps: 2 } }), 'Loop closed with 2 overlaps');
+  assert.equal(said({ case: 'loopClosed', value: { overlaps: 2 } }), 'Loop closed by 2 overlaps');
+  assert.equal(said({ case: 'loopClosed', value: { overlaps: 0, localMaps: ['l/00000000000000aa'] } }), 'Loop closed in map 0000 by the robot itself');
+  assert.equal(said({ case: 'agentLeft', value: { agent: 'a/x', onPurpose: true } }), 'x finished and left');
+  assert.equal(said({ case: 'agentLeft', value: { agent: 'a/x' } }), 'x is away: its connection ended');
   assert.match(said({ case: undefined }), /does not know/);
 });
 

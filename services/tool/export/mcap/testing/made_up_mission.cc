@@ -71,8 +71,11 @@ MadeUpMission MakeUpMission() {
 absl::Status Record(const MadeUpMission& made_up, const std::string& path) {
   ASSIGN_OR_RETURN(services::MissionRecording recording,
                    services::MissionRecording::Create(path, made_up.mission));
-  for (const ToldMap& map : made_up.moments) RETURN_IF_ERROR(recording.AddMoment(map));
   const ToldMap end = made_up.moments.empty() ? ToldMap() : made_up.moments.back();
+  if (made_up.mission.clock == services::RecordingClock::kRobots) {
+    RETURN_IF_ERROR(recording.BeginDrives(end, made_up.trajectories));
+  }
+  for (const ToldMap& map : made_up.moments) RETURN_IF_ERROR(recording.AddMoment(map));
   RETURN_IF_ERROR(recording.End(end, made_up.trajectories));
   return recording.Finish();
 }

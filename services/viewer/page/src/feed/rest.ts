@@ -7,6 +7,9 @@ import type { MapChange } from '../model/map_change';
 import { decodeMapChange } from './map_change';
 import { LengthPrefixed } from './length_prefixed';
 
+/** Beside the page, wherever that is: a proxy may have put the viewer below a path of its own. */
+const MISSIONS = 'api/missions';
+
 /** Further overlaps are not asked for. */
 export const MOST_OVERLAPS = 20_000;
 
@@ -28,7 +31,7 @@ export class Rest {
     let pageToken = '';
     do {
       const query = pageToken ? `?pageToken=${encodeURIComponent(pageToken)}` : '';
-      const page = await this.json(`/api/missions${query}`, ListMissionsResponseSchema);
+      const page = await this.json(`${MISSIONS}${query}`, ListMissionsResponseSchema);
       missions.push(...page.missions);
       pageToken = page.nextPageToken;
     } while (pageToken);
@@ -49,6 +52,19 @@ export class Rest {
 
   keyframe(mission: string, id: KeyframeId): Promise<Keyframe> {
     return this.json(`${root(mission)}/${keyframeName(id)}?view=full`, KeyframeSchema);
+  }
+
+  /** What its camera saw, and how many pixels of its keypoints' places one of the picture is. */
+  async picture(mission: string, id: KeyframeId): Promise<{ blob: Blob; scale: number }> {
+    const response = await this.get(`${root(mission)}/${keyframeName(id)}/picture`);
+    const blob = await response.blob();
+    this.receivedBytes += blob.size;
+    return { blob, scale: Number(response.headers.get('Picture-Scale')) };
+  }
+
+  /** What the mission has under this path. */
+  message<S extends DescMessage>(path: string, mission: string, schema: S): Promise<MessageShape<S>> {
+    return this.json(`${root(mission)}/${path}`, schema);
   }
 
   /** Its poses alone. */
@@ -105,7 +121,7 @@ export class Rest {
 }
 
 function root(mission: string): string {
-  return `/api/missions/${encodeURIComponent(mission)}`;
+  return `${MISSIONS}/${encodeURIComponent(mission)}`;
 }
 
 async function reason(response: Response): Promise<string> {

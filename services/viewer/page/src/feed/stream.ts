@@ -31,6 +31,14 @@ export interface StreamListener {
   onState(state: StreamState): void;
 }
 
+/** Beside the page, wherever that is: a proxy may have put the viewer below a path of its own. */
+export function streamAddress(page: string, mission: string): string {
+  const url = new URL(`stream/missions/${encodeURIComponent(mission)}?points=1`, page);
+  url.protocol = url.protocol === 'https:' ? 'wss:' : 'ws:';
+  url.hash = '';
+  return url.href;
+}
+
 /** The WebSocket of one mission: decodes in slices, and connects again with growing pauses. */
 export class Stream {
   receivedBytes = 0;
@@ -68,8 +76,7 @@ export class Stream {
 
   private connect(): void {
     this.listener.onState({ name: 'connecting' });
-    const scheme = location.protocol === 'https:' ? 'wss' : 'ws';
-    const url = `${scheme}://${location.host}/stream/missions/${encodeURIComponent(this.mission)}?points=1`;
+    const url = streamAddress(document.baseURI, this.mission);
     const protocols = this.token ? ['corbslam', `token.${this.token}`] : ['corbslam'];
     const socket = new WebSocket(url, protocols);
     socket.binaryType = 'arraybuffer';

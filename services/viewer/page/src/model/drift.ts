@@ -57,9 +57,8 @@ export function wayAlong(keyframes: KeyframeStore): number {
 }
 
 export function driftWords(drift: Drift | undefined): string {
-  if (!drift) return 'not known';
+  if (!drift) return 'not yet';
   const { distanceM, wayM } = drift;
   const distance = `${distanceM.toFixed(distanceM < 10 ? 2 : 1)} m`;
-  if (!(wayM > 0)) return distance;
-  return `${distance}, ${((100 * distanceM) / wayM).toFixed(2)} % of ${count(Math.round(wayM))} m`;
+  return wayM > 0 ? `${distance} in ${count(Math.round(wayM))} m` : distance;
 }

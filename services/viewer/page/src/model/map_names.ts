@@ -1,5 +1,5 @@
 import type { MissionPulse } from '@gen/corbslam/v1/viewer_pb';
-import { lastSegment, shortId } from './ids';
+import { lastSegment, parseKeyframeName, shortId } from './ids';
 
 /** What people call local maps: their robot's, in the order in which the store heard of them. */
 export class MapNames {
@@ -23,6 +23,15 @@ export class MapNames {
   of(id: string): string {
     const agent = this.known.get(id)?.agent;
     return agent ? `${agent}’s ${this.ownOf(id)}` : `map ${shortId(id)}`;
+  }
+
+  /** A keyframe by its resource name: "alpha #12", or of a robot with several local maps "alpha’s map 2 #12". */
+  keyframe(name: string): string {
+    const id = parseKeyframeName(name);
+    if (!id) return name;
+    const agent = this.known.get(id.localMap)?.agent;
+    const others = [...this.known.values()].filter((one) => one.agent === agent).length;
+    return `${agent && others === 1 ? agent : this.of(id.localMap)} #${id.index}`;
   }
 
   /** "map 2", where it is said whose. */

@@ -66,6 +66,12 @@ export function momentWords({ agent, timeNs, firstNs }: MomentTime, robots: numb
   return `newest keyframe ${seconds} s after ${whose} by the robots’ clocks`;
 }
 
+/** A robot's time: a date where its clock has one, with the seconds that files and logs have. */
+export function clockWords(ns: bigint): string {
+  const seconds = `${(Number(ns) / 1e9).toFixed(3)} s`;
+  return hasDate(ns) ? `${timeOfDay(ns)} (${seconds})` : seconds;
+}
+
 function hasDate(ns: bigint): boolean {
   return ns >= FIRST_DATE_NS;
 }

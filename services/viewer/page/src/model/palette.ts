@@ -43,11 +43,11 @@ export interface SceneColours {
 const SCENES: Record<Theme, SceneColours> = {
   light: {
     background: '#f7f8fa', ink: '#1a1d21', grid: '#d5d9df', own: '#0a8f2f', others: '#1f4fd8',
-    accepted: '#b0005e', refused: '#8a8f98', selected: '#d40000', truth: '#c62828', ramp: ['#1b3a7a', '#7c7b78', '#c29a00'],
+    accepted: '#0a7a2c', refused: '#8a8f98', selected: '#111111', truth: '#c62828', ramp: ['#1b3a7a', '#7c7b78', '#c29a00'],
   },
   dark: {
     background: '#0f1216', ink: '#e6e9ee', grid: '#262c35', own: '#3ddc64', others: '#6ea0ff',
-    accepted: '#ff5fae', refused: '#8992a0', selected: '#ffffff', truth: '#ff6b6b', ramp: ['#4a7fe0', '#a09f9c', '#ffe04d'],
+    accepted: '#57e389', refused: '#8992a0', selected: '#ffffff', truth: '#ff6b6b', ramp: ['#4a7fe0', '#a09f9c', '#ffe04d'],
   },
 };
 

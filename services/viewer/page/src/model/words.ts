@@ -2,7 +2,7 @@
 import type { MissionEvent } from '@gen/corbslam/v1/events_pb';
 import { type Overlap, OverlapVerdict } from '@gen/corbslam/v1/overlap_pb';
 import { type AgentStatus, TrackingState, WhyNoPose } from '@gen/corbslam/v1/agent_service_pb';
-import type { Mission } from '@gen/corbslam/v1/resources_pb';
+import { AgentActivity, type Mission } from '@gen/corbslam/v1/resources_pb';
 import type { MapNames } from './map_names';
 import { lastSegment } from './ids';
 
@@ -48,7 +48,9 @@ const WHY: Partial<Record<WhyNoPose, string>> = {
   [WhyNoPose.NOT_RECOGNISED]: 'the place is not recognised',
 };
 
-export function trackingWords({ state, whyNoPose }: Pick<AgentStatus, 'state' | 'whyNoPose'>): string {
+export function trackingWords({ state, whyNoPose, activity }: Pick<AgentStatus, 'state' | 'whyNoPose'> & { activity?: AgentActivity }): string {
+  if (activity === AgentActivity.FINISHED) return 'finished: no frame will come';
+  if (activity === AgentActivity.WAITING) return 'no frames come';
   const why = state === TrackingState.TRACKING ? undefined : WHY[whyNoPose];
   return (STATES[state] ?? 'not known') + (why ? `: ${why}` : '');
 }
@@ -76,7 +78,7 @@ export function eventWords({ event }: MissionEvent, names: MapNames): EventWords
     case 'agentJoined':
       return { kind: 'robot', text: `${robot(event.value.agent)} joined` };
     case 'agentLeft':
-      return { kind: 'robot', text: `${robot(event.value.agent)} left` };
+      return { kind: 'robot', text: `${robot(event.value.agent)} ${event.value.onPurpose ? 'finished and left' : 'is away: its connection ended'}` };
     case 'localMapBegun':
       return { kind: 'robot', text: `${robot(event.value.agent)} began ${names.ownOf(lastSegment(event.value.localMap))}` };
     case 'trackingLost':
@@ -84,16 +86,16 @@ export function eventWords({ event }: MissionEvent, names: MapNames): EventWords
     case 'overlapAccepted':
       return { kind: 'other', text: overlapWords(event.value.localMaps.map(map)) };
     default:
-      return fusionWords(event);
+      return fusionWords(event, names);
   }
 }
 
-function fusionWords(event: MissionEvent['event']): EventWords {
+function fusionWords(event: MissionEvent['event'], names: MapNames): EventWords {
   switch (event.case) {
     case 'islandsMerged':
       return { kind: 'merge', text: mergeWords(event.value.agents, event.value.localMaps.length, event.value.ms) };
     case 'loopClosed':
-      return { kind: 'loop', text: `Loop closed with ${many(event.value.overlaps, 'overlap')}` };
+      return { kind: 'loop', text: loopWords(event.value.overlaps, event.value.localMaps.map((name) => names.of(lastSegment(name)))) };
     case 'mapAdjusted':
       return { kind: 'other', text: `Map adjusted: ${many(event.value.keyframes, 'keyframe')} in ${seconds(event.value.ms)}` };
     case 'overlapsTakenBack':
@@ -103,6 +105,12 @@ function fusionWords(event: MissionEvent['event']): EventWords {
     default:
       return { kind: 'other', text: 'Something happened that this page does not know' };
   }
+}
+
+/** A loop that its robot closed comes without overlaps of the store. */
+function loopWords(overlaps: number, maps: string[]): string {
+  const where = maps.length > 0 && maps.length < 4 ? ` in ${list(maps)}` : '';
+  return overlaps > 0 ? `Loop closed${where} by ${many(overlaps, 'overlap')}` : `Loop closed${where} by the robot itself`;
 }
 
 function mergeWords(agents: string[], maps: number, ms: number): string {
@@ -151,7 +159,13 @@ export function timeOfDay(ns: bigint, nowMs = Date.now()): string {
 
 /** How long something has lasted, in a word or two. */
 export function since(ns: bigint, nowNs: bigint): string {
-  const s = Math.max(0, Math.round(Number((nowNs - ns) / 1_000_000n) / 1000));
+  return span(Number((nowNs - ns) / 1_000_000n) / 1000);
+}
+
+/** A time of so many seconds. */
+export function span(seconds: number): string {
+  const s = Math.max(0, Math.round(seconds));
   if (s < 60) return `${s} s`;
-  return s < 3600 ? `${Math.floor(s / 60)} min` : `${Math.floor(s / 3600)} h ${Math.floor((s % 3600) / 60)} min`;
+  if (s < 3600) return `${Math.floor(s / 60)} min`;
+  return s < 86_400 ? `${Math.floor(s / 3600)} h ${Math.floor((s % 3600) / 60)} min` : `${Math.floor(s / 86_400)} d ${Math.floor((s % 86_400) / 3600)} h`;
 }

@@ -1,10 +1,13 @@
 import type { Keyframe } from '@gen/corbslam/v1/resources_pb';
+import type { PictureOrWhy } from '../feed/pictures';
 import { lastSegment, parseKeyframeName } from '../model/ids';
 import type { MapNames } from '../model/map_names';
+import { clockWords } from '../model/moment';
+import { headingWords, placeOf, positionWords } from '../model/place_words';
 import type { Sights } from '../model/sights';
 import { count } from '../model/words';
 import { h, panel, table } from './dom';
-import { keypointsFigure } from './keypoints';
+import { seenKeyframe } from './seen_keyframe';
 
 /** What was clicked. */
 export class DetailsPanel {
@@ -29,16 +32,19 @@ export class DetailsPanel {
   }
 }
 
-/** `highlight`: says how many of its landmarks the map shows. */
-export function keyframeDetails(keyframe: Keyframe, names: MapNames, sights: Sights | undefined, highlight: HTMLElement): Node[] {
+/** `highlight`: says how many of its landmarks the map shows. `picture`: what its camera saw. */
+export function keyframeDetails(keyframe: Keyframe, names: MapNames, sights: Sights | undefined, highlight: HTMLElement,
+  picture: Promise<PictureOrWhy>): Node[] {
   const id = parseKeyframeName(keyframe.name);
   const parent = parseKeyframeName(keyframe.parent);
   const features = keyframe.payload?.features;
+  const place = placeOf(keyframe.cameraFromIsland);
   const rows: [string, string][] = [
     ['Robot', lastSegment(keyframe.agent)],
     ['Local map', id ? names.of(id.localMap) : keyframe.name],
     ['Island', `that of ${names.of(lastSegment(keyframe.island))}`],
-    ['Robot’s clock', `${(Number(keyframe.timestampNs) / 1e9).toFixed(3)} s`],
+    ...(place ? [['Right, down, ahead', positionWords(place)] as [string, string], ['Looks', headingWords(place)] as [string, string]] : []),
+    ['Robot’s clock', clockWords(keyframe.timestampNs)],
     ['Place', keyframe.placed ? 'given by fusion' : 'follows its nearest relative'],
     ['Local adjustment', keyframe.settled ? 'settled' : 'still going on'],
     ['Revision', keyframe.revision > 0n ? count(keyframe.revision) : 'none yet'],
@@ -46,6 +52,6 @@ export function keyframeDetails(keyframe: Keyframe, names: MapNames, sights: Sig
     ['Keypoints', count(keyframe.keypoints)],
     ['… that see a landmark', count(keyframe.observedPoints)],
   ];
-  const figure = features ? [keypointsFigure(features, sights)] : [];
+  const figure = features ? [seenKeyframe(features, sights, picture)] : [];
   return [h('h3', {}, `Keyframe #${id?.index ?? '?'}`), ...figure, highlight, table(rows)];
 }

@@ -15,7 +15,7 @@ export class EventsPanel {
   private readonly shown: { event: MissionEvent; item: HTMLElement; text: HTMLElement }[] = [];
   private namesVersion = 0;
 
-  constructor(private readonly names: MapNames) {
+  constructor(private readonly names: MapNames, private readonly goTo: (event: MissionEvent) => void = () => {}) {
     const { root, body } = panel('events', 'Events');
     this.root = root;
     body.append(this.none, this.list);
@@ -37,6 +37,11 @@ export class EventsPanel {
     return true;
   }
 
+  /** What happened, oldest first. */
+  get said(): { event: MissionEvent; text: string; kind: string }[] {
+    return this.shown.map(({ event }) => ({ event, ...eventWords(event, this.names) }));
+  }
+
   /** Says local maps' names that came after their events. */
   rename(): void {
     if (this.namesVersion === this.names.version) return;
@@ -48,7 +53,9 @@ export class EventsPanel {
   }
 
   private addRow(kind: keyof typeof MARKS, text: string, event?: MissionEvent): { item: HTMLElement; words: HTMLElement } {
-    const words = h('span', { class: 'text' }, text);
+    const words: HTMLElement = event
+      ? h('button', { type: 'button', class: 'text', title: 'Show the map as it was then', click: () => this.goTo(event) }, text)
+      : h('span', { class: 'text' }, text);
     const time = event && new Date(Number(event.timeNs / 1_000_000n));
     const item = h('li', { class: `event ${kind}` },
       h('span', { class: 'mark', 'aria-hidden': 'true' }, MARKS[kind]), words,

@@ -3,8 +3,6 @@ import { count } from '../model/words';
 import type { ViewState } from '../view_state';
 import { h, setText, swatch } from './dom';
 
-const ENDS: Partial<Record<ViewState['colour'], [string, string]>> = { height: ['low', 'high'], age: ['old', 'new'] };
-
 /** Of how many of a map's points it is known how many keyframes see them. */
 export interface Observed {
   pointCount: number;
@@ -17,13 +15,13 @@ export class Legend {
   private shown = '';
 
   /** `own`: the robot that is drawn as own. */
-  update({ colour }: ViewState, theme: Theme, own: string, map: Observed): void {
+  update({ colour }: ViewState, theme: Theme, own: string, map: Observed, heights: [number, number] = [0, 0]): void {
     const untold = colour === 'observations' ? untoldWords(map) : '';
-    const key = [colour, theme, own, untold].join();
+    const ends = endsOf(colour, heights, map.pointCount);
+    const key = [colour, theme, own, untold, ends].join();
     if (key === this.shown) return;
     this.shown = key;
     const colours = sceneColours(theme);
-    const ends = ENDS[colour];
     this.root.hidden = !ends && colour !== 'paper' && colour !== 'observations';
     if (ends) this.root.replaceChildren(ends[0], this.ramp(colours.ramp), ends[1]);
     else if (colour === 'observations') this.root.replaceChildren(...this.observations(colours.ramp, map, untold));
@@ -47,6 +45,18 @@ export class Legend {
     bar.style.backgroundImage = `linear-gradient(to right, ${colours.join()})`;
     return bar;
   }
+}
+
+/** What the ends of a ramp are, with their unit. */
+export function endsOf(colour: ViewState['colour'], [low, high]: [number, number], points: number): [string, string] | undefined {
+  if (colour === 'height') return [`${metres(low)}`, `${metres(high)} above the first camera`];
+  if (colour === 'age') return ['came first', `came last, of ${count(points)} points`];
+  return undefined;
+}
+
+function metres(value: number): string {
+  const digits = Math.abs(value) < 10 ? 1 : 0;
+  return `${value < 0 ? '−' : ''}${Math.abs(value).toFixed(digits)} m`;
 }
 
 /** No point of the map comes with how many keyframes see it. */

@@ -1,5 +1,6 @@
 import type { MissionPulse } from '@gen/corbslam/v1/viewer_pb';
 import type { MapModel } from '../model/map_model';
+import { plainWords } from '../model/plain_words';
 import { bytes, count, since } from '../model/words';
 import { panel, refill, table } from './dom';
 
@@ -35,11 +36,28 @@ export class NumbersPanel {
       ['Map points', count(model.pointCount)],
       ...(page.isPast || !page.isLive ? [] : fusionRows(pulse)),
       ...(page.truth ? [['Truth', page.truth] as [string, string]] : []),
-      ['Points drawn', count(page.drawnPoints)],
+      ['Points drawn', drawnWords(page.drawnPoints, model.pointCount)],
+      ...(page.isPast || !page.isLive ? [] : thinnedRows(pulse)),
       ['Received', bytes(page.receivedBytes)],
     ];
     refill(this.body, JSON.stringify(rows), () => [table(rows)]);
   }
+}
+
+/** Of many points on few pixels some are left out: those that remain are spread over all of them. */
+export function drawnWords(drawn: number, all: number): string {
+  if (drawn >= all) return 'all';
+  return `${count(drawn)}: ${drawn === 0 ? 'none' : `1 of ${(all / drawn).toFixed(all / drawn < 10 ? 1 : 0)}`}`;
+}
+
+/** What the store let go of, of sessions that were closed. */
+function thinnedRows(pulse: MissionPulse | undefined): [string, string][] {
+  const sum = (of: (map: MissionPulse['localMaps'][number]) => bigint) => (pulse?.localMaps ?? []).reduce((all, map) => all + of(map), 0n);
+  const [keyframes, points] = [sum((map) => map.retiredKeyframes), sum((map) => map.fadedMapPoints)];
+  return [
+    ...(keyframes > 0n ? [['Keyframes let go of', count(keyframes)] as [string, string]] : []),
+    ...(points > 0n ? [['Points let go of', count(points)] as [string, string]] : []),
+  ];
 }
 
 function fusionRows(pulse: MissionPulse | undefined): [string, string][] {
@@ -55,7 +73,7 @@ function fusionRows(pulse: MissionPulse | undefined): [string, string][] {
   if (mission) rows.push(['Fusion', fusionWords(mission)]);
   if (mission && mission.workerAwaySinceNs > 0n) {
     rows.push(['Worker away for', since(mission.workerAwaySinceNs, pulse!.timeNs)]);
-    if (mission.workerError) rows.push(['Worker said', mission.workerError]);
+    if (mission.workerError) rows.push(['Why', plainWords(mission.workerError)]);
   }
   return rows;
 }

@@ -1,6 +1,6 @@
 import type { Overlap } from '@gen/corbslam/v1/overlap_pb';
 import { MOST_OVERLAPS } from '../feed/rest';
-import { parseKeyframeName, shortId } from '../model/ids';
+import { decidingWords, stageRows } from '../model/refusal';
 import { count, isAccepted, verdictWords } from '../model/words';
 import { h, panel, refill, table } from './dom';
 
@@ -18,10 +18,10 @@ export class OverlapsPanel {
   }
 
   update(overlaps: Overlap[], showsRefused: boolean, chosen: Overlap | undefined,
-    agentOf: (localMap: string) => string, said: { note: string }): void {
+    side: (name: string) => string, said: { note: string; version: number }): void {
     const shown = overlaps.filter((overlap) => showsRefused || isAccepted(overlap)).reverse();
     const accepted = overlaps.filter(isAccepted).length;
-    const key = [shown.length, shown[0]?.number, accepted, chosen?.number, showsRefused, said.note].join();
+    const key = [shown.length, shown[0]?.number, accepted, chosen?.number, showsRefused, said.note, said.version].join();
     // New rows would move the others away from under the pointer.
     if (this.body.matches(':hover') && this.chosen === chosen?.number && this.wasRefused === showsRefused) return;
     const { note } = said;
@@ -31,7 +31,7 @@ export class OverlapsPanel {
       h('p', { class: 'quiet' }, this.summary(overlaps.length, accepted, showsRefused)),
       note !== '' && h('p', { class: 'quiet' }, note),
       shown.length > MOST_ROWS && h('p', { class: 'quiet' }, `The newest ${MOST_ROWS} are listed; each has its line in the map.`),
-      h('ul', { class: 'overlaps' }, ...shown.slice(0, MOST_ROWS).map((overlap) => this.row(overlap, chosen, agentOf))),
+      h('ul', { class: 'overlaps' }, ...shown.slice(0, MOST_ROWS).map((overlap) => this.row(overlap, chosen, side))),
     ].filter((node) => node !== false));
   }
 
@@ -40,9 +40,9 @@ export class OverlapsPanel {
     return `${count(accepted)} accepted${rest}`;
   }
 
-  private row(overlap: Overlap, chosen: Overlap | undefined, agentOf: (localMap: string) => string): HTMLElement {
+  private row(overlap: Overlap, chosen: Overlap | undefined, side: (name: string) => string): HTMLElement {
     const mark = isAccepted(overlap) ? 'yes' : 'no';
-    const sides = `${side(overlap.query, agentOf)} – ${side(overlap.candidate, agentOf)}`;
+    const sides = `${side(overlap.query)} – ${side(overlap.candidate)}`;
     return h('li', {}, h('button', {
       class: `overlap ${mark}`, 'aria-label': `${sides}. ${verdictWords(overlap.verdict)}`, 'aria-pressed': String(chosen?.number === overlap.number),
       'data-focus': `overlap-${overlap.number}`, click: () => this.choose(overlap),
@@ -63,24 +63,16 @@ export function overlapsNote(isPast: boolean, all: number): string {
 /** In a word or two, beside the mark that says whether it is believed. */
 function reason(overlap: Overlap): string {
   if (isAccepted(overlap)) return `${count(overlap.inliers)} point pairs agree`;
-  return verdictWords(overlap.verdict).replace(/^(Refused[^:]*|Taken back): /, '');
+  return decidingWords(overlap) || verdictWords(overlap.verdict).replace(/^(Refused[^:]*|Taken back): /, '');
 }
 
-function side(name: string, agentOf: (localMap: string) => string): string {
-  const id = parseKeyframeName(name);
-  return id ? `${agentOf(id.localMap) || shortId(id.localMap)} #${id.index}` : name;
+function stageValue(value: string, bar: string, isShort: boolean): HTMLElement {
+  return h('span', { class: isShort ? 'short' : '' }, value, bar && h('small', {}, ` ${bar}`));
 }
 
 /** Why an overlap was accepted or not: the verdict and all that was counted. */
-export function overlapDetails(overlap: Overlap, agentOf: (localMap: string) => string): Node[] {
-  const e = overlap.evidence;
-  const counted: [string, number | undefined][] = [
-    ['Words in common', e?.sharedWords], ['Keypoints matched by words', e?.wordMatches],
-    ['… agree with one motion', e?.ransacInliers], ['Matches of the guided search', e?.guidedMatches],
-    ['… left after refinement', e?.refinedInliers], ['Neighbourhood points in view', e?.visiblePoints],
-    ['… found where they should be', e?.projectedMatches], ['… found by chance alone', e?.chanceMatches],
-    ['Further keyframe pairs that agree', e?.consistentKeyframes],
-  ];
+export function overlapDetails(overlap: Overlap, side: (name: string) => string): Node[] {
+  const rows = stageRows(overlap);
   const verdict = h('p', { class: isAccepted(overlap) ? 'verdict yes' : 'verdict no' }, verdictWords(overlap.verdict));
   const state = overlap.revision > 0n ? `Taken in by revision ${count(overlap.revision)}.`
     : overlap.fused ? 'Its sides are in one island by another overlap.' : 'Not part of the map.';
@@ -89,9 +81,10 @@ export function overlapDetails(overlap: Overlap, agentOf: (localMap: string) => 
     h('p', { class: 'note' }, state),
     overlap.note ? h('p', { class: 'note' }, overlap.note) : '',
     table([
-      ['Asked', side(overlap.query, agentOf)], ['Candidate', side(overlap.candidate, agentOf)],
-      ['Point pairs that agree', count(overlap.inliers)],
-      ...counted.map(([name, value]): [string, string] => [name, value ? count(value) : '–']),
+      ['Asked', side(overlap.query)], ['Candidate', side(overlap.candidate)],
+      ...(overlap.inliers > 0 ? [['Point pairs that agree', count(overlap.inliers)] as [string, string]] : []),
+      ...rows.filter(({ isReached }) => isReached).map(({ name, value, bar, isShort }): [string, Node] => [name, stageValue(value, bar, isShort)]),
     ]),
+    rows.every(({ isReached }) => isReached) ? '' : h('p', { class: 'quiet' }, 'What else is looked at was not reached.'),
   ].filter((node): node is HTMLElement => typeof node !== 'string');
 }

@@ -1,8 +1,11 @@
 import type { MissionPulse } from '@gen/corbslam/v1/viewer_pb';
 import type { AgentStatus } from '@gen/corbslam/v1/agent_service_pb';
+import type { LocalMap, MissionAgent } from '@gen/corbslam/v1/resources_pb';
+import { type Doing, doingOf, reportFacts } from '../model/activity';
 import { lastSegment } from '../model/ids';
 import type { MapModel } from '../model/map_model';
-import { bytes, count, many, since, trackingWords } from '../model/words';
+import { plainWords } from '../model/plain_words';
+import { bytes, count, many, trackingWords } from '../model/words';
 import type { ViewState } from '../view_state';
 import { h, panel, refill, swatch, table } from './dom';
 
@@ -16,6 +19,8 @@ export interface RobotActions {
   colour(robot: string): string;
   /** What fusion has moved it by, in words. */
   drift(robot: string): string;
+  /** It has runs that made no map. */
+  hasLocalised(robot: string): boolean;
 }
 
 /** The legend of the robots, and how each is doing. */
@@ -73,36 +78,52 @@ export class RobotsPanel {
       title: i < 9 ? `Select (key ${i + 1})` : 'Select', click: () => select(isSelected ? '' : robot),
     }, swatch(colour(robot)), robot);
     const [status, ...rest] = facts;
-    const connection = h('span', { class: `chip ${status[0]}` }, status[1]);
+    const connection = h('span', { class: `chip ${status[0]}`, 'data-doing': status[0] }, status[1]);
     return h('div', { class: 'robot-row' }, h('div', { class: 'robot-head' }, box, name, connection), table(rest));
   }
 
   private facts(robot: string, model: MapModel, pulse: MissionPulse | undefined, isPast: boolean): [string, string][] {
     const agent = pulse?.agents.find(({ name }) => lastSegment(name) === robot);
-    const maps = pulse?.localMaps.filter((map) => lastSegment(map.agent) === robot) ?? [];
-    const own = [...model.localMaps.values()].filter((map) => map.agent === robot);
-    const keyframes = own.reduce((sum, map) => sum + map.keyframes.count, 0);
-    const lost = maps.reduce((sum, map) => sum + Number(map.lostFrames), 0);
-    const then = isPast ? ' then' : '';
-    const rows: [string, string][] = [this.connection(robot, agent?.connected, pulse)];
-    if (agent?.localiseOnly) rows.push(['Role', 'only localises, maps nothing']);
-    rows.push([`Local maps${then}`, String(isPast ? own.length : Math.max(own.length, agent?.localMaps.length ?? 0))]);
-    rows.push([`Keyframes${then}`, count(keyframes)]);
-    rows.push([isPast ? 'Drift now' : 'Drift', this.actions.drift(robot)]);
-    if (lost > 0) rows.push(['Lost frames', count(lost)]);
-    if (agent?.connected) rows.push(['Shared map', agent.upToDate ? 'up to date' : 'waits for updates']);
+    const rows: [string, string][] = [this.connection(robot, agent, pulse)];
+    const isBare = agent?.localMaps.length === 0 && this.actions.hasLocalised(robot);
+    if (agent?.localiseOnly || isBare) rows.push(['Role', 'only localises, maps nothing']);
+    else rows.push(...this.mapFacts(robot, model, pulse, agent, isPast));
+    if (agent?.connected && !agent.localiseOnly) rows.push(['Shared map', agent.upToDate ? 'up to date' : 'waits for updates']);
     const told = pulse?.robots.find((one) => lastSegment(one.agent) === robot);
     if (told?.status) return [...rows, ...statusFacts(told.status)];
-    if (agent?.connected && agent.lastPose) rows.push(['Tracking', agent.lastPose.lostSince ? 'lost at last report' : 'tracking at last report']);
-    if (told?.error) rows.push(['Asked itself', `does not answer: ${told.error}`]);
+    if (agent) rows.push(...reportFacts(agent));
+    if (agent?.connected && !agent.report && agent.lastPose) rows.push(['Last pose', agent.lastPose.lostSince ? 'later frames were lost' : 'of the newest frame that was told']);
+    if (told?.error) rows.push(['Asked itself', `does not answer: ${plainWords(told.error)}`]);
     return rows;
   }
 
-  private connection(robot: string, connected: boolean | undefined, pulse: MissionPulse | undefined): [string, string] {
-    if (connected === undefined) return ['unknown', 'not known'];
-    if (connected) return ['online', 'connected'];
+  private mapFacts(robot: string, model: MapModel, pulse: MissionPulse | undefined, agent: MissionAgent | undefined, isPast: boolean): [string, string][] {
+    const maps = pulse?.localMaps.filter((map) => lastSegment(map.agent) === robot) ?? [];
+    const own = [...model.localMaps.values()].filter((map) => map.agent === robot);
+    const keyframes = own.reduce((sum, map) => sum + map.keyframes.count, 0);
+    const sum = (of: (map: LocalMap) => bigint) => maps.reduce((all, map) => all + of(map), 0n);
+    const then = isPast ? ' then' : '';
+    const rows: [string, string][] = [];
+    rows.push([`Local maps${then}`, String(isPast ? own.length : Math.max(own.length, agent?.localMaps.length ?? 0))]);
+    rows.push([`Keyframes${then}`, count(keyframes)]);
+    const [retired, faded, lost] = [sum((map) => map.retiredKeyframes), sum((map) => map.fadedMapPoints), sum((map) => map.lostFrames)];
+    if (retired > 0n) rows.push(['… let go of since', `${count(retired)}: others see the same`]);
+    if (faded > 0n) rows.push(['Points let go of', `${count(faded)}: not seen again`]);
+    rows.push([isPast ? 'Moved by fusion now' : 'Moved by fusion', this.actions.drift(robot)]);
+    if (lost > 0n) rows.push(['Lost frames', count(lost)]);
+    return rows;
+  }
+
+  /** What a robot is doing, by name; for its mark in the map. */
+  doing(robot: string, pulse: MissionPulse | undefined): Doing {
+    return doingOf(pulse?.agents.find(({ name }) => lastSegment(name) === robot)).doing;
+  }
+
+  private connection(robot: string, agent: MissionAgent | undefined, pulse: MissionPulse | undefined): [string, string] {
     const from = this.awaySince.get(robot);
-    return ['offline', from && pulse ? `offline ${since(from, pulse.timeNs)}` : 'offline'];
+    const awayS = from && pulse ? Number((pulse.timeNs - from) / 1_000_000n) / 1000 : undefined;
+    const { doing, words } = doingOf(agent, awayS);
+    return [doing, words];
   }
 }
 
@@ -118,6 +139,6 @@ export function statusFacts(status: AgentStatus): [string, string][] {
   if (status.outboxCode === RESOURCE_EXHAUSTED) rows.push(['Room for it', 'none: changes wait in the map']);
   else if (status.outboxCode !== 0) rows.push(['Room for it', 'its disk fails']);
   if (status.lostLocalMaps > 0) rows.push(['Could not go on', many(status.lostLocalMaps, 'local map')]);
-  if (status.sessionMessage) rows.push(['Link', status.sessionMessage]);
+  if (status.sessionMessage) rows.push(['Link', plainWords(status.sessionMessage)]);
   return rows;
 }

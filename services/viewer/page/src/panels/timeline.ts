@@ -8,6 +8,14 @@ export interface TimelineActions {
   live(): void;
 }
 
+/** What happened at a step. */
+export interface TimelineMark {
+  step: number;
+  kind: string;
+  words: string[];
+}
+
+const MOST_WORDS = 6;
 const SPEEDS: [string, string][] = [['1', '1×'], ['2', '2×'], ['5', '5×'], ['20', '20×']];
 const STEP_MS = 500;
 
@@ -15,6 +23,7 @@ const STEP_MS = 500;
 export class Timeline {
   readonly root: HTMLElement;
   private readonly slider = h('input', { type: 'range', min: '0', step: '1', 'aria-label': 'Moment' });
+  private readonly marks = h('div', { class: 'marks', 'aria-label': 'What happened' });
   private readonly words = h('output', { class: 'timeline-words' });
   private readonly playButton = h('button', { type: 'button', click: () => this.togglePlay() }, '▶ Play');
   private readonly speed = h('select', { 'aria-label': 'Speed' }, ...SPEEDS.map(([value, text]) => h('option', { value }, text)));
@@ -24,7 +33,7 @@ export class Timeline {
 
   constructor(private readonly actions: TimelineActions) {
     this.root = h('section', { class: 'timeline', 'aria-label': 'History' }, this.playButton, this.speed,
-      this.slider, this.words, h('button', { type: 'button', class: 'live', click: () => actions.live() }, 'Live'));
+      h('div', { class: 'track' }, this.slider, this.marks), this.words, h('button', { type: 'button', class: 'live', click: () => actions.live() }, 'Live'));
     this.root.hidden = true;
     this.slider.addEventListener('input', () => actions.seek(Number(this.slider.value)));
   }
@@ -43,6 +52,7 @@ export class Timeline {
     this.pause();
     this.root.hidden = true;
     this.slider.max = '';
+    this.marks.replaceChildren();
   }
 
   fail(reason: string): void {
@@ -54,13 +64,30 @@ export class Timeline {
     for (const element of [this.slider, this.playButton, this.speed]) element.disabled = true;
   }
 
-  show(steps: HistoryStep[], position: number): void {
+  /** Says something beside the moment, until another one is shown. */
+  say(words: string): void {
+    this.words.textContent = words;
+  }
+
+  /** Shows what happened as marks that lead to their steps, of so many. */
+  mark(marks: readonly TimelineMark[], steps: number, go: (step: number) => void): void {
+    this.marks.replaceChildren(...marks.map(({ step, kind, words }) => {
+      const more = words.length > MOST_WORDS ? [`and ${words.length - MOST_WORDS} more`] : [];
+      const title = [...words.slice(0, MOST_WORDS), ...more].join('\n');
+      const button = h('button', { type: 'button', class: `mark ${kind}`, title, 'aria-label': title, click: () => go(step) });
+      button.style.setProperty('--at', String(steps > 1 ? step / (steps - 1) : 0));
+      return button;
+    }));
+  }
+
+  /** `clock`: when that was, as far as events say it. */
+  show(steps: HistoryStep[], position: number, clock = ''): void {
     this.slider.max = String(Math.max(0, steps.length - 1));
     this.slider.value = String(position);
     const step = steps[position];
     if (!step) return;
     for (const element of [this.slider, this.playButton, this.speed]) element.disabled = false;
-    const text = [stepWords(step, steps[position - 1], position, steps.length), this.note].filter(Boolean).join(' · ');
+    const text = [stepWords(step, steps[position - 1], position, steps.length), clock, this.note].filter(Boolean).join(' · ');
     this.words.textContent = text;
     this.slider.setAttribute('aria-valuetext', text);
   }

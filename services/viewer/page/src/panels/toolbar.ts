@@ -1,5 +1,5 @@
 import type { ColourMode } from '../model/palette';
-import type { Layer, ViewState } from '../view_state';
+import { type Layer, SIZES, type ViewState } from '../view_state';
 import { h, setText } from './dom';
 
 type Toggle = 'points' | 'keyframes' | 'paths' | 'frames' | 'overlaps' | 'refused';
@@ -10,6 +10,7 @@ export interface ToolActions {
   fit(): void;
   history(): void;
   help(): void;
+  measure(): void;
 }
 
 const TOGGLES: [Toggle, string, string][] = [
@@ -20,21 +21,24 @@ const COLOURS: [ColourMode, string][] = [
   ['robot', 'Robot'], ['island', 'Island'], ['paper', 'Own / others'], ['height', 'Height'], ['age', 'Age'],
   ['observations', 'Observations'],
 ];
+const POINT_SIZES: [string, string][] = SIZES.map((size) => [String(size), `${size} px`]);
 const LAYERS: [Layer, string][] = [['global', 'Global'], ['local', 'Local'], ['both', 'Side by side']];
 
 /** The tools over the map. */
 export class Toolbar {
   readonly root: HTMLElement;
   private readonly toggles = new Map<keyof ViewState, HTMLButtonElement>();
+  private readonly measure: HTMLButtonElement;
   private readonly selects = new Map<keyof ViewState, HTMLSelectElement>();
 
   constructor(private readonly actions: ToolActions) {
-    const { change, fit, history, help } = actions;
+    const { change, fit, history, help, measure } = actions;
     this.root = h('div', { class: 'toolbar', role: 'toolbar', 'aria-label': 'What is shown' },
       h('div', { class: 'group' }, ...TOGGLES.map(([name, words, key]) => this.toggle(name, words, key))),
-      h('div', { class: 'group' }, this.select('colour', 'Colour', COLOURS), this.select('layer', 'Layer', LAYERS)),
+      h('div', { class: 'group' }, this.select('colour', 'Colour', COLOURS), this.select('layer', 'Layer', LAYERS), this.select('size', 'Point', POINT_SIZES)),
       h('div', { class: 'group' },
         button('Fit', 'Show all (F)', fit), this.toggle('top', 'Top', 'T'), this.toggle('follow', 'Follow', 'G'),
+        this.measure = button('Measure', 'How far two keyframes or points are apart (M)', measure),
         button('History', 'Play the past (space)', history),
         button('◐', 'Light or dark (L)', () => change({ theme: currentTheme() === 'dark' ? 'light' : 'dark' }), 'Light or dark'),
         button('?', 'Keys (?)', help, 'Help')));
@@ -43,6 +47,11 @@ export class Toolbar {
   update(state: ViewState): void {
     for (const [name, element] of this.toggles) element.setAttribute('aria-pressed', String(state[name]));
     for (const [name, element] of this.selects) element.value = String(state[name]);
+  }
+
+  /** Whether clicks measure. */
+  noteMeasure(isOn: boolean): void {
+    this.measure.setAttribute('aria-pressed', String(isOn));
   }
 
   /** Says in the choice whether the store tells how many keyframes see a point. */
@@ -58,9 +67,9 @@ export class Toolbar {
     return element;
   }
 
-  private select(name: 'colour' | 'layer', words: string, options: [string, string][]): HTMLElement {
+  private select(name: 'colour' | 'layer' | 'size', words: string, options: [string, string][]): HTMLElement {
     const element = h('select', {}, ...options.map(([value, text]) => h('option', { value }, text)));
-    element.addEventListener('change', () => this.actions.change({ [name]: element.value }));
+    element.addEventListener('change', () => this.actions.change({ [name]: name === 'size' ? Number(element.value) : element.value }));
     this.selects.set(name, element);
     return h('label', {}, h('span', {}, words), element);
   }

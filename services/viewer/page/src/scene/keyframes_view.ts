@@ -1,5 +1,7 @@
 import { Group, type RawShaderMaterial, type Sphere } from 'three';
+import type { DrivenPath } from '../model/driven';
 import type { KeyframeStore } from '../model/keyframe_store';
+import { usualStep } from '../model/step';
 import { KeyframeTile } from './keyframe_tile';
 import { PathView } from './path_view';
 import { TILE_KEYFRAMES } from './tile_order';
@@ -11,17 +13,20 @@ export class KeyframesView {
   private readonly tiles: KeyframeTile[] = [];
   private shownEdits = -1;
   private shownCount = 0;
+  private shownDriven: DrivenPath | undefined;
 
   constructor(public store: KeyframeStore, readonly material: RawShaderMaterial, pathMaterial: RawShaderMaterial) {
     this.frusta.matrixAutoUpdate = false;
     this.path = new PathView(pathMaterial);
   }
 
-  /** Takes over what changed. Returns the bytes that go to the GPU. */
-  sync(store: KeyframeStore): number {
-    if (store === this.store && store.edits === this.shownEdits) return 0;
+  /** Takes over what changed; `driven`: where all frames were. Returns the bytes that go to the GPU. */
+  sync(store: KeyframeStore, driven?: DrivenPath): number {
+    const isSame = store === this.store && store.edits === this.shownEdits;
+    if (!isSame || driven !== this.shownDriven) this.path.sync(store, driven);
+    this.shownDriven = driven;
+    if (isSame) return 0;
     const bytes = this.syncTiles(store, this.changedTiles(store));
-    this.path.sync(store);
     this.material.uniforms.size.value = frustumSize(store);
     this.store = store;
     this.shownEdits = store.edits;
@@ -72,7 +77,11 @@ export class KeyframesView {
   }
 }
 
-/** Half of the usual step between keyframes: frusta of this size don't run into each other. */
+/** Of the usual step between keyframes that are left: frusta of this size don't run into each other. */
+const PART_OF_STEP = 0.6;
+/** Where most keyframes of a session went, those that are left are far apart; they are drawn no larger for that. */
+const MOST_STEPS = 2.5;
+
 export function frustumSize(store: KeyframeStore): number {
   const slots = store.slotsByTime().slice(-200);
   const steps: number[] = [];
@@ -82,7 +91,8 @@ export function frustumSize(store: KeyframeStore): number {
     steps.push(Math.hypot(c[a] - c[b], c[a + 1] - c[b + 1], c[a + 2] - c[b + 2]));
   }
   steps.sort((a, b) => a - b);
-  return 0.6 * (steps[steps.length >> 1] || 1);
+  const left = steps[steps.length >> 1] || 1;
+  return PART_OF_STEP * Math.min(left, MOST_STEPS * usualStep(store) || left);
 }
 
 function tileOf(slot: number): number {

@@ -7,6 +7,8 @@ export interface Label {
   text: string;
   colour: string;
   at: Vector3;
+  /** What a robot is doing: the style sheet has a mark for each. */
+  doing?: string;
 }
 
 /** Where a label may go if others are in its place, by its own heights. */
@@ -39,6 +41,7 @@ export class Labels {
       const element = this.element(label.key);
       if (element.textContent !== label.text) element.textContent = label.text;
       element.style.setProperty('--mark', label.colour);
+      if (element.dataset.doing !== (label.doing ?? '')) element.dataset.doing = label.doing ?? '';
       const y = freeHeight(element, place.x, place.y, taken);
       element.style.visibility = y === undefined ? 'hidden' : 'visible';
       element.style.transform = `translate(${Math.round(place.x)}px, ${Math.round(y ?? place.y)}px)`;

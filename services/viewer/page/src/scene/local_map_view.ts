@@ -1,4 +1,5 @@
 import { Group, Vector3, type Object3D, type RawShaderMaterial } from 'three';
+import type { DrivenPath } from '../model/driven';
 import type { LocalMapModel } from '../model/local_map';
 import type { ColourMode } from '../model/palette';
 import { KeyframesView } from './keyframes_view';
@@ -24,6 +25,8 @@ export class LocalMapView {
   /** Where every frame was; filled on demand. */
   readonly frames: Lines;
   readonly blocks: PointBlockView[] = [];
+  /** Where all frames were, as far as was asked for. */
+  driven: DrivenPath | undefined;
   private readonly pointMaterial: RawShaderMaterial;
 
   constructor(parent: Object3D, public model: LocalMapModel, uniforms: SharedUniforms) {
@@ -39,13 +42,19 @@ export class LocalMapView {
   /** Takes over what changed; returns bytes for the GPU. */
   sync(model: LocalMapModel): number {
     this.model = model;
-    let bytes = this.keyframes.sync(model.keyframes);
+    let bytes = this.syncPath();
     model.points.blocks.forEach((block, i) => {
       if (this.blocks[i]?.block !== block) this.replaceBlock(i, new PointBlockView(block, this.pointMaterial));
       bytes += this.blocks[i].sync();
     });
     for (const view of this.blocks.splice(model.points.blocks.length)) this.drop(view);
     return bytes;
+  }
+
+  /** Frames that were told in another island's frame wait for the next answer. */
+  syncPath(): number {
+    const { keyframes, island } = this.model;
+    return this.keyframes.sync(keyframes, this.driven?.island === island ? this.driven : undefined);
   }
 
   paint(points: string, lines: string, shown: Shown): void {

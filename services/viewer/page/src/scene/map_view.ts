@@ -5,6 +5,7 @@ import { withPoints } from '../model/extent';
 import type { KeyframeStore } from '../model/keyframe_store';
 import type { LocalMapModel } from '../model/local_map';
 import type { IslandChange, MapModel } from '../model/map_model';
+import type { Vec3 } from '../model/vector';
 import { LocalMapView } from './local_map_view';
 import type { SharedUniforms } from './materials';
 
@@ -50,6 +51,17 @@ export class MapView {
     const pose = view?.model.keyframes.pose(id.index);
     if (!view || !pose) return undefined;
     return new Vector3(...pose.centre).applyMatrix4(view.placement.matrix).applyMatrix4(this.root.matrixWorld);
+  }
+
+  /** Where a place of an island's frame is seen, once nothing moves; undefined: there is no such island. */
+  worldOf(island: string, place: Vec3): Vector3 | undefined {
+    if (!this.plots.has(island)) return undefined;
+    return new Vector3(...place).add(this.offset(island)).applyMatrix4(this.root.matrixWorld);
+  }
+
+  /** Of some local map the keyframes alone leave gaps in the path. */
+  get hasGaps(): boolean {
+    return [...this.views.values()].some(({ keyframes }) => keyframes.path.hasGaps);
   }
 
   /** Around the keyframes of some local maps, where they will be once nothing moves. */

@@ -1,30 +1,33 @@
 import { type RawShaderMaterial, Sphere } from 'three';
+import type { DrivenPath } from '../model/driven';
 import type { KeyframeStore } from '../model/keyframe_store';
+import { type Way, wayOf } from '../model/way';
 import { pathTolerance } from './detail';
 import { enclose } from './enclose';
 import { Lines } from './lines';
 import { simplify } from './simplify';
 
-/** The way through one local map's keyframes: as many corners of it as can be told apart on the screen. */
+/** The way along one local map: as many corners of it as can be told apart on the screen. */
 export class PathView {
   readonly lines: Lines;
-  private points = new Float32Array(0);
-  private count = 0;
+  private way: Way = { points: new Float32Array(0), count: 0, begins: [0], hasGaps: false };
   private readonly sphere = new Sphere();
   private isShown = false;
   private tolerance = 0;
 
   constructor(material: RawShaderMaterial) {
-    this.lines = new Lines(material, 3);
+    this.lines = new Lines(material, 6);
   }
 
-  /** Takes over what changed. */
-  sync(store: KeyframeStore): void {
-    const slots = store.slotsByTime();
-    this.count = slots.length;
-    if (this.points.length < 3 * this.count) this.points = new Float32Array(6 * this.count);
-    for (let i = 0; i < this.count; i++) copyPlace(store.centres, 4 * slots[i], this.points, 3 * i);
-    enclose(this.points, 3, 0, this.count).getBoundingSphere(this.sphere);
+  /** The keyframes alone leave gaps. */
+  get hasGaps(): boolean {
+    return this.way.hasGaps;
+  }
+
+  /** Takes over what changed; `driven`: where the frames were, where that is known. */
+  sync(store: KeyframeStore, driven: DrivenPath | undefined): void {
+    this.way = wayOf(store, driven);
+    enclose(this.way.points, 3, 0, this.way.count).getBoundingSphere(this.sphere);
     this.isShown = false;
   }
 
@@ -34,16 +37,30 @@ export class PathView {
     if (this.isShown && tolerance === this.tolerance) return 0;
     this.isShown = true;
     this.tolerance = tolerance;
-    return this.show(tolerance > 0 ? simplify(this.points, this.count, tolerance) : undefined);
+    return this.show(this.corners(tolerance));
   }
 
-  private show(corners: number[] | undefined): number {
-    const count = corners?.length ?? this.count;
+  /** Pairs of places that are joined. */
+  private corners(tolerance: number): number[] {
+    const { points, count, begins } = this.way;
+    const pairs: number[] = [];
+    begins.forEach((begin, i) => {
+      const end = begins[i + 1] ?? count;
+      const kept = tolerance > 0 ? simplify(points.subarray(3 * begin), end - begin, tolerance) : undefined;
+      const corners = kept?.length ?? end - begin;
+      for (let k = 1; k < corners; k++) pairs.push(begin + (kept ? kept[k - 1] : k - 1), begin + (kept ? kept[k] : k));
+    });
+    return pairs;
+  }
+
+  private show(pairs: number[]): number {
+    const count = pairs.length / 2;
     const wasVisible = this.lines.mesh.visible;
     const array = this.lines.array(count);
     let [start, end] = [count, 0];
     for (let i = 0; i < count; i++) {
-      if (!copyPlace(this.points, 3 * (corners ? corners[i] : i), array, 3 * i)) continue;
+      const isOther = copyPlace(this.way.points, 3 * pairs[2 * i], array, 6 * i);
+      if (!copyPlace(this.way.points, 3 * pairs[2 * i + 1], array, 6 * i + 3) && !isOther) continue;
       start = Math.min(start, i);
       end = i + 1;
     }

@@ -13,8 +13,10 @@ import { LocalLayer } from './local_layer';
 import { MapView } from './map_view';
 import { Marker } from './marker';
 import { SharedUniforms } from './materials';
+import { MeasureView } from './measure_view';
 import { OverlapsView } from './overlaps_view';
 import { type Painter, paintMap } from './painting';
+import { RunsView } from './runs_view';
 import { SightsView } from './sights_view';
 import { TruthView } from './truth_view';
 import { Viewport } from './viewport';
@@ -42,8 +44,10 @@ export class Stage {
   readonly map = new MapView(this.uniforms);
   readonly local = new LocalLayer(this.uniforms);
   readonly truth = new TruthView(this.map.root, this.uniforms);
+  readonly runs = new RunsView(this.map.root, this.uniforms);
   readonly overlapsView: OverlapsView;
   readonly sights: SightsView;
+  readonly measureView: MeasureView;
   readonly globalPort: Viewport;
   readonly localPort: Viewport;
   readonly figures: FrameFigures = { drawCalls: 0, drawnPoints: 0, drawnKeyframes: 0, uploadBytes: 0, fps: 0, scriptMs: 0 };
@@ -65,6 +69,8 @@ export class Stage {
   private readonly detail = new Detail();
   /** Of what the overlaps were drawn last. */
   private shownOverlaps: unknown[] = [];
+  /** The least size of a point on the screen. */
+  private pointPx = 1.5;
   private points = 0;
   private keyframes = 0;
   private wanted = true;
@@ -84,10 +90,17 @@ export class Stage {
     this.globalPort = new Viewport(globalElement, moved);
     this.localPort = new Viewport(localElement, moved);
     this.overlapsView = new OverlapsView(this.globalScene, this.uniforms);
+    this.measureView = new MeasureView(this.globalScene, this.uniforms);
     this.sights = new SightsView(this.globalScene, this.uniforms);
     this.globalScene.add(this.map.root, this.grid.object, this.marker.object);
     this.localScene.add(this.local.root, this.localGrid.object);
     new ResizeObserver(() => this.invalidate()).observe(canvas);
+  }
+
+  /** Of the ramp of heights: its ends, in the map's unit above the first camera. */
+  get heights(): [number, number] {
+    const { x, y } = this.uniforms.heights.value;
+    return [x, y];
   }
 
   /** Has the picture drawn anew; `isMotion`: in a hurry, because more follows. */
@@ -104,6 +117,7 @@ export class Stage {
     this.uploadedBytes += this.figures.uploadBytes;
     this.grid.cover(this.map.bounds(() => true));
     this.truth.place(this.map.plots.get(model.globalIsland ?? ''));
+    this.runs.place(this.map);
     this.invalidate(isHurried || this.completeMs > SLOW_COMPLETE_MS);
   }
 
@@ -121,7 +135,10 @@ export class Stage {
     this.overlapsView.paint(colours);
     this.marker.paint(colours.selected);
     this.sights.paint(colours);
+    this.measureView.paint(colours);
+    this.pointPx = state.size;
     this.truth.paint(colours.truth, state.paths);
+    this.runs.paint((agent) => painter.markColour(agent, state), (agent) => state.paths && !state.hidden.has(agent));
     paintMap(this.map, this.uniforms, state, painter, colours);
     this.local.paint((agent) => painter.robotColour(agent), (agent) => !state.hidden.has(agent));
     this.invalidate();
@@ -210,7 +227,7 @@ export class Stage {
   private setDetail(share: Share): void {
     const port = this.globalPort;
     const ratio = this.renderer.getPixelRatio();
-    this.uniforms.sizePx.value = 1.5 * ratio;
+    this.uniforms.sizePx.value = this.pointPx * ratio;
     this.uniforms.markPx.value = 8 * ratio;
     this.uniforms.nearPx.value = port.pixelsPerUnit(1) * 0.04 * ratio;
     this.uniforms.smallest.value = SMALLEST_FRUSTUM_PX / port.pixelsPerUnit(1);

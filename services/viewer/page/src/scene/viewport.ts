@@ -6,6 +6,8 @@ const FIELD_OF_VIEW_DEG = 45;
 /** Of the height, what tools and the timeline leave. */
 const FREE_HEIGHT = 0.84;
 const NEAREST_FIT = 2;
+/** From so far what was searched is shown with what lies around it. */
+const NEAR_LOOK = 40;
 
 /** A camera, its controls, and the part of the page in which they work. */
 export class Viewport {
@@ -86,6 +88,23 @@ export class Viewport {
     this.controls.target.add(step);
     this.controls.update();
     return true;
+  }
+
+  /** What is looked at, and from where. */
+  get pose(): number[] {
+    return [...this.controls.target.toArray(), ...this.camera.position.toArray()];
+  }
+
+  /** Looks as `pose` said. */
+  set pose(pose: number[]) {
+    this.controls.target.fromArray(pose, 0);
+    this.camera.position.fromArray(pose, 3);
+    this.controls.update();
+  }
+
+  /** Looks at a place from the direction that is looked from now, near enough to see what is there. */
+  approach(place: Vector3): void {
+    this.look(place, Math.min(this.distance(), NEAR_LOOK));
   }
 
   look(middle: Vector3, distance: number): void {

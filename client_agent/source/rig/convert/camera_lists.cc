@@ -1,0 +1,146 @@
+// Calibrations that list their cameras: SVO's (rpg_svo_pro) and OKVIS2's.
+#include "absl/strings/str_cat.h"
+#include "client_agent/source/calibration/lens_words.h"
+#include "client_agent/source/calibration/yaml_fields.h"
+#include "client_agent/source/rig/convert/rig_readers.h"
+#include "slam/util/status_macros.h"
+
+namespace corbslam::client_agent {
+namespace {
+
+absl::Status Bad(const std::string& path, absl::string_view what) {
+  return absl::InvalidArgumentError(absl::StrCat(path, ": ", what));
+}
+
+// A camera with its place on the body.
+struct Listed {
+  RigCamera camera;
+  Rigid3d body_from_camera;
+};
+using ReadListed = absl::StatusOr<Listed> (*)(const YAML::Node& node, const std::string& path,
+                                              const std::string& field);
+
+std::string WordOf(const YAML::Node& node) {
+  return node.IsDefined() && node.IsScalar() ? node.Scalar() : "";
+}
+
+// Reads a matrix as a list, or as {rows, cols, data}.
+absl::StatusOr<std::vector<double>> ReadMatrix(const YAML::Node& node, const std::string& path,
+                                               const std::string& field, size_t least,
+                                               size_t most) {
+  if (!node.IsDefined()) return Bad(path, absl::StrCat(field, " is missing"));
+  return ReadNumbers(node.IsMap() ? node["data"] : node, path, field, least, most);
+}
+
+absl::StatusOr<LensModel> LensOf(const std::string& word, const std::vector<double>& numbers,
+                                 const std::string& path, const std::string& field) {
+  const auto lens = LensOfWords(word, numbers);
+  if (lens.ok()) return lens;
+  return Bad(path, absl::StrCat(field, ": ", lens.status().message()));
+}
+
+// Returns the numbers of a lens, none where it is said not to distort.
+absl::StatusOr<std::vector<double>> ReadLensNumbers(const YAML::Node& node, const std::string& path,
+                                                    const std::string& field) {
+  return ReadMatrix(node, path, field, 1, 14);
+}
+
+absl::StatusOr<Listed> ReadSvoCamera(const YAML::Node& entry, const std::string& path,
+                                     const std::string& field) {
+  const YAML::Node node = entry["camera"];
+  const std::string type = WordOf(node["type"]);
+  if (type != "pinhole") {
+    return Bad(path, absl::StrCat(field, ".camera.type is '", type,
+                                  "', known is pinhole: calibrate with Kalibr, whose camchain.yaml "
+                                  "is read, too"));
+  }
+  Listed listed;
+  ASSIGN_OR_RETURN(const auto k,
+                   ReadMatrix(node["intrinsics"], path, field + ".camera.intrinsics", 4, 4));
+  listed.camera.raw = {k[0], k[1], k[2], k[3], {}};
+  if (const YAML::Node distortion = node["distortion"]; distortion.IsDefined()) {
+    const std::string within = field + ".camera.distortion";
+    const std::string word = WordOf(distortion["type"]);
+    std::vector<double> numbers;
+    if (word != "none") {
+      ASSIGN_OR_RETURN(numbers,
+                       ReadLensNumbers(distortion["parameters"], path, within + ".parameters"));
+    }
+    ASSIGN_OR_RETURN(listed.camera.raw.lens, LensOf(word, numbers, path, within));
+  }
+  ASSIGN_OR_RETURN(const double width,
+                   ReadNumber(node["image_width"], path, field + ".image_width"));
+  ASSIGN_OR_RETURN(const double height,
+                   ReadNumber(node["image_height"], path, field + ".image_height"));
+  ASSIGN_OR_RETURN(const PictureSize size, ToSize(width, height, path, field + ".image_width"));
+  listed.camera.width_px = size.width_px;
+  listed.camera.height_px = size.height_px;
+  ASSIGN_OR_RETURN(const auto rows, ReadMatrix(entry["T_B_C"], path, field + ".T_B_C", 16, 16));
+  ASSIGN_OR_RETURN(listed.body_from_camera, ToRigid(rows, path, field + ".T_B_C"));
+  return listed;
+}
+
+absl::StatusOr<Listed> ReadOkvisCamera(const YAML::Node& node, const std::string& path,
+                                       const std::string& field) {
+  Listed listed;
+  ASSIGN_OR_RETURN(const auto f,
+                   ReadMatrix(node["focal_length"], path, field + ".focal_length", 2, 2));
+  ASSIGN_OR_RETURN(const auto c,
+                   ReadMatrix(node["principal_point"], path, field + ".principal_point", 2, 2));
+  listed.camera.raw = {f[0], f[1], c[0], c[1], {}};
+  std::string word = WordOf(node["distortion_type"]);
+  // Its own words, and ours.
+  if (word == "radialtangential" || word == "radialtangential8") word = "radial-tangential";
+  if (word.empty()) return Bad(path, absl::StrCat(field, ".distortion_type is missing"));
+  ASSIGN_OR_RETURN(const auto numbers, ReadLensNumbers(node["distortion_coefficients"], path,
+                                                       field + ".distortion_coefficients"));
+  ASSIGN_OR_RETURN(listed.camera.raw.lens, LensOf(word, numbers, path, field));
+  ASSIGN_OR_RETURN(const PictureSize size,
+                   ReadSize(node["image_dimension"], path, field + ".image_dimension"));
+  listed.camera.width_px = size.width_px;
+  listed.camera.height_px = size.height_px;
+  ASSIGN_OR_RETURN(const auto rows, ReadMatrix(node["T_SC"], path, field + ".T_SC", 16, 16));
+  ASSIGN_OR_RETURN(listed.body_from_camera, ToRigid(rows, path, field + ".T_SC"));
+  return listed;
+}
+
+absl::Status Read(const YAML::Node& file, const std::string& path, ReadListed read,
+                  ConvertedRig& converted) {
+  const YAML::Node cameras = file["cameras"];
+  if (!cameras.IsSequence() || cameras.size() < 2) {
+    return Bad(path,
+               "cameras lists one camera: a stereo pair has two, the left one first; with one "
+               "camera the map has no scale");
+  }
+  if (cameras.size() > 2) {
+    converted.notes.emplace_back("cameras after the first two are left out: a rig has two cameras");
+  }
+  ASSIGN_OR_RETURN(const Listed left, read(cameras[0], path, "cameras[0]"));
+  ASSIGN_OR_RETURN(const Listed right, read(cameras[1], path, "cameras[1]"));
+  converted.rig.cameras = {left.camera, right.camera};
+  converted.rig.right_from_left = right.body_from_camera.Inverse() * left.body_from_camera;
+  converted.rig.body_from_camera = left.body_from_camera;
+  return absl::OkStatus();
+}
+
+absl::StatusOr<ConvertedRig> ReadList(const RigFiles& files, ReadListed read,
+                                      absl::string_view what) {
+  RETURN_IF_ERROR(ExpectFiles(files, 1, what));
+  ConvertedRig converted;
+  const std::string& path = files.paths[0];
+  RETURN_IF_ERROR(UseYamlFields(
+      path, [&](const YAML::Node& file) { return Read(file, path, read, converted); }));
+  return converted;
+}
+
+}  // namespace
+
+absl::StatusOr<ConvertedRig> ReadSvo(const RigFiles& files) {
+  return ReadList(files, &ReadSvoCamera, "SVO's calibration");
+}
+
+absl::StatusOr<ConvertedRig> ReadOkvis2(const RigFiles& files) {
+  return ReadList(files, &ReadOkvisCamera, "OKVIS2's configuration");
+}
+
+}  // namespace corbslam::client_agent

@@ -1,0 +1,82 @@
+#include "map_store/rocks/deleted_file.h"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstddef>
+#include <fstream>
+#include <system_error>
+#include <utility>
+
+#include "absl/cleanup/cleanup.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_split.h"
+#include "map_store/rocks/journal_folder.h"
+#include "map_store/state/mission_uid.h"
+#include "slam/util/status_macros.h"
+#include "slam/util/whole_file.h"
+
+namespace corbslam::map_store {
+namespace {
+
+// Stands for a uid that nobody knows.
+constexpr char kAnyUid[] = "-";
+
+std::string PathOfDeleted(const std::string& folder) {
+  return absl::StrCat(folder, "/", kDeletedFile);
+}
+
+std::string LineOf(const DeletedMission& mission) {
+  return absl::StrCat(mission.name, " ", mission.uid.empty() ? kAnyUid : mission.uid, "\n");
+}
+
+std::vector<DeletedMission> ReadAllDeleted(const std::string& folder) {
+  std::vector<DeletedMission> missions;
+  std::ifstream file(PathOfDeleted(folder));
+  for (std::string line; std::getline(file, line);) {
+    std::pair<std::string, std::string> entry = absl::StrSplit(line, absl::MaxSplits(' ', 1));
+    const bool is_any = entry.second == kAnyUid;
+    if (entry.first.empty() || (!is_any && !IsMissionUid(entry.second))) continue;
+    missions.push_back({std::move(entry.first), is_any ? "" : std::move(entry.second)});
+  }
+  return missions;
+}
+
+}  // namespace
+
+absl::Status AddToDeletedFile(const std::string& folder, const DeletedMission& mission) {
+  const std::string path = PathOfDeleted(folder);
+  const auto failed = [&path] {
+    const std::error_code error(errno, std::generic_category());
+    return absl::UnavailableError(absl::StrCat(path, ": ", error.message()));
+  };
+  const int fd = open(path.c_str(), O_WRONLY | O_APPEND | O_CREAT | O_CLOEXEC, 0600);
+  if (fd < 0) return failed();
+  const absl::Cleanup closed = [fd] { close(fd); };
+  // A line before it that was cut short must not swallow this one.
+  const std::string line = absl::StrCat("\n", LineOf(mission));
+  errno = 0;
+  if (write(fd, line.data(), line.size()) != static_cast<ssize_t>(line.size())) return failed();
+  if (fdatasync(fd) != 0) return failed();
+  return SyncFolder(folder);
+}
+
+std::vector<DeletedMission> ReadDeletedFile(const std::string& folder) {
+  std::vector<DeletedMission> missions = ReadAllDeleted(folder);
+  if (missions.size() > Journal::kMaxDeleted) {
+    missions.erase(missions.begin(), missions.end() - static_cast<ptrdiff_t>(Journal::kMaxDeleted));
+  }
+  return missions;
+}
+
+void ShortenDeletedFile(const std::string& folder) {
+  if (ReadAllDeleted(folder).size() < 2 * Journal::kMaxDeleted) return;
+  std::string lines;
+  for (const DeletedMission& mission : ReadDeletedFile(folder)) lines += LineOf(mission);
+  absl::StatusOr<WholeFile> file =
+      WholeFile::Create(PathOfDeleted(folder), WholeFile::Old::kReplaced);
+  if (file.ok() && file->Append(lines).ok()) file->Finish().IgnoreError();
+}
+
+}  // namespace corbslam::map_store
