@@ -33,9 +33,6 @@ class Mission {
   // These do what those of MissionStrand do.
   void BeginAs(std::string uid) { strand_.BeginAs(std::move(uid)); }
   void EnsureUid() { strand_.EnsureUid(); }
-  std::string uid() const {
-    return WithState([](const MissionState& state) { return state.uid; });
-  }
 
   MissionSessions& sessions() { return sessions_; }
   BatchIntake& batches() { return batches_; }
@@ -56,6 +53,10 @@ class Mission {
   template <typename Read>
   auto WithState(Read read) const {
     return strand_.WithState(std::move(read));
+  }
+  // Returns what tells it from earlier and later missions of its name.
+  std::string uid() const {
+    return WithState([](const MissionState& state) { return state.uid; });
   }
   // Does what LocalizePicture does.
   absl::StatusOr<LocalizeAnswer> Localize(FusionWorker& worker, const LocalizeQuery& query,

@@ -98,7 +98,9 @@ AgentInfo DescribeAgent(const MissionState& state, const std::string& name,
           .connected = agent.session != 0,
           .local_maps = agent.local_maps,
           .localise_only = agent.localise_only,
-          .last_pose = FindLastPose(state, agent)};
+          .last_pose = FindLastPose(state, agent),
+          .report = std::nullopt,
+          .report_age = absl::ZeroDuration()};
 }
 
 LocalMapInfo DescribeLocalMap(const MissionState& state, const LocalMapState& local_map) {
