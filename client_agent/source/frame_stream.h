@@ -40,7 +40,7 @@ struct CameraCounts {
   // counterpart were at best, 0 where there were none of both sides.
   uint64_t pictures[2] = {0, 0};
   int64_t nearest_unpaired_ns = 0;
-  uint64_t late = 0;       // Pictures that came behind a newer one, or had its very time.
+  uint64_t late = 0;  // Pictures that came behind a newer one, or had its very time.
   // Pictures that were stamped further ahead of the one before than time had passed.
   uint64_t ahead = 0;
   // How much later the second picture of a frame was taken than the first: mean with its sign, and

@@ -97,7 +97,6 @@ void MissionStrand::Restore(MissionState state) {
 }
 
 void MissionStrand::BeginAs(std::string uid) {
-  absl::MutexLock turn(&turn_);
   uid_is_recorded_ = false;
   absl::MutexLock lock(&mutex_);
   state_.uid = std::move(uid);

@@ -57,8 +57,8 @@ class MissionStrand {
   // can't be read.
   absl::Status Recover() ABSL_LOCKS_EXCLUDED(mutex_);
   // Gives a mission of which nothing was written its uid, which the journal has from its first
-  // record on; called before anything else.
-  void BeginAs(std::string uid) ABSL_LOCKS_EXCLUDED(turn_, mutex_);
+  // record on; called before anything else, and before anybody else has the mission.
+  void BeginAs(std::string uid) ABSL_LOCKS_EXCLUDED(mutex_);
   // Gives a mission that was read, and is older than uids, its own.
   void EnsureUid() ABSL_LOCKS_EXCLUDED(turn_, mutex_);
   // Takes over a state from elsewhere, which the journal has already; called before anything else.
@@ -141,8 +141,9 @@ class MissionStrand {
   const MissionEnvironment environment_;
 
   absl::Mutex turn_ ABSL_ACQUIRED_BEFORE(gate_);
-  // False: the journal has no uid yet, and is to have the state's.
-  bool uid_is_recorded_ ABSL_GUARDED_BY(turn_) = true;
+  // False: the journal has no uid yet, and is to have the state's. Only who has the turn changes it,
+  // once others have the mission.
+  std::atomic<bool> uid_is_recorded_ = true;
   mutable absl::Mutex gate_ ABSL_ACQUIRED_BEFORE(mutex_);
   std::atomic<Journal::Position> appended_ = 0;
   mutable absl::Mutex mutex_;

@@ -141,12 +141,9 @@ absl::StatusOr<uint32_t> BackupFolder::Write(rocksdb::BackupEngine& engine,
           if (interrupted_ || !goes_on()) engine.StopBackup();
         };
         // Its errors may be the backups' disk's, which say nothing of the mission.
-        // The files are there until the backup was compared with them.
-        const rocksdb::Status kept = db.DisableFileDeletions();
-        if (!kept.ok()) return kept;
         made = engine.CreateNewBackupWithMetadata(how, &db, Encode(note), &number);
         if (made.ok()) compared = CompareNew(db, mission, number, goes_on);
-        return db.EnableFileDeletions(/*force=*/false);
+        return rocksdb::Status::OK();
       }));
   RETURN_IF_ERROR(room);
   RETURN_IF_ERROR(ToBackupStatus(folder, made));

@@ -71,7 +71,8 @@ class BackupFolder : public BackupShelf {
   absl::Status CompareNew(rocksdb::DB& db, absl::string_view mission, uint32_t number,
                           const std::function<bool()>& goes_on) const
       ABSL_EXCLUSIVE_LOCKS_REQUIRED(writing_);
-  // Puts a copy of the database's own file in the place of a damaged one that backups share.
+  // Puts a copy of the database's own file in the place of a damaged one that backups share. A
+  // compaction may have taken the file meanwhile: then the next backup does without it.
   absl::Status Mend(rocksdb::DB& db, absl::string_view mission, const SummedFile& file,
                     const BackupPace& pace) const ABSL_EXCLUSIVE_LOCKS_REQUIRED(writing_);
 

@@ -5,8 +5,8 @@
 
 #include "absl/strings/str_cat.h"
 #include "services/command_line/help_formatter.h"
-#include "services/convert/robot_settings_check.h"
 #include "services/command_line/values.h"
+#include "services/convert/robot_settings_check.h"
 
 namespace corbslam::services {
 namespace {

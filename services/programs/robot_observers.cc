@@ -87,14 +87,13 @@ void RobotObservers::SetDropped(uint64_t frames) {
 absl::StatusOr<std::unique_ptr<MetricsEndpoint>> RobotObservers::Serve(
     const Agent* agent, const Uplink* uplink, std::vector<WatchedFolder> folders) {
   if (metrics_ == nullptr) return nullptr;
-  ASSIGN_OR_RETURN(
-      auto endpoint,
-      MetricsEndpoint::Start(
-          flags_.metrics_listen,
-          {std::make_shared<ProcessCollector>("client_agent"),
-           std::make_shared<SecurityCollector>(), metrics_->registry,
-           std::make_shared<RobotCollector>(agent, uplink, activity_, mission_, name_),
-           std::make_shared<DiskCollector>(std::move(folders))}));
+  ASSIGN_OR_RETURN(auto endpoint,
+                   MetricsEndpoint::Start(
+                       flags_.metrics_listen,
+                       {std::make_shared<ProcessCollector>("client_agent"),
+                        std::make_shared<SecurityCollector>(), metrics_->registry,
+                        std::make_shared<RobotCollector>(agent, uplink, activity_, mission_, name_),
+                        std::make_shared<DiskCollector>(std::move(folders))}));
   AnnounceMetrics(endpoint->address());
   return endpoint;
 }

@@ -70,9 +70,9 @@ bool IsPinhole(const LensModel& lens) {
 }  // namespace
 
 absl::StatusOr<cv::Mat> DecodePicture(absl::string_view encoded) {
-  if (encoded.empty() || encoded.size() > kMaxPictureBytes) {
+  if (encoded.empty() || encoded.size() > kMaxEncodedBytes) {
     return absl::InvalidArgumentError(absl::StrCat("the picture has ", encoded.size(),
-                                                   " bytes, must have 1 to ", kMaxPictureBytes));
+                                                   " bytes, must have 1 to ", kMaxEncodedBytes));
   }
   ASSIGN_OR_RETURN(const cv::Size size, PictureSize(encoded));
   RETURN_IF_ERROR(CheckSize(size));

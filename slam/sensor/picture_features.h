@@ -14,7 +14,7 @@
 namespace corbslam {
 
 // Limits of a picture.
-inline constexpr size_t kMaxPictureBytes = size_t{3} << 20;
+inline constexpr size_t kMaxEncodedBytes = size_t{3} << 20;
 inline constexpr int64_t kMaxPicturePixels = 64'000'000;
 inline constexpr int kMinPictureSide_px = 64;
 inline constexpr int kMinPictureFeatures = 100;

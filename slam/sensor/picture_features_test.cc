@@ -70,7 +70,7 @@ TEST(PictureFeaturesTest, TakesTheBitsThatAreUsed) {
 TEST(PictureFeaturesTest, RefusesWhatIsNoPicture) {
   EXPECT_THAT(ErrorOf(""), HasSubstr("0 bytes"));
   EXPECT_THAT(ErrorOf("GIF89a and so on"), HasSubstr("neither a PNG nor a JPEG"));
-  EXPECT_THAT(ErrorOf(std::string(kMaxPictureBytes + 1, 'x')), HasSubstr("must have 1 to 3145728"));
+  EXPECT_THAT(ErrorOf(std::string(kMaxEncodedBytes + 1, 'x')), HasSubstr("must have 1 to 3145728"));
   EXPECT_THAT(ErrorOf(Encode(Checks(320, 60), ".png")), HasSubstr("320x60"));
   for (const char* extension : {".png", ".jpg"}) {
     const std::string whole = Encode(Checks(320, 240), extension);

@@ -2,30 +2,31 @@
 // all the same must be within five of its own standard deviations of where the picture was taken;
 // with the right camera it must come.
 //   wrong_cameras [--requests COUNT] [--seed SEED] [--frames COUNT] VOCABULARY SOURCE...
-// A robot maps each source in this process, with a store and a worker, in lockstep. Then COUNT
-// requests with wrong cameras, and one with the right camera for each frame that became no
-// keyframe. What is right is where the robot had the frame in its own map. Prints a row for each
-// source and kind, as JSON; ends with 1 where a pose was wrong by more than it says.
+// A robot maps each source in this process. Then COUNT requests with wrong cameras, and up to as
+// many with the right one, of frames that became no keyframes, as a worker answers them (places by
+// words, two at a time, LocateFrame). What is right is where the robot had the frame in its own
+// map. Prints a row for each source and kind, as JSON; ends with 1 where a pose was wrong by more
+// than it says.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
-#include <opencv2/imgcodecs.hpp>
 #include <random>
 #include <string>
 #include <vector>
 
-#include "absl/strings/str_cat.h"
 #include "client_agent/agent/agent.h"
 #include "client_agent/source/recorded_sequence.h"
-#include "fusion_worker/local_fusion_worker.h"
-#include "map_store/map_store.h"
 #include "services/simulated_source/simulated_source.h"
-#include "services/tool/run/direct_uplink.h"
 #include "slam/geometry/lie.h"
+#include "slam/place/candidate_groups.h"
+#include "slam/place/keyframe_database.h"
+#include "slam/sensor/picture_features.h"
 #include "slam/util/status_macros.h"
+#include "slam/verification/frame_location.h"
 #include "tests/accuracy/said_cameras.h"
 
 namespace corbslam::tests {
@@ -34,14 +35,10 @@ using client_agent::Agent;
 using client_agent::AgentOptions;
 using client_agent::TrackingResult;
 using client_agent::TrackingState;
-using map_store::InMemoryJournal;
-using map_store::LocalizeAnswer;
-using map_store::MapStore;
-using map_store::MapStoreOptions;
 
 namespace {
 
-constexpr char kMission[] = "m";
+constexpr int kFeatures = 1000;  // As a worker finds in a picture.
 constexpr double kMaxSigmas = 5;
 
 struct Options {
@@ -91,26 +88,18 @@ nlohmann::json ToJson(const std::string& source, const std::string& kind, const 
 class Asker {
  public:
   Asker(Options options, std::shared_ptr<const Vocabulary> vocabulary)
-      : options_(options), vocabulary_(std::move(vocabulary)) {
-    MapStoreOptions store_options;
-    store_options.deterministic = true;
-    store_ = std::make_unique<MapStore>(store_options, vocabulary_,
-                                        std::make_unique<InMemoryJournal>(), worker_.get());
-  }
+      : options_(options), vocabulary_(std::move(vocabulary)) {}
 
   absl::Status MapDrive(const std::string& source) {
     ASSIGN_OR_RETURN(const auto stream, client_agent::OpenSource(source));
     ASSIGN_OR_RETURN(const RecordedCamera recorded, RecordedCameraOf(stream->calibration()));
     camera_ = recorded.lens;
-    services::DirectUplink uplink(store_.get());
     AgentOptions options;
-    options.mission = kMission;
-    options.name = "a";
     options.deterministic = true;
     const bool is_stereo = std::holds_alternative<StereoCalibration>(stream->calibration());
     options.sensor.orb.features = is_stereo ? 2000 : 1000;
     ASSIGN_OR_RETURN(const auto agent,
-                     Agent::Create(options, stream->calibration(), vocabulary_, &uplink));
+                     Agent::Create(options, stream->calibration(), vocabulary_, nullptr));
     for (size_t i = 0; i < options_.frames; ++i) {
       ASSIGN_OR_RETURN(const std::optional<SensorImages> images, stream->NextImages());
       if (!images.has_value()) break;
@@ -118,15 +107,16 @@ class Asker {
       if (result.state != TrackingState::kTracking || result.made_keyframe) continue;
       taken_.push_back({images->timestamp_ns, images->grey.clone(), {}});
     }
-    RETURN_IF_ERROR(agent->Finish(absl::Minutes(1)));
-    RETURN_IF_ERROR(store_->RunFusionUntilIdle(kMission));
-    return FindTruth();
+    map_ = agent->CopyMap();
+    for (const auto& [id, keyframe] : map_.keyframes()) places_.Add(id, keyframe.words);
+    return FindTruth(*agent, recorded.camera_from_recorded);
   }
 
   absl::StatusOr<Row> AskRightly() {
     Row row;
-    std::mt19937_64 random(options_.seed);
-    for (const Taken& taken : taken_) {
+    const size_t each = std::max<size_t>(1, taken_.size() / std::max<size_t>(1, options_.requests));
+    for (size_t i = 0; i < taken_.size(); i += each) {
+      const Taken& taken = taken_[i];
       RETURN_IF_ERROR(
           Ask(taken, {.grey = taken.grey, .camera = camera_, .said_from_true = {}}, "right", row));
     }
@@ -146,12 +136,11 @@ class Asker {
   }
 
  private:
-  absl::Status FindTruth() {
-    ASSIGN_OR_RETURN(const auto trajectories,
-                     store_->GetTrajectory(kMission, "a", map_store::TrajectoryFrame::kGlobal));
+  absl::Status FindTruth(const Agent& agent, const Rigid3d& camera_from_recorded) {
     std::map<int64_t, Rigid3d> poses;
-    for (const map_store::StoredPose& pose : trajectories.at(0).poses) {
-      poses[pose.timestamp_ns] = pose.frame_from_camera;
+    for (const client_agent::TrajectoryPose& pose : agent.LocalTrajectory()) {
+      if (pose.local_map != agent.GetStatus().local_map) continue;
+      poses[pose.timestamp_ns] = pose.local_from_camera * camera_from_recorded;
     }
     std::erase_if(taken_, [&](const Taken& taken) { return !poses.contains(taken.timestamp_ns); });
     for (Taken& taken : taken_) taken.map_from_camera = poses.at(taken.timestamp_ns);
@@ -159,30 +148,52 @@ class Asker {
     return absl::OkStatus();
   }
 
-  absl::Status Ask(const Taken& taken, const SaidPicture& said, const std::string& kind, Row& row) {
-    ExtractFeaturesRequest picture;
-    std::vector<uint8_t> encoded;
-    cv::imencode(".png", said.grey, encoded);
-    picture.encoded.assign(encoded.begin(), encoded.end());
-    picture.camera = said.camera;
-    const auto answer =
-        store_->Localize(kMission, {.picture = std::move(picture), .prior = {}}, {});
+  // As the store chooses places, and asks workers of two at a time.
+  LocateFrameResult Locate(const PictureFeatures& picture) const {
+    constexpr size_t kMaxPlaces = 12;
+    constexpr size_t kPlacesOfRequest = 2;
+    LocateFrameRequest request;
+    request.view = map_;
+    request.frame.payload = MakeKeyframePayload(
+        {}, 0, 0, std::make_shared<const Camera>(picture.camera), Features(picture.features));
+    request.frame.points.resize(request.frame.keypoints().size());
+    request.frame.words =
+        std::make_shared<const Words>(vocabulary_->Transform(request.frame.descriptors()));
+    const std::vector<CandidateGroup> places =
+        GroupByCovisibility(map_, places_.Query(request.frame.words->bag), kMaxPlaces);
+    LocateFrameResult farthest;
+    for (size_t i = 0; i < places.size(); ++i) {
+      request.candidates.push_back({places[i].best.id, places[i].best.shared_words});
+      if (request.candidates.size() < kPlacesOfRequest && i + 1 < places.size()) continue;
+      LocateFrameResult result = LocateFrame(request);
+      request.candidates.clear();
+      const bool ends = result.stage == LocateStage::kLocated || result.fitting_camera.has_value();
+      if (ends || GotFarther(result, farthest)) farthest = std::move(result);
+      if (ends) break;
+    }
+    return farthest;
+  }
+
+  absl::Status Ask(const Taken& taken, const SaidPicture& said, const std::string& kind,
+                   Row& row) const {
     ++row.asked;
-    if (absl::IsInvalidArgument(answer.status())) {
+    const auto picture = FindPictureFeatures(said.grey, said.camera, kFeatures);
+    if (absl::IsInvalidArgument(picture.status())) {
       ++row.stages["refused"];
       return absl::OkStatus();
     }
-    RETURN_IF_ERROR(answer.status());
-    ++row.stages[answer->fitting_camera.has_value() ? "ANOTHER_CAMERA" : ToString(answer->stage)];
-    if (answer->stage == LocateStage::kLocated) Judge(taken, said, kind, *answer, row);
+    RETURN_IF_ERROR(picture.status());
+    const LocateFrameResult answer = Locate(*picture);
+    ++row.stages[answer.fitting_camera.has_value() ? "ANOTHER_CAMERA" : ToString(answer.stage)];
+    if (answer.stage == LocateStage::kLocated) Judge(taken, said, kind, answer, row);
     return absl::OkStatus();
   }
 
   void Judge(const Taken& taken, const SaidPicture& said, const std::string& kind,
-             const LocalizeAnswer& answer, Row& row) const {
+             const LocateFrameResult& answer, Row& row) const {
     ++row.located;
     const Rigid3d truth = taken.map_from_camera * said.said_from_true.Inverse();
-    const Rigid3d found = answer.camera_from_island.Inverse();
+    const Rigid3d found = answer.camera_from_map.Inverse();
     const double off_m = (found.translation - truth.translation).norm();
     const double off_rad = RotationAngle(found.rotation * truth.rotation.conjugate());
     double sigma_m = 0;
@@ -209,9 +220,9 @@ class Asker {
 
   const Options options_;
   const std::shared_ptr<const Vocabulary> vocabulary_;
-  const std::unique_ptr<FusionWorker> worker_ = fusion_worker::MakeLocalFusionWorker({});
-  std::unique_ptr<MapStore> store_;
   RawCamera camera_;
+  Map map_;
+  KeyframeDatabase places_;
   std::vector<Taken> taken_;
 };
 

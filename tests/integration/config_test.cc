@@ -175,8 +175,8 @@ TEST(ConfigTest, InvalidConfigurationsEndWithTwoAndSayAllThatIsWrong) {
 }
 
 TEST(ConfigTest, LocalizeNeedsOneCamera) {
-  const std::vector<std::string> asks = {"localize", "--server", "127.0.0.1:1", "--mission",
-                                         "m",        "hall.png"};
+  const std::vector<std::string> asks = {"localize",  "--server", "127.0.0.1:1",
+                                         "--mission", "m",        "hall.png"};
   const auto ask = [&](const std::vector<std::string>& more) {
     std::vector<std::string> arguments = asks;
     arguments.insert(arguments.end(), more.begin(), more.end());
