@@ -109,7 +109,7 @@ TEST_F(AgentReportsTest, ARobotThatEndsIsToldFromOneWhoseLineBroke) {
   const auto stream = stub_->Sync(&context);
   v1::SyncRequest request;
   request.mutable_open()->set_mission("missions/m");
-  request.mutable_open()->set_agent("missions/m/agents/alpha");
+  request.mutable_open()->set_agent("alpha");
   ASSERT_TRUE(stream->Write(request));
   v1::SyncResponse response;
   ASSERT_TRUE(stream->Read(&response));

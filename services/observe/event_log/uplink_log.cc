@@ -36,6 +36,9 @@ std::string WhatLocalisingDoes(const absl::Status& cause, bool has_a_map) {
                       "and a robot without --localise-only begins one");
 }
 
+// So many sessions in a row that do not last are told as one trouble.
+constexpr uint64_t kFlapping = 3;
+
 std::string InWords(absl::Duration duration) {
   if (duration < absl::Seconds(1)) return "less than a second";
   return absl::FormatDuration(absl::Trunc(duration, absl::Seconds(1)));
@@ -151,15 +154,18 @@ void UplinkLog::NoteCause(const absl::Status& seen, const absl::Status& cause) {
 void UplinkLog::WarnIfDue() {
   if (connected_ || cause_.ok()) return;
   const absl::Time now = options_.clock();
-  const bool is_new = cause_ != said_ && now - said_at_ >= options_.explain_again;
+  // A session that stood meanwhile, and not again and again, makes another cause news at once.
+  const bool stood = !warned_ && short_lived_ < kFlapping;
+  const bool is_new = cause_ != said_ && (stood || now - said_at_ >= options_.explain_again);
   if (!reminder_.IsDue(now) && !is_new) return;
   said_ = cause_;
   said_at_ = now;
   warned_ = true;
   const absl::Duration without = now - without_since_;
   LOG(WARNING) << who_ << "no session with the map store "
-               << (without < absl::Seconds(1) ? "any more"
-                                              : absl::StrCat("since ", InWords(without)))
+               << (without >= absl::Seconds(1)          ? absl::StrCat("since ", InWords(without))
+                   : opened_at_ == absl::InfinitePast() ? "yet"
+                                                        : "any more")
                << ": " << cause_ << DescribeShortLived()
                << (options_.localise_only ? WhatLocalisingDoes(cause_, was_ever_connected_)
                                           : WhatMappingDoes(cause_));

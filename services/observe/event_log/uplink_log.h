@@ -76,7 +76,7 @@ class UplinkLog : public UplinkObserver {
   // True if an attempt failed or was slow that nobody has looked into yet.
   bool trouble_ ABSL_GUARDED_BY(mutex_) = false;
   absl::Time without_since_ ABSL_GUARDED_BY(mutex_);
-  absl::Time opened_at_ ABSL_GUARDED_BY(mutex_);
+  absl::Time opened_at_ ABSL_GUARDED_BY(mutex_) = absl::InfinitePast();
   // Sessions in a row that did not last, and whether the last line said that none stands.
   uint64_t short_lived_ ABSL_GUARDED_BY(mutex_) = 0;
   bool warned_ ABSL_GUARDED_BY(mutex_) = false;

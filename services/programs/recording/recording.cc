@@ -98,7 +98,7 @@ absl::Status ReadMask(const std::string& folder, RecordingHead& head) {
 }
 
 // Returns what the lines say, which is less than a finished run's head does.
-RecordedCounts CountsOf(const std::vector<RecordedFrame>& frames) {
+RecordedCounts CountLines(const std::vector<RecordedFrame>& frames) {
   RecordedCounts counts;
   counts.frames = frames.size();
   for (const RecordedFrame& frame : frames) {
@@ -129,7 +129,7 @@ absl::StatusOr<Recording> ReadRecording(const std::string& folder) {
   if (recording.head.has_mask) RETURN_IF_ERROR(ReadMask(folder, recording.head));
   RETURN_IF_ERROR(ReadLines(recording));
   if (!recording.head.finished) {
-    recording.head.counts = CountsOf(recording.frames);
+    recording.head.counts = CountLines(recording.frames);
     recording.notes.emplace_back(
         "the robot's program ended without a word, or is still at it: frames are counted up to the "
         "last one that the recording has");

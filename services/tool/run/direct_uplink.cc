@@ -103,12 +103,13 @@ void DirectUplink::DeliverShared() {
 }
 
 void DirectUplink::Close() {
-  if (session_.has_value()) store_->CloseSession(*session_);
+  if (session_.has_value()) store_->CloseSession(*session_, /*on_purpose=*/true);
   session_.reset();
 }
 
 void DirectUplink::End(const absl::Status& reason) {
-  Close();
+  if (session_.has_value()) store_->CloseSession(*session_);
+  session_.reset();
   listener_->OnSessionClosed(reason);
 }
 
