@@ -133,8 +133,10 @@ TEST_F(LocalisedRestartTest, AStateFromBeforeHasNoTrajectories) {
   EXPECT_EQ(CountFrames(state.agents.at("guest").track), 2u);
   for (auto& [name, agent] : state.agents) agent.track = {};
   std::string bytes = map_store::EncodeState(state);
-  // Of each agent two numbers say that there is none; behind them stands when local maps arrived.
-  bytes.resize(bytes.size() - 16 * state.agents.size() - 16 - 16 * state.order.size());
+  // Of each agent two numbers say that there is none; behind them stands when local maps arrived,
+  // and a uid, which takes eight bytes more than it has digits.
+  bytes.resize(bytes.size() - 16 * state.agents.size() - 16 - 16 * state.order.size() - 8 -
+               state.uid.size());
   EXPECT_FALSE(map_store::DecodeState(bytes, nullptr).ok());
   const uint32_t format = 8;
   std::memcpy(bytes.data(), &format, sizeof(format));
