@@ -81,7 +81,9 @@ TEST_F(RobotSettingsSignatureTest, WhatIsOutOfBoundsIsNeverSigned) {
     EXPECT_THAT(std::string(made.status().message()), HasSubstr(says));
   }
   v1::RobotSettings large = Settings();
-  large.set_mask_png(std::string(65'536, 'x'));
+  large.set_mask_png(std::string("\x89PNG\r\n\x1a\n\0\0\0\rIHDR\0\0\0\2\0\0\0\1\10\0\0\0\0", 29) +
+                     std::string(65'536, 'x') +
+                     std::string("\0\0\0\0\0\0\0\0IEND\xae\x42\x60\x82", 16));
   EXPECT_THAT(std::string(SignRobotSettings(large, keys_.private_pem).status().message()),
               HasSubstr("at most 65536"));
 }
