@@ -35,7 +35,7 @@ using testing::RawConnection;
 using testing::StatusOf;
 using testing::WebSocketClient;
 
-std::string ContentOf(const std::string& path) {
+std::string TextOfFile(const std::string& path) {
   std::ifstream file(path);
   return {std::istreambuf_iterator<char>(file), {}};
 }
@@ -210,7 +210,7 @@ TEST(ViewerTokenWatchTest, WhomTheStoreRevokesSeesNothingHere) {
   ASSERT_TRUE(credentials.ok()) << credentials.status();
   const auto token =
       SignToken({{*ParseGrant("missions/lab/viewers/eve")}, absl::Now() + absl::Hours(1), "tablet"},
-                ContentOf(certificates.Path("token.key")));
+                TextOfFile(certificates.Path("token.key")));
   ASSERT_TRUE(token.ok()) << token.status();
   TokenWatch watch(MakeChannel((*server)->address(), *credentials), absl::Milliseconds(20));
   EXPECT_EQ(watch.AskAndCheck("tablet", *token, "lab"), absl::OkStatus());
