@@ -115,8 +115,7 @@ absl::StatusOr<UploadChoice> ParseUpload(const RobotFlags& flags) {
 }
 
 SecurityOptions Bearing(SecurityOptions security, Files files) {
-  // gRPC 1.51 aborts on a certificate file that is empty at first.
-  security.files_may_come = false && files == Files::kMayCome;
+  security.files_may_come = files == Files::kMayCome;
   return security;
 }
 

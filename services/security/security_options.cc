@@ -13,6 +13,7 @@
 #include "services/security/key_material.h"
 #include "services/security/live_credentials.h"
 #include "services/security/pem_files.h"
+#include "services/security/placeholder_pair.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::services {
@@ -113,8 +114,12 @@ absl::Status WatchPair(const SecurityOptions& options, Living& living) {
     ASSIGN_OR_RETURN(const KeyPair pair, ReadKeyPair(options.certificate_file, options.key_file));
     return absl::StrCat(pair.key_pem, "\n", pair.certificate_pem);
   };
-  // What gRPC is to look at is there, if only as nothing that it can use.
-  if (options.files_may_come) RETURN_IF_ERROR(living.material.SetPair(""));
+  // What gRPC looks at is there from the beginning.
+  if (options.files_may_come) {
+    ASSIGN_OR_RETURN(const KeyPair nobodys, MakePlaceholderPair());
+    RETURN_IF_ERROR(
+        living.material.SetPair(absl::StrCat(nobodys.key_pem, "\n", nobodys.certificate_pem)));
+  }
   return Look(options,
               {Credential::kCertificate, read,
                [&living](const std::string& pem) { return living.material.SetPair(pem); }},
@@ -123,7 +128,10 @@ absl::Status WatchPair(const SecurityOptions& options, Living& living) {
 
 absl::Status WatchAuthorities(const SecurityOptions& options, Living& living) {
   if (options.ca_file.empty()) return absl::OkStatus();
-  if (options.files_may_come) RETURN_IF_ERROR(living.material.SetAuthorities(""));
+  if (options.files_may_come) {
+    ASSIGN_OR_RETURN(const KeyPair nobodys, MakePlaceholderPair());
+    RETURN_IF_ERROR(living.material.SetAuthorities(nobodys.certificate_pem));
+  }
   return Look(options,
               {Credential::kAuthorities, [options] { return ReadAuthorities(options.ca_file); },
                [&living](const std::string& pem) { return living.material.SetAuthorities(pem); }},
