@@ -169,6 +169,14 @@ void CheckStuck(const std::vector<CameraPictures>& cameras, SourceFindings& find
   }
 }
 
+// Returns whether a picture shows so much that no other camera's is the same to the byte: two in
+// the dark, or of two covered lenses, may be.
+bool ShowsSomething(const cv::Mat& picture) {
+  if (picture.type() != CV_8UC1) return true;
+  const PictureStatistics statistics = MeasurePicture(picture);
+  return statistics.bright >= kBlack && statistics.Contrast() >= kLeastContrast;
+}
+
 // Finds frames in whose pair both pictures are the same to the byte.
 void CheckSamePicture(const Sample& sample, SourceFindings& findings) {
   std::vector<size_t> same;
@@ -176,7 +184,7 @@ void CheckSamePicture(const Sample& sample, SourceFindings& findings) {
   for (const SampleFrame& frame : sample) {
     const SensorImages& images = frame.images;
     if (images.grey.empty() || images.right.empty()) continue;
-    if (images.grey.type() == CV_8UC1 && MeasurePicture(images.grey).IsConstant()) continue;
+    if (!ShowsSomething(images.grey)) continue;
     ++judged;
     if (AreSame(images.grey, images.right)) same.push_back(frame.number);
   }

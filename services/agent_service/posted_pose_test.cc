@@ -95,14 +95,19 @@ TEST(PostedPoseTest, LostItClaimsNothing) {
 TEST(PoseBoardTest, CountsChangesOfTheGlobalFrameAndKnowsWhatFollowsWhat) {
   PoseBoard board;
   std::vector<PostedPose> posted;
-  const uint64_t token = board.Add([&](const PostedPose& pose) { posted.push_back(pose); });
+  bool ended = false;
+  const uint64_t token =
+      board.Add([&](const PostedPose& pose) { posted.push_back(pose); }, [&] { ended = true; });
   Similarity3d there = Similarity3d::Identity();
-  board.Post(Tracked(), std::nullopt, 0);
-  board.Post(Tracked(), there, 0);
-  board.Post(Tracked(), there, 0);
+  board.Post(Tracked(), std::nullopt, {}, 0);
+  board.Post(Tracked(), there, {}, 0);
+  board.Post(Tracked(), there, {}, 0);
   there.translation.x() = 1;
-  board.Post(Lost(), there, 0);
-  board.Post(Tracked(), there, 0);
+  board.Post(Lost(), there, {}, 0);
+  board.Post(Tracked(), there, {}, 0);
+  EXPECT_FALSE(ended);
+  board.End();
+  EXPECT_TRUE(ended);
   board.Remove(token);
   std::vector<uint64_t> epochs;
   std::vector<bool> follows;
