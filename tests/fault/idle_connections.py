@@ -2,7 +2,7 @@
 """idle_connections.py BIN --source SOURCE [--connections 10000] [--seconds 60]: opens idle connections to every
 port of a store, a worker, a viewer and a robot, and says how robots, probes and pages fare meanwhile.
 
-BIN is the folder of programs, SOURCE what a robot plays (docs/sources.md), long enough for two such times.
+BIN is the folder of programs, SOURCE what a robot plays (docs/sources.md), again and again.
 The connections come from 127.0.0.1 to 127.0.0.3 to each port; those that a server ends are opened anew, up to
 --reopen a second and port. Every probe is a connection of its own. Prints a table and ends with 1 if a probe was
 not answered, if a 99th percentile is over twice the quiet one (and over 50 ms), or if memory did not come back.
@@ -124,6 +124,7 @@ class Programs:
         self.start("fusion_worker", *store)
         self.start("map_store", *store, "--data-dir", f"{data}/store", "--worker", f"127.0.0.1:{self.ports['fusion_worker'][0]}")
         server = f"127.0.0.1:{self.ports['map_store'][0]}"
+        self.server, self.source, self.drives = server, source, 0
         self.start("map_viewer", *store, "--store", server, "--page", f"{data}/nowhere")
         self.start("client_agent", "--insecure", "--server", server, "--mission", "m", "--agent", "a", "--source", source,
                    "--listen", "127.0.0.1:0", "--metrics-listen", "127.0.0.1:0", "--stay")
@@ -140,6 +141,13 @@ class Programs:
                 self.ports[name] = (int(line.rsplit(":", 1)[1]), metrics)
                 return
         sys.exit(f"{name} did not start; see {self.data}/{name}.log")
+
+    def drive(self):
+        """Starts a robot of a new name, which plays the source once."""
+        self.drives += 1
+        return subprocess.Popen([self.folder / "client_agent", "--insecure", "--server", self.server, "--mission", "m", "--agent",
+                                 f"drive{self.drives}", "--source", self.source], stdout=subprocess.DEVNULL,
+                                stderr=subprocess.DEVNULL)
 
     def stop(self):
         for process in self.all.values():
@@ -175,8 +183,11 @@ def measure(programs, seconds):
     before = histogram(metrics, name)
     times = {probe: [] for probe in probes_of(programs)}
     failures = {probe: 0 for probe in times}
+    robot = programs.drive()
     end = time.monotonic() + seconds
     while time.monotonic() < end:
+        if robot.poll() is not None:
+            robot = programs.drive()
         for probe, ask in probes_of(programs).items():
             begin = time.monotonic()
             try:
@@ -185,6 +196,8 @@ def measure(programs, seconds):
             except (OSError, grpc.RpcError):
                 failures[probe] += 1
         time.sleep(0.05)
+    robot.terminate()
+    robot.wait()
     return times, failures, quantile(before, histogram(metrics, name), 0.99) * 1e3
 
 
