@@ -95,6 +95,12 @@ TEST_F(AgentReportsTest, TheNewestIsServedUntilAnotherProcessComes) {
 
 // What a robot that ends says last is heard, and that it ended by itself.
 TEST_F(AgentReportsTest, ARobotThatEndsIsToldFromOneWhoseLineBroke) {
+  // One that nothing is written of goes with its last robot.
+  grpc::ClientContext creating;
+  v1::CreateMissionRequest create;
+  create.mutable_mission()->set_name("missions/m");
+  v1::Mission made;
+  ASSERT_TRUE(stub_->CreateMission(&creating, create, &made).ok());
   for (int i = 0; i < 20; ++i) {
     UplinkNotes notes;
     const auto uplink = Join(notes);

@@ -204,8 +204,8 @@ TEST_F(MissionProfileServiceTest, AListOfLargeMissionsHasPagesThatFitIntoMessage
   for (int i = 0; i < 999; ++i) {
     v1::MissionLimits& limits =
         (*mission.mutable_agent_limits())[absl::StrCat(std::string(50, 'a'), i)];
-    limits.set_keyframes(uint64_t{1} << 60);
-    limits.set_uplink_bytes_per_second(uint64_t{1} << 60);
+    limits.set_keyframes(uint64_t{1} << 50);
+    limits.set_uplink_bytes_per_second(uint64_t{1} << 50);
   }
   constexpr size_t kMissions = 60;
   for (size_t i = 0; i < kMissions; ++i) {
