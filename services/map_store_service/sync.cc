@@ -149,7 +149,9 @@ absl::Status SyncReactor::Leave() {
   absl::Status status;
   {
     absl::MutexLock lock(&mutex_);
-    status = end_.value_or(cancelled_ ? absl::CancelledError(kBroken) : absl::OkStatus());
+    // The end of reading may be heard before a cancellation is.
+    const bool is_broken = cancelled_ || caller_.is_cancelled();
+    status = end_.value_or(is_broken ? absl::CancelledError(kBroken) : absl::OkStatus());
   }
   if (session_id_) store_.CloseSession(*session_id_, /*on_purpose=*/status.ok());
   // The ticket is given back before the agent hears of the end: it may come again at once.
@@ -448,7 +450,8 @@ grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>* MapStoreService::Sy
   const std::string name =
       options_.name_caller != nullptr ? options_.name_caller(*context) : std::string();
   return new SyncReactor(store_, pool_, limits_, options_,
-                         {context->peer(), name, may_open, MayStay(*context)});
+                         {context->peer(), name, may_open, MayStay(*context),
+                          [context] { return context->IsCancelled(); }});
 }
 
 }  // namespace corbslam::services

@@ -49,6 +49,7 @@ class SyncReactor : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteB
     std::string name;  // Empty if nobody knows.
     OpenCheck may_open;
     StayCheck may_stay;
+    std::function<bool()> is_cancelled;
   };
   SyncReactor(map_store::MapStore& store, TaskPool& pool, StreamLimits& limits,
               const MapStoreServiceOptions& options, Caller caller);
