@@ -105,12 +105,7 @@ absl::Status Read(const YAML::Node& file, const std::string& path, ConvertedRig&
 }  // namespace
 
 absl::StatusOr<ConvertedRig> ReadBasalt(const RigFiles& files) {
-  RETURN_IF_ERROR(ExpectFiles(files, 1, "Basalt's calibration.json"));
-  ConvertedRig converted;
-  const std::string& path = files.paths[0];
-  RETURN_IF_ERROR(
-      UseYamlFields(path, [&](const YAML::Node& file) { return Read(file, path, converted); }));
-  return converted;
+  return ReadOneFile(files, "Basalt's calibration.json", &Read);
 }
 
 }  // namespace corbslam::client_agent

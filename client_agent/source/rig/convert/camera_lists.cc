@@ -125,12 +125,10 @@ absl::Status Read(const YAML::Node& file, const std::string& path, ReadListed re
 
 absl::StatusOr<ConvertedRig> ReadList(const RigFiles& files, ReadListed read,
                                       absl::string_view what) {
-  RETURN_IF_ERROR(ExpectFiles(files, 1, what));
-  ConvertedRig converted;
-  const std::string& path = files.paths[0];
-  RETURN_IF_ERROR(UseYamlFields(
-      path, [&](const YAML::Node& file) { return Read(file, path, read, converted); }));
-  return converted;
+  return ReadOneFile(files, what,
+                     [read](const YAML::Node& file, const std::string& path, ConvertedRig& rig) {
+                       return Read(file, path, read, rig);
+                     });
 }
 
 }  // namespace

@@ -152,12 +152,7 @@ absl::Status Read(const YAML::Node& file, const std::string& path, ConvertedRig&
 }  // namespace
 
 absl::StatusOr<ConvertedRig> ReadKalibr(const RigFiles& files) {
-  RETURN_IF_ERROR(ExpectFiles(files, 1, "Kalibr's camchain.yaml"));
-  ConvertedRig converted;
-  const std::string& path = files.paths[0];
-  RETURN_IF_ERROR(
-      UseYamlFields(path, [&](const YAML::Node& file) { return Read(file, path, converted); }));
-  return converted;
+  return ReadOneFile(files, "Kalibr's camchain.yaml", &Read);
 }
 
 }  // namespace corbslam::client_agent

@@ -154,6 +154,19 @@ absl::Status ExpectFiles(const RigFiles& files, size_t count, absl::string_view 
       absl::StrCat("given ", files.paths.size(), " files, wanted: ", what));
 }
 
+absl::StatusOr<ConvertedRig> ReadOneFile(
+    const RigFiles& files, absl::string_view what,
+    absl::FunctionRef<absl::Status(const YAML::Node& file, const std::string& path,
+                                   ConvertedRig& converted)>
+        read) {
+  RETURN_IF_ERROR(ExpectFiles(files, 1, what));
+  ConvertedRig converted;
+  const std::string& path = files.paths[0];
+  RETURN_IF_ERROR(
+      UseYamlFields(path, [&](const YAML::Node& file) { return read(file, path, converted); }));
+  return converted;
+}
+
 absl::Status CheckCameraMatrix(const std::vector<double>& k, const std::string& path,
                                absl::string_view field) {
   const double limit_px = kMostSkew * std::abs(k[0]);

@@ -2,9 +2,13 @@
 #ifndef CORBSLAM_CLIENT_AGENT_SOURCE_RIG_CONVERT_RIG_READERS_H_
 #define CORBSLAM_CLIENT_AGENT_SOURCE_RIG_CONVERT_RIG_READERS_H_
 
+#include <yaml-cpp/yaml.h>
+
 #include <string>
 #include <vector>
 
+#include "absl/functional/function_ref.h"
+#include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
 #include "client_agent/source/rig/convert/rig_convert.h"
@@ -43,9 +47,15 @@ Rigid3d MotionOfRectified(const Eigen::Matrix3d& left_rotation,
 // INVALID_ARGUMENT says how many files the format wants, unless it is given `count`.
 absl::Status ExpectFiles(const RigFiles& files, size_t count, absl::string_view what);
 
+// Reads a rig that is one YAML file, by `read`; `what` says for people which file the format wants.
+absl::StatusOr<ConvertedRig> ReadOneFile(
+    const RigFiles& files, absl::string_view what,
+    absl::FunctionRef<absl::Status(const YAML::Node& file, const std::string& path,
+                                   ConvertedRig& converted)>
+        read);
+
 // Returns whose a calibration is that can't be read, and what to do about it, by how its text
-// begins;
-// "" for any other.
+// begins; "" for any other.
 std::string DescribeForeignCalibration(absl::string_view text);
 
 // INVALID_ARGUMENT names file and field, unless the nine numbers are those of a camera matrix by

@@ -135,12 +135,7 @@ absl::Status Read(const YAML::Node& file, const std::string& path, ConvertedRig&
 }  // namespace
 
 absl::StatusOr<ConvertedRig> ReadStellaVslam(const RigFiles& files) {
-  RETURN_IF_ERROR(ExpectFiles(files, 1, "stella_vslam's configuration"));
-  ConvertedRig converted;
-  const std::string& path = files.paths[0];
-  RETURN_IF_ERROR(
-      UseYamlFields(path, [&](const YAML::Node& file) { return Read(file, path, converted); }));
-  return converted;
+  return ReadOneFile(files, "stella_vslam's configuration", &Read);
 }
 
 }  // namespace corbslam::client_agent

@@ -118,12 +118,7 @@ absl::Status Read(const YAML::Node& file, const std::string& path, ConvertedRig&
 }  // namespace
 
 absl::StatusOr<ConvertedRig> ReadVinsFusion(const RigFiles& files) {
-  RETURN_IF_ERROR(ExpectFiles(files, 1, "VINS-Fusion's configuration"));
-  ConvertedRig converted;
-  const std::string& path = files.paths[0];
-  RETURN_IF_ERROR(
-      UseYamlFields(path, [&](const YAML::Node& file) { return Read(file, path, converted); }));
-  return converted;
+  return ReadOneFile(files, "VINS-Fusion's configuration", &Read);
 }
 
 }  // namespace corbslam::client_agent
