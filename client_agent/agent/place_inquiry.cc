@@ -13,9 +13,11 @@ constexpr double kBytesPerKeypoint = 48;
 // Share of the link that questions may take.
 constexpr double kShareOfLink = 0.25;
 
+// Whether it is worth while to ask again later. A mission may not be there yet: it begins with its
+// first robot's session.
 bool Passes(const absl::Status& status) {
   return absl::IsUnavailable(status) || absl::IsDeadlineExceeded(status) ||
-         absl::IsResourceExhausted(status);
+         absl::IsResourceExhausted(status) || absl::IsNotFound(status);
 }
 
 absl::Duration TimeOnLink(const KeyframePayload& frame, uint64_t bytes_per_second) {

@@ -11,7 +11,7 @@ namespace corbslam::services {
 
 // No robot keeps to less, whatever its camera is (docs/robot.md): one of the smallest pictures and
 // the fewest features, with a map of a few keyframes.
-inline constexpr uint64_t kLeastMemoryBudget_bytes = uint64_t{90} << 20;
+inline constexpr uint64_t kLeastMemoryBudget_bytes = uint64_t{98} << 20;
 // More has no computer: a negative number is read as one of 2^64 less it.
 inline constexpr uint64_t kMostMemoryBudget_bytes = uint64_t{1} << 50;
 
