@@ -391,7 +391,7 @@ int main(int argc, char** argv) {
   }
   corbslam::tests::root = argv[1];
   corbslam::tests::WriteSync();
-  WritePictures();
+  corbslam::tests::WritePictures();
   corbslam::tests::WriteCodedSync();
   corbslam::tests::WriteCodedShared();
   corbslam::tests::WriteFeatureCoding();
