@@ -34,12 +34,10 @@ ConnectionBook::Verdict ConnectionBook::Enter(Id id, const std::string& name,
     return verdict;
   }
   if (full != nullptr) verdict.makes_room = Forget(*full);
-  host = &hosts_[name];
   Connection& connection = connections_[id];
   connection.host = name;
-  connection.place = {false, ++clock_};
-  ++host->connections;
-  host->idle.insert({connection.place, id});
+  ++hosts_[name].connections;
+  Put(id, connection, Rank::kSilent);
   verdict.taken = true;
   return verdict;
 }
@@ -52,6 +50,15 @@ void ConnectionBook::Leave(Id id) {
   if (--host->second.connections == 0) hosts_.erase(host);
   if (found->second.uses > 0) --busy_;
   connections_.erase(found);
+}
+
+void ConnectionBook::Speak(Id id) {
+  const auto found = connections_.find(id);
+  if (found == connections_.end()) return;
+  Connection& connection = found->second;
+  if (connection.uses > 0 || connection.place.first != Rank::kSilent) return;
+  hosts_[connection.host].idle.erase({connection.place, id});
+  Put(id, connection, Rank::kSpoke);
 }
 
 void ConnectionBook::Begin(Id id) {
@@ -69,7 +76,11 @@ void ConnectionBook::End(Id id) {
   Connection& connection = found->second;
   if (--connection.uses > 0) return;
   --busy_;
-  connection.place = {true, ++clock_};
+  Put(id, connection, Rank::kWasBusy);
+}
+
+void ConnectionBook::Put(Id id, Connection& connection, Rank rank) {
+  connection.place = {rank, ++clock_};
   hosts_[connection.host].idle.insert({connection.place, id});
 }
 

@@ -52,6 +52,8 @@ class ConnectionBook {
   Verdict Enter(Id id, const std::string& host, const ConnectionLimits& limits);
   // A connection has ended; unknown ids are passed over, here and below.
   void Leave(Id id);
+  // Something has come on it.
+  void Speak(Id id);
   // Something is under way on it, from Begin to End; that may be several things at once.
   void Begin(Id id);
   void End(Id id);
@@ -63,8 +65,9 @@ class ConnectionBook {
   size_t busy() const { return busy_; }
 
  private:
-  // The least one goes first: whether it ever was busy, then since when it is not.
-  using Place = std::pair<bool, uint64_t>;
+  enum class Rank : uint8_t { kSilent, kSpoke, kWasBusy };
+  // The least one goes first: what came of it so far, then since when it does nothing.
+  using Place = std::pair<Rank, uint64_t>;
   struct Connection {
     std::string host;
     Place place;
@@ -75,6 +78,8 @@ class ConnectionBook {
     std::set<std::pair<Place, Id>> idle = {};
   };
 
+  // Gives an idle connection its place among those of its host.
+  void Put(Id id, Connection& connection, Rank rank);
   Id Forget(Host& host);
   Host* HostWithMostIdle();
 

@@ -35,6 +35,23 @@ TEST(ConnectionBookTest, WhoIsBusyStaysAndWhoEverWasGoesLater) {
   EXPECT_EQ(book.Enter(8, "a", limits).makes_room, Id{1});
 }
 
+TEST(ConnectionBookTest, WhoSaidNothingMakesRoomBeforeWhoIsAboutToCall) {
+  ConnectionBook book;
+  const ConnectionLimits limits = {.all = 3, .of_host = 3};
+  for (Id id = 1; id <= 3; ++id) book.Enter(id, "a", limits);
+  book.Speak(1);
+  book.Speak(2);
+  book.Speak(77);
+  EXPECT_EQ(book.Enter(4, "a", limits).makes_room, Id{3});
+  EXPECT_EQ(book.Enter(5, "a", limits).makes_room, Id{4}) << "a crowd that says nothing";
+  book.Speak(5);
+  EXPECT_EQ(book.Enter(6, "a", limits).makes_room, Id{1}) << "none is silent";
+  book.Begin(2);
+  book.Speak(2);
+  book.End(2);
+  EXPECT_EQ(book.Enter(7, "a", limits).makes_room, Id{6});
+}
+
 TEST(ConnectionBookTest, AHostThatHasItsFillMakesRoomItself) {
   ConnectionBook book;
   const ConnectionLimits limits = {.all = 10, .of_host = 2};

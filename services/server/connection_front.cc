@@ -219,6 +219,7 @@ void ConnectionFront::OnReadable(Id id) {
     if (length < 0 && (errno == EAGAIN || errno == EINTR)) return;
     if (length <= 0) return End(id);
     found->second.silent = false;
+    book_.Speak(id);
   }
   epoll_ctl(epoll_, EPOLL_CTL_DEL, fd, nullptr);
   // It may ask about calls while it does this.

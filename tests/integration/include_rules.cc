@@ -91,6 +91,7 @@ const std::map<absl::string_view, Heights>& Ladders() {
            {"journal_repair", 8},
            {"map_store_backups", 9},
            {"map_store_damage", 9},
+           {"map_store_identity", 9},
            {"map_store_lists", 9},
            {"map_store_localize", 9},
            {"map_store_lookups", 9},
