@@ -157,9 +157,10 @@ void AddRobotFlags(CLI::App& app, RobotFlags& flags) {
       ->check(CLI::Range(0, 1 << 20))
       ->capture_default_str()
       ->group(kRareGroup);
-  app.add_option("--upload", flags.upload,
-                 "What goes up of a keyframe: features=all, =mapped or =N; and, with & before it, "
-                 "picture=N: a small one for people, N px wide; 0: none")
+  app.add_option(
+         "--upload", flags.upload,
+         "Of each keyframe: features=all, =mapped or =N; &picture=N: with one for people, N px "
+         "wide; 0: none")
       ->capture_default_str();
   AddLinkFlags(app, flags.link);
   AddShareFlags(app, flags.share);
