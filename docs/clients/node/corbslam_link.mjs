@@ -16,7 +16,7 @@ export function loadServices(folder) {
     throw new Error(`${folder} has no ${files[0]}: --proto names the folder "proto" of the sources`);
   }
   const loaded = protoLoader.loadSync(files, {
-    includeDirs: [folder], keepCase: true, longs: String, enums: String, defaults: true,
+    includeDirs: [folder], keepCase: true, longs: String, enums: String, defaults: true, oneofs: true,
   });
   return grpc.loadPackageDefinition(loaded).corbslam.v1;
 }
