@@ -156,7 +156,7 @@ std::vector<absl::Status> CheckPlaces(const RobotFlags& flags) {
   found.push_back(CheckLocaliseOnly(flags));
   found.push_back(CheckRecording(flags.record));
   for (const std::string& file :
-       {flags.stats, flags.trajectory, flags.held_map, flags.settings.kept}) {
+       {flags.stats, flags.trajectory, flags.held_map, flags.told, flags.settings.kept}) {
     if (!file.empty()) found.push_back(CheckFolderOf(file));
   }
   const std::vector<absl::Status> observing = CheckObserving(flags.observe);

@@ -60,6 +60,10 @@ void AddResults(CLI::App& app, RobotFlags& flags) {
          "--held-map", flags.held_map,
          "File for what the robot holds of its own and others' map in the end, for pictures")
       ->group(kRareGroup);
+  app.add_option("--told", flags.told,
+                 "Beginning of two files of the poses that were told when each frame came, as TUM: "
+                 ".local.tum and .global.tum")
+      ->group(kRareGroup);
   app.add_option("--trajectory", flags.trajectory,
                  "File for the trajectory, as TUM; of further local maps: FILE.2 and so on");
   app.add_option("--poses-of", flags.poses_of,

@@ -29,6 +29,7 @@ struct RobotFlags : SettableFlags {
   std::string listen;
   std::string stats;
   std::string held_map;
+  std::string told;
   std::string trajectory;
   PosesOf poses_of = PosesOf::kRecordedCamera;
   std::string vocabulary = DefaultVocabularyPath();

@@ -29,6 +29,7 @@
 #include "services/programs/robot/robot_report.h"
 #include "services/programs/robot/robot_source.h"
 #include "services/programs/robot/source_json.h"
+#include "services/programs/robot/told_poses.h"
 #include "services/programs/robot_flag_checks.h"
 #include "services/programs/robot_flags.h"
 #include "services/programs/robot_observers.h"
@@ -124,12 +125,13 @@ std::string DescribeStart(const RobotFlags& flags) {
   return line;
 }
 
-absl::Status WriteResults(const RobotFlags& flags, const Agent& agent,
+absl::Status WriteResults(const RobotFlags& flags, const Agent& agent, const ToldPoses& told,
                           const SensorCalibration& calibration, const RobotReport& report) {
   if (!flags.trajectory.empty()) {
     RETURN_IF_ERROR(WriteAgentTrajectories(agent, calibration, flags.poses_of, flags.trajectory));
   }
   if (!flags.held_map.empty()) RETURN_IF_ERROR(WriteHeldMap(GetHeldMap(agent), flags.held_map));
+  if (!flags.told.empty()) RETURN_IF_ERROR(WriteToldPaths(told.paths(), flags.told));
   LOG(INFO) << WhoOf(flags) << DescribeEnd(report);
   if (flags.stats.empty()) return absl::OkStatus();
   return WriteWhole(flags.stats, ToJson(report).dump(2) + "\n");
@@ -345,6 +347,7 @@ absl::Status Drive(const RobotFlags& flags, const Surroundings& around, const Ro
   security.server.rpc_observer = observers.OfCalls();
   ASSIGN_OR_RETURN(const auto server, Serve(flags, security, service));
   if (flags.localise_only) WaitForMap(*agent, flags.mission, stop);
+  ToldPoses told(recorded);
   PlayedFrames frames;
   const absl::Status played = PlayStream(
       *source.stream, recording != nullptr ? *recording : *watched, flags.pace, stop, frames,
@@ -353,6 +356,7 @@ absl::Status Drive(const RobotFlags& flags, const Surroundings& around, const Ro
         around.activity->NoteFrame(result, moment.came, moment.dropped);
         if (recorder != nullptr) recorder->OnResult(result, moment.dropped);
         service.OnFrame(result, moment.dropped, moment.came);
+        if (!flags.told.empty()) told.Add(result, agent->GlobalFromLocal());
       },
       around.rate.get());
   around.activity->NoteEnd();
@@ -371,7 +375,8 @@ absl::Status Drive(const RobotFlags& flags, const Surroundings& around, const Ro
   if (server != nullptr) server->Shutdown(kGoodbye);
   RobotReport report = MakeReport(flags, *agent, source, frames, uplink, session);
   report.settings = around.settings->Report();
-  RETURN_IF_ERROR(WriteResults(flags, *agent, calibration, report));
+  AddJumps(told.jumps(), report);
+  RETURN_IF_ERROR(WriteResults(flags, *agent, told, calibration, report));
   RETURN_IF_ERROR(AsFailure(played));
   RETURN_IF_ERROR(CheckTracked(report));
   return AsFailure(finished);

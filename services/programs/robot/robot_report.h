@@ -94,6 +94,12 @@ struct RobotReport {
   std::optional<double> ate_m;
   std::optional<double> ate_from_frame_m;
   std::optional<double> ate_global_m;
+  // Of the poses that the robot told when each frame came (services/programs/robot/told_poses.h).
+  std::optional<double> told_ate_m;
+  std::optional<double> told_ate_before_m;
+  uint64_t told_jumps = 0;
+  double told_jumps_m = 0;
+  double told_largest_jump_m = 0;
   std::optional<double> t_rel_percent;
   std::optional<double> r_rel_deg_per_100m;
   Spread tracking_ms;

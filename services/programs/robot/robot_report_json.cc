@@ -49,6 +49,11 @@ void VisitFields(Report& report, Visitor& visit) {
   visit("/ate_m", report.ate_m);
   visit("/ate_from_frame_m", report.ate_from_frame_m);
   visit("/ate_global_m", report.ate_global_m);
+  visit("/told/ate_m", report.told_ate_m);
+  visit("/told/ate_before_m", report.told_ate_before_m);
+  visit("/told/jumps", report.told_jumps);
+  visit("/told/jumps_m", report.told_jumps_m);
+  visit("/told/largest_jump_m", report.told_largest_jump_m);
   visit("/t_rel_percent", report.t_rel_percent);
   visit("/r_rel_deg_per_100m", report.r_rel_deg_per_100m);
   visit("/tracking_ms/median", report.tracking_ms.median);

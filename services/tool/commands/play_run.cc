@@ -187,6 +187,12 @@ absl::Status AddCompany(const RunPlan& plan, MissionOutcome& outcome) {
   RETURN_IF_ERROR(WriteResults(alone.out, alone.own, apart));
   CompanyReport& company = outcome.report.company.emplace();
   company.alone = apart.report.robots;
+  for (size_t i = 0; i < company.alone.size(); ++i) {
+    ASSIGN_OR_RETURN(const ToldAccuracy told,
+                     ComputeToldAccuracy(apart.paths[i], outcome.paths[i].told, Alignment::kSe3));
+    company.alone[i].told_ate_m = told.ate_m;
+    company.alone[i].told_ate_before_m = told.ate_before_m;
+  }
   company.fused_ate_alone_m = apart.report.fused.ate_m;
   company.wall_s = apart.report.wall_s;
   for (const std::string& failure : apart.failures) outcome.failures.push_back("alone: " + failure);

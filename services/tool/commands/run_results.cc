@@ -20,6 +20,7 @@ absl::Status WriteTrajectories(const MissionOutcome& outcome, const std::string&
                                   "in the frame of the local map", stem + ".local.tum"));
     RETURN_IF_ERROR(WriteTumFiles(ShareFiles(PartsOf(paths.global)), PosesOf::kRecordedCamera,
                                   "in the mission's global frame", stem + ".global.tum"));
+    RETURN_IF_ERROR(WriteToldPaths(paths.told, stem + ".told"));
   }
   return absl::OkStatus();
 }
@@ -54,6 +55,8 @@ void AddAccuracy(const Accuracy& accuracy, RunReport& report) {
     report.robots[i].ate_m = accuracy.robots[i].ate_m;
     report.robots[i].ate_from_frame_m = accuracy.robots[i].ate_from_frame_m;
     report.robots[i].ate_global_m = accuracy.robots[i].ate_global_m;
+    report.robots[i].told_ate_m = accuracy.robots[i].told.ate_m;
+    report.robots[i].told_ate_before_m = accuracy.robots[i].told.ate_before_m;
     if (accuracy.robots[i].relative.has_value()) {
       report.robots[i].t_rel_percent = accuracy.robots[i].relative->translation_percent;
       report.robots[i].r_rel_deg_per_100m = accuracy.robots[i].relative->rotation_deg_per_100m;

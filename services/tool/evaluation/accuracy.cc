@@ -4,6 +4,7 @@
 #include <limits>
 #include <map>
 #include <memory>
+#include <set>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -82,6 +83,31 @@ std::optional<double> AteOf(const Trajectory& estimate, const Sequence& sequence
   return error.has_value() ? std::optional(error->rmse_m) : std::nullopt;
 }
 
+// Returns the poses before the first of `others`; all where there are none.
+Trajectory Before(const Trajectory& trajectory, const Trajectory& others) {
+  if (others.empty()) return trajectory;
+  Trajectory before = trajectory;
+  std::erase_if(before, [&](const StampedPose& pose) {
+    return pose.timestamp_ns >= others.front().timestamp_ns;
+  });
+  return before;
+}
+
+// Returns the poses of the times of `others`.
+Trajectory AtTimesOf(const Trajectory& trajectory, const Trajectory& others) {
+  std::set<int64_t> times;
+  for (const StampedPose& pose : others) times.insert(pose.timestamp_ns);
+  Trajectory kept = trajectory;
+  std::erase_if(kept, [&](const StampedPose& pose) { return !times.contains(pose.timestamp_ns); });
+  return kept;
+}
+
+ToldAccuracy ComputeTold(const ToldPaths& told, const Sequence& sequence, Alignment alignment) {
+  const bool knew = !told.global.empty();
+  return {AteOf(knew ? told.global : told.local, sequence, alignment),
+          knew ? AteOf(Before(told.local, told.global), sequence, alignment) : std::nullopt};
+}
+
 RobotAccuracy ComputeRobotAccuracy(const RobotPaths& robot, const Sequence& sequence,
                                    Alignment alignment) {
   if (!sequence.truth.has_value()) return {};
@@ -90,6 +116,7 @@ RobotAccuracy ComputeRobotAccuracy(const RobotPaths& robot, const Sequence& sequ
   RobotAccuracy accuracy;
   accuracy.ate_m = AteOf(estimate, sequence, alignment);
   accuracy.ate_global_m = AteOf(global, sequence, alignment);
+  accuracy.told = ComputeTold(robot.told, sequence, alignment);
   const std::vector<PosePair> pairs = AssociateByTime(estimate, *sequence.truth);
   accuracy.relative = ComputeRelativeError(pairs, *sequence.truth);
   accuracy.by_length = ComputeErrorByLength(pairs, *sequence.truth);
@@ -215,6 +242,16 @@ std::string GlobalWorld(const std::vector<RobotPaths>& robots) {
 }  // namespace
 
 std::string WayOf(const SourceSpec& source) { return KeyOf(source, false); }
+
+absl::StatusOr<ToldAccuracy> ComputeToldAccuracy(const RobotPaths& robot, const ToldPaths& company,
+                                                 Alignment alignment) {
+  ASSIGN_OR_RETURN(const Sequence sequence, ReadSequence(robot.source, 0));
+  if (!sequence.truth.has_value()) return ToldAccuracy{};
+  const Trajectory& told = robot.told.global.empty() ? robot.told.local : robot.told.global;
+  if (company.global.empty()) return ComputeTold({told, {}}, sequence, alignment);
+  return ToldAccuracy{AteOf(AtTimesOf(told, company.global), sequence, alignment),
+                      AteOf(Before(told, company.global), sequence, alignment)};
+}
 
 absl::StatusOr<Accuracy> ComputeAccuracy(const std::vector<RobotPaths>& robots, size_t from_frame,
                                          Alignment alignment) {

@@ -9,6 +9,7 @@
 #include "absl/status/statusor.h"
 #include "client_agent/source/source_spec.h"
 #include "services/client/store/served_mission.h"
+#include "services/programs/robot/told_poses.h"
 #include "services/tool/evaluation/ground_truth.h"
 #include "slam/evaluation/trajectory.h"
 #include "slam/evaluation/trajectory_error.h"
@@ -21,6 +22,15 @@ struct RobotPaths {
   client_agent::SourceSpec source;
   ServedTrajectory local;
   ServedTrajectory global;
+  ToldPaths told = {};
+};
+
+// RMSE of poses as they were told, each under an alignment of its own.
+struct ToldAccuracy {
+  // In the global frame; of a robot that was told of none, in its local map's.
+  std::optional<double> ate_m;
+  // In the local map's frame, of the frames before the robot knew where the global one is.
+  std::optional<double> ate_before_m;
 };
 
 struct RobotAccuracy {
@@ -30,6 +40,7 @@ struct RobotAccuracy {
   std::optional<double> ate_from_frame_m;
   // RMSE of the global trajectory under an alignment of its own.
   std::optional<double> ate_global_m;
+  ToldAccuracy told;
   // Relative error of the trajectory that ate_m is of.
   std::optional<RelativeError> relative;
   // The same by the segments' length.
@@ -65,6 +76,11 @@ struct Accuracy {
 // take their pictures at other moments of it and through other lenses: the truth of one is where
 // the others were, too.
 std::string WayOf(const client_agent::SourceSpec& source);
+
+// Returns a robot's errors as told, of those frames alone which `company`, another drive of it,
+// told in the global frame and before.
+absl::StatusOr<ToldAccuracy> ComputeToldAccuracy(const RobotPaths& robot, const ToldPaths& company,
+                                                 Alignment alignment);
 
 // Computes the errors; `from_frame` is a frame's number in its sequence.
 absl::StatusOr<Accuracy> ComputeAccuracy(const std::vector<RobotPaths>& robots, size_t from_frame,

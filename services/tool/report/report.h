@@ -53,7 +53,9 @@ struct ServerReport {
 
 // What the same robots measured when they were told nothing of what others made.
 struct CompanyReport {
-  std::vector<RobotReport> alone;  // In the order of the run's robots.
+  // In the order of the run's robots. What was told counts over the frames that the robot in
+  // company told in the global frame, and before.
+  std::vector<RobotReport> alone;
   std::optional<double> fused_ate_alone_m;
   double wall_s = 0;
 };

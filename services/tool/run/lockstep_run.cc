@@ -15,6 +15,7 @@
 #include "services/programs/robot/pictures_time.h"
 #include "services/programs/robot/robot_report.h"
 #include "services/programs/robot/source_json.h"
+#include "services/programs/robot/told_poses.h"
 #include "services/server/process_usage.h"
 #include "services/server/server.h"
 #include "services/tool/run/direct_uplink.h"
@@ -54,6 +55,7 @@ struct LockstepRobot {
   std::unique_ptr<Agent> agent;  // Destroyed before the uplink. Null if it could not begin.
   size_t frames = 0;
   RelocalisationCount relocalised;
+  std::optional<ToldPoses> told;  // Where the robot could begin.
   bool has_ended = false;
 };
 
@@ -121,6 +123,8 @@ absl::Status Lockstep::OpenRobot(LockstepRobot& robot) {
   if (options_.alone) options.share.mode = ShareMode::kNone;
   const bool is_stereo = std::holds_alternative<StereoCalibration>(calibration);
   options.sensor.orb.features = is_stereo ? kStereoFeatures : kRgbdFeatures;
+  ASSIGN_OR_RETURN(const RecordedCamera recorded, RecordedCameraOf(calibration));
+  robot.told.emplace(recorded);
   ASSIGN_OR_RETURN(robot.agent,
                    Agent::Create(options, calibration, vocabulary_, robot.uplink.get()));
   return absl::OkStatus();
@@ -140,6 +144,7 @@ absl::Status Lockstep::TakeFrame(LockstepRobot& robot) {
   robot.drive = drive;
   ASSIGN_OR_RETURN(const TrackingResult result, robot.agent->Track(taken->images));
   robot.relocalised.Add(result);
+  robot.told->Add(result, robot.agent->GlobalFromLocal());
   return absl::OkStatus();
 }
 
@@ -208,6 +213,7 @@ RobotReport Report(const LockstepRobot& robot) {
     DescribeSource(robot, report);
     report.relocalised = robot.relocalised.all();
     report.shared_relocalised = robot.relocalised.by_others();
+    AddJumps(robot.told->jumps(), report);
     report.bytes_up = robot.uplink->bytes_up();
     report.bytes_down = robot.uplink->bytes_down();
   }
@@ -225,7 +231,9 @@ absl::StatusOr<MissionOutcome> Lockstep::ReadAll() {
   StoreReader reader(server->InProcessChannel(), options_.mission);
   MissionOutcome outcome;
   RETURN_IF_ERROR(ReadOutcome(reader, options_.robots, outcome));
-  for (const LockstepRobot& robot : robots_) {
+  for (size_t i = 0; i < robots_.size(); ++i) {
+    const LockstepRobot& robot = robots_[i];
+    if (robot.told.has_value()) outcome.paths[i].told = robot.told->paths();
     outcome.report.robots.push_back(Report(robot));
     outcome.held.push_back(robot.agent == nullptr ? std::nullopt : GetHeldMap(*robot.agent));
     for (const ReportWarning& warning : outcome.report.robots.back().warnings) {

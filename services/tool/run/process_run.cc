@@ -19,6 +19,7 @@
 #include "services/client/remote/channel.h"
 #include "services/programs/robot/held_map_file.h"
 #include "services/programs/robot/robot_report.h"
+#include "services/programs/robot/told_poses.h"
 #include "services/runtime/child_process.h"
 #include "services/simulated_source/simulated_source.h"
 #include "services/tool/output/result.h"
@@ -47,6 +48,7 @@ struct RunningAgent {
   size_t frames = 0;
   std::string statistics_path;
   std::string held_map_path;
+  std::string told_stem;
   std::unique_ptr<ChildProcess> process;
   std::string address;                    // Empty if it does not serve.
   std::unique_ptr<v1::Agent::Stub> stub;  // Null if the agent does not stay after its last frame.
@@ -206,13 +208,15 @@ absl::Status ProcessRun::StartAgent(const RobotPlan& plan, bool stays) {
   }
   ASSIGN_OR_RETURN(agent.statistics_path, MakeFreshPath(plan.name + ".json"));
   ASSIGN_OR_RETURN(agent.held_map_path, MakeFreshPath(plan.name + ".map"));
+  agent.told_stem = absl::StrCat(options_.log_folder, "/", plan.name, ".told");
   std::vector<std::string> arguments = {"--source",   FormatSourceSpec(plan.source),
                                         "--server",   store_address_,
                                         "--mission",  options_.mission,
                                         "--agent",    plan.name,
                                         "--pace",     options_.pace,
                                         "--stats",    agent.statistics_path,
-                                        "--held-map", agent.held_map_path};
+                                        "--held-map", agent.held_map_path,
+                                        "--told",     agent.told_stem};
   if (options_.seed.has_value()) {
     arguments.insert(arguments.end(), {"--seed", absl::StrCat(*options_.seed)});
   }
@@ -344,6 +348,14 @@ std::optional<NearMap> ReadRobotHeldMap(const RunningAgent& agent) {
   return std::nullopt;
 }
 
+// Returns none if the robot left none: why it failed is known by then.
+ToldPaths ReadRobotToldPaths(const RunningAgent& agent) {
+  absl::StatusOr<ToldPaths> told = ReadToldPaths(agent.told_stem);
+  if (told.ok()) return *std::move(told);
+  LOG(WARNING) << agent.plan.name << " left no poses as they were told: " << told.status();
+  return {};
+}
+
 void ProcessRun::StopServers(MissionOutcome& outcome) {
   // The store is stopped first, so that it does not miss its worker.
   for (auto server = servers_.rbegin(); server != servers_.rend(); ++server) {
@@ -369,7 +381,9 @@ absl::StatusOr<MissionOutcome> ProcessRun::Run() {
   StopAgents();
   MissionOutcome outcome;
   RETURN_IF_ERROR(ReadOutcome(*store_, options_.robots, outcome));
-  for (RunningAgent& agent : agents_) {
+  for (size_t i = 0; i < agents_.size(); ++i) {
+    RunningAgent& agent = agents_[i];
+    outcome.paths[i].told = ReadRobotToldPaths(agent);
     outcome.report.robots.push_back(ReadRobotReport(agent));
     outcome.held.push_back(ReadRobotHeldMap(agent));
     if (agent.failure.ok()) continue;
