@@ -47,6 +47,11 @@ RobotReport MakeWholeReport() {
   report.ate_m = 0.015;
   report.ate_from_frame_m = 0.016;
   report.ate_global_m = 0.017;
+  report.told_ate_m = 0.018;
+  report.told_ate_before_m = 0.019;
+  report.told_jumps = 147;
+  report.told_jumps_m = 0.148;
+  report.told_largest_jump_m = 0.149;
   report.t_rel_percent = 0.7;
   report.r_rel_deg_per_100m = 0.3;
   report.tracking_ms = {20.5, 21.5, 1.0 / 3};

@@ -249,9 +249,10 @@ absl::Status PlayRun(RunPlan plan) {
   ASSIGN_OR_RETURN(std::vector<ReportWarning> warnings,
                    CheckSources(plan.mission.robots, plan.mission.strict));
   RETURN_IF_ERROR(CheckFromFrame(plan));
-  // Both runs have the same seed.
-  if (plan.company && !plan.mission.seed.has_value())
+  // Both runs have the same seed; in lockstep it is the one of every run.
+  if (plan.company && plan.mission.pace != "step" && !plan.mission.seed.has_value()) {
     plan.mission.seed = std::random_device()() | 1u;
+  }
   ASSIGN_OR_RETURN(const RunFolder folder, RunFolder::Take(plan.out, plan.command_line));
   plan.mission.log_folder = plan.out + "/logs";
   if (plan.mission.view) {

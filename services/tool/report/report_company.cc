@@ -80,23 +80,48 @@ std::vector<std::string> RobotRow(const Pair& robot) {
           absl::StrCat(with.shared_relocalised)};
 }
 
-// Two errors are told apart as far as they are printed.
-std::string JudgeAccuracy(const Pair& robot) {
+// Whether anything of what others made came into the robot's own path.
+bool UsedOthers(const RobotReport& with) {
+  return with.points_matched_percent > 0 || with.shared_loops_closed > 0 ||
+         with.shared_relocalised > 0;
+}
+
+// Of a robot that told no global pose, what it told is in its own frame.
+std::string SayTold(const Pair& robot) {
+  if (!robot.with.told_ate_m.has_value() || !robot.without.told_ate_m.has_value()) return "";
+  return absl::StrFormat("; as told when each frame came %s m and %s m",
+                         FormatOr(robot.with.told_ate_m, kDecimals),
+                         FormatOr(robot.without.told_ate_m, kDecimals));
+}
+
+// Two errors are told apart as far as they are printed. A run alone repeats to the bit in lockstep
+// only, so that elsewhere one pair of runs shows no gain and no loss.
+std::string JudgeAccuracy(const Pair& robot, bool is_lockstep) {
   const auto& [with, without] = robot;
-  if (!with.ate_m.has_value() || !without.ate_m.has_value()) {
-    return absl::StrCat(with.name, ": its accuracy is not known both with company and alone");
+  // In the global frame; alone the robot's map is fused, too, but nothing of that is told to it.
+  if (!with.ate_global_m.has_value() || !without.ate_global_m.has_value()) {
+    return absl::StrCat(with.name,
+                        ": its accuracy in the global frame is not known both with company and "
+                        "alone");
   }
-  const std::string with_m = FormatOr(with.ate_m, kDecimals);
-  const std::string without_m = FormatOr(without.ate_m, kDecimals);
+  const std::string with_m = FormatOr(with.ate_global_m, kDecimals);
+  const std::string without_m = FormatOr(without.ate_global_m, kDecimals);
   if (with_m == without_m) {
-    return absl::StrFormat("%s: as accurate alone, %s m", with.name, with_m);
+    return absl::StrFormat("%s: as accurate alone, %s m in the global frame", with.name, with_m);
   }
-  if (*with.ate_m > *without.ate_m) {
-    return absl::StrFormat("%s: company gave no accuracy: %s m with it, %s m alone", with.name,
-                           with_m, without_m);
+  std::string line = absl::StrFormat("%s: %s m in the global frame with company, %s m alone",
+                                     with.name, with_m, without_m);
+  if (!UsedOthers(with)) {
+    absl::StrAppend(&line, ", though it used nothing that others made");
+  } else if (!is_lockstep) {
+    absl::StrAppend(&line, ", which one run of each can't tell from chance");
+  } else if (*with.ate_global_m > *without.ate_global_m) {
+    absl::StrAppend(&line, ": company gave no accuracy");
+  } else {
+    absl::StrAppend(&line, absl::StrFormat(", %.0f %% less",
+                                           100 * (1 - *with.ate_global_m / *without.ate_global_m)));
   }
-  return absl::StrFormat("%s: %s m with company instead of %s m alone, %.0f %% less", with.name,
-                         with_m, without_m, 100 * (1 - *with.ate_m / *without.ate_m));
+  return line;
 }
 
 std::string SayFrames(const Pair& robot) {
@@ -146,7 +171,8 @@ ReportTable CompanyTable(const RunReport& report) {
 std::vector<std::string> CompanyLines(const RunReport& report) {
   std::vector<std::string> lines;
   for (const Pair& robot : PairRobots(report)) {
-    lines.push_back(absl::StrCat(JudgeAccuracy(robot), SayFrames(robot), SayPoints(robot.with)));
+    lines.push_back(absl::StrCat(JudgeAccuracy(robot, report.pace == "step"), SayTold(robot),
+                                 SayFrames(robot), SayPoints(robot.with)));
   }
   lines.push_back(
       report.pace == "step"

@@ -18,6 +18,7 @@ RobotReport MakeRobot(const std::string& name, double ate_m, int tracked) {
   robot.tracked = tracked;
   robot.lost = 100 - tracked;
   robot.ate_m = ate_m;
+  robot.ate_global_m = ate_m;
   return robot;
 }
 
@@ -27,6 +28,7 @@ RunReport MakeReport() {
   report.pace = "max";
   report.robots = {MakeRobot("alpha", 0.01, 100), MakeRobot("bravo", 0.03, 98)};
   report.robots[0].ate_global_m = 0.012;
+  report.robots[0].told_ate_m = 0.011;
   report.robots[0].keyframes_held = 80;
   report.robots[0].points_matched_percent = 45.125;
   report.robots[0].shared_loops_closed = 1;
@@ -35,6 +37,7 @@ RunReport MakeReport() {
   report.fused.ate_m = 0.02;
   report.company.emplace();
   report.company->alone = {MakeRobot("alpha", 0.04, 90), MakeRobot("bravo", 0.02, 98)};
+  report.company->alone[0].told_ate_m = 0.013;
   report.company->fused_ate_alone_m = 0.05;
   report.company->wall_s = 12.5;
   return report;
@@ -46,7 +49,9 @@ TEST(CompanyToJsonTest, HoldsBothRunsOfEachRobot) {
   const Json& alpha = company["robots"][0];
   EXPECT_EQ(alpha["name"], "alpha");
   EXPECT_EQ(alpha["ate_m"], (Json{{"with", 0.01}, {"without", 0.04}}));
-  EXPECT_EQ(alpha["ate_global_m"], (Json{{"with", 0.012}, {"without", nullptr}}));
+  EXPECT_EQ(alpha["ate_global_m"], (Json{{"with", 0.012}, {"without", 0.04}}));
+  EXPECT_EQ(alpha["told_ate_m"], (Json{{"with", 0.011}, {"without", 0.013}}));
+  EXPECT_EQ(alpha["told_ate_before_m"], (Json{{"with", nullptr}, {"without", nullptr}}));
   EXPECT_EQ(alpha["tracked"], (Json{{"with", 100}, {"without", 90}}));
   EXPECT_EQ(alpha["lost"], (Json{{"with", 0}, {"without", 10}}));
   EXPECT_EQ(alpha["relocalised"], (Json{{"with", 3}, {"without", 0}}));
@@ -76,37 +81,50 @@ TEST(CompanyTableTest, HasARowForEachRobotAndOneForAll) {
     EXPECT_EQ(row.size(), table.columns.size());
   }
   EXPECT_EQ(table.rows[0][1], "0.0100 / 0.0400");
-  EXPECT_EQ(table.rows[0][5], "45.1 %");
+  EXPECT_EQ(table.rows[0][3], "0.0110 / 0.0130");
+  EXPECT_EQ(table.rows[0][6], "45.1 %");
   EXPECT_EQ(table.rows[2][2], "0.0200 / 0.0500");
 }
 
 TEST(CompanyLinesTest, SayPlainlyWhatWasGainedAndWhatWasNot) {
-  const std::vector<std::string> lines = CompanyLines(MakeReport());
+  RunReport report = MakeReport();
+  report.pace = "step";
+  report.robots[1].points_matched_percent = 12;
+  const std::vector<std::string> lines = CompanyLines(report);
   ASSERT_EQ(lines.size(), 3u);
-  EXPECT_THAT(lines[0], AllOf(HasSubstr("alpha: 0.0100 m with company instead of 0.0400 m alone, "
-                                        "75 % less"),
+  EXPECT_THAT(lines[0], AllOf(HasSubstr("alpha: 0.0120 m in the global frame with company, "
+                                        "0.0400 m alone, 70 % less"),
+                              HasSubstr("as told when each frame came 0.0110 m and 0.0130 m"),
                               HasSubstr("10 frames more tracked"), HasSubstr("others made 45 %")));
   EXPECT_THAT(lines[1],
-              AllOf(HasSubstr("bravo: company gave no accuracy: 0.0300 m with it, 0.0200 m alone"),
-                    HasSubstr("nothing of others came to it"), Not(HasSubstr("frames"))));
+              AllOf(HasSubstr("bravo: 0.0300 m in the global frame with company, 0.0200 m "
+                              "alone: company gave no accuracy"),
+                    HasSubstr("nothing of others came to it"), Not(HasSubstr("frames")),
+                    Not(HasSubstr("as told"))));
+  EXPECT_THAT(lines[2], HasSubstr("repeats to the bit"));
+}
+
+TEST(CompanyLinesTest, CreditNobodyWithWhatIsNotTheirs) {
+  const std::vector<std::string> lines = CompanyLines(MakeReport());
+  EXPECT_THAT(lines[0], AllOf(HasSubstr("which one run of each can't tell from chance"),
+                              Not(HasSubstr("% less"))));
+  EXPECT_THAT(lines[1], HasSubstr("though it used nothing that others made"));
   EXPECT_THAT(lines[2], HasSubstr("One run each"));
 }
 
 TEST(CompanyLinesTest, TellEqualAndUnknownErrors) {
   RunReport report = MakeReport();
-  report.pace = "step";
-  report.company->alone[0].ate_m = 0.01004;
-  report.company->alone[1].ate_m.reset();
+  report.company->alone[0].ate_global_m = 0.01204;
+  report.company->alone[1].ate_global_m.reset();
   const std::vector<std::string> lines = CompanyLines(report);
-  EXPECT_THAT(lines[0], HasSubstr("alpha: as accurate alone, 0.0100 m"));
-  EXPECT_THAT(lines[1], HasSubstr("bravo: its accuracy is not known both"));
-  EXPECT_THAT(lines[2], HasSubstr("repeats to the bit"));
+  EXPECT_THAT(lines[0], HasSubstr("alpha: as accurate alone, 0.0120 m in the global frame"));
+  EXPECT_THAT(lines[1], HasSubstr("bravo: its accuracy in the global frame is not known both"));
 }
 
 TEST(CompanyTest, StandsInTheTablesForPeople) {
   EXPECT_THAT(ToMarkdown(MakeReport()),
               AllOf(HasSubstr("## What company gave"), HasSubstr("| 0.0100 / 0.0400 |"),
-                    HasSubstr("* bravo: company gave no accuracy")));
+                    HasSubstr("* bravo: 0.0300 m in the global frame")));
 }
 
 }  // namespace

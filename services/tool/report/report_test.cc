@@ -110,7 +110,7 @@ TEST(ToMarkdownTest, SaysWhatAMinuteOfOneRobotCosts) {
 TEST(ToMarkdownTest, ShowsTheFigures) {
   const std::string text = ToMarkdown(MakeReport());
   EXPECT_THAT(text, HasSubstr("| alpha |"));
-  EXPECT_THAT(text, HasSubstr("| 0.2500 | - | 0.75 / 0.12 |"));
+  EXPECT_THAT(text, HasSubstr("| 0.2500 | - | - | 0, 0.000 | 0.75 / 0.12 |"));
   EXPECT_THAT(text, HasSubstr("| - | 12.5 |"));
   EXPECT_THAT(text, HasSubstr("| 0.3000 | - | 0.1250 (0.99800) |"));
   EXPECT_THAT(text, HasSubstr("64 keyframes, 10000 points, 12 iterations, 800 ms"));

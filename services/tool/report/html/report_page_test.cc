@@ -134,8 +134,11 @@ RunReport MakeCompany(const std::vector<std::string>& names) {
   report.company.emplace();
   for (RobotReport& robot : report.robots) {
     robot.ate_m = 0.0125;
+    robot.ate_global_m = 0.0125;
+    robot.points_matched_percent = 40;
     report.company->alone.push_back(robot);
     report.company->alone.back().ate_m = 0.05;
+    report.company->alone.back().ate_global_m = 0.05;
   }
   return report;
 }
@@ -175,7 +178,7 @@ TEST(ToHtmlTest, ShowsWhatCompanyGave) {
   const std::string html = ToHtml(MakeCompany(names), MakeDetail(names));
   EXPECT_EQ(FindFault(html), "");
   EXPECT_THAT(html, HasSubstr("<h2 id=\"h-company\">What company gave</h2>"));
-  EXPECT_THAT(html, HasSubstr("alpha: 0.0125 m with company instead of 0.0500 m alone, 75 % less"));
+  EXPECT_THAT(html, HasSubstr("alpha: 0.0125 m in the global frame with company, 0.0500 m alone"));
   EXPECT_THAT(html, HasSubstr("Absolute error with company and alone"));
   EXPECT_THAT(html, Not(HasSubstr("<img")));
   EXPECT_THAT(ToHtml(MakeReport(names), MakeDetail(names)), Not(HasSubstr("h-company")));
