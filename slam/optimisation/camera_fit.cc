@@ -20,7 +20,9 @@ constexpr int kCentreX = 8;
 constexpr int kCentreY = 9;
 constexpr int kRadial = 10;
 constexpr int kRadial4 = 11;
-constexpr int kNumbers = 12;
+constexpr int kTangentialY = 12;
+constexpr int kTangentialX = 13;
+constexpr int kNumbers = 14;
 constexpr int kRounds = 20;
 constexpr int kRoundsOfScale = 6;
 constexpr int kMinObservations = 22;
@@ -33,6 +35,7 @@ constexpr double kSigmaAspect = 0.3;
 constexpr double kSigmaCentre = 0.25;
 constexpr double kSigmaRadial = 0.3;
 constexpr double kSigmaRadial4 = 0.1;
+constexpr double kSigmaTangential = 0.05;
 // Observations in one cell of the picture, a square of this share of its width, are taken to share
 // their errors. With fewer cells their sums say little.
 constexpr double kFitCellShare = 1.0 / 24;
@@ -67,7 +70,22 @@ Vector PriorOf(const Camera& camera) {
   set(kCentreY, kSigmaCentre * camera.height_px);
   set(kRadial, kSigmaRadial / (half * half));
   set(kRadial4, kSigmaRadial4 / (half * half * half * half));
+  set(kTangentialY, kSigmaTangential / half);
+  set(kTangentialX, kSigmaTangential / half);
   return information;
+}
+
+// What p1 and p2 move at a tangent, each for 1.
+Eigen::Matrix2d TangentialParts(const Eigen::Vector2d& n) {
+  const double square = n.squaredNorm();
+  Eigen::Matrix2d parts;
+  parts << 2 * n.x() * n.y(), square + 2 * n.x() * n.x(),  //
+      square + 2 * n.y() * n.y(), 2 * n.x() * n.y();
+  return parts;
+}
+
+Eigen::Vector2d Tangential(const BentCamera& bent, const Eigen::Vector2d& n) {
+  return TangentialParts(n) * Eigen::Vector2d(bent.p1, bent.p2);
 }
 
 // Projection less measurement, and its derivatives.
@@ -79,10 +97,15 @@ void Linearise(const State& state, const PoseObservation& o, const Eigen::Vector
   const double bent = 1 + square * (state.bent.k1 + square * state.bent.k2);
   const double slope = 2 * state.bent.k1 + 4 * state.bent.k2 * square;
   const Eigen::Vector2d focal(camera.fx_px, camera.fy_px);
-  const Eigen::Vector2d from_centre = focal.cwiseProduct(n) * bent;
+  const Eigen::Vector2d from_centre = focal.cwiseProduct(n * bent + Tangential(state.bent, n));
   r = from_centre + Eigen::Vector2d(camera.cx_px, camera.cy_px) - o.pixel;
+  const auto& [p1, p2] = std::pair(state.bent.p1, state.bent.p2);
+  Eigen::Matrix2d of_decentring;
+  of_decentring << 2 * p1 * n.y() + 6 * p2 * n.x(), 2 * p1 * n.x() + 2 * p2 * n.y(),  //
+      2 * p1 * n.x() + 2 * p2 * n.y(), 6 * p1 * n.y() + 2 * p2 * n.x();
   const Eigen::Matrix2d of_tangents =
-      focal.asDiagonal() * (bent * Eigen::Matrix2d::Identity() + slope * n * n.transpose());
+      focal.asDiagonal() *
+      (bent * Eigen::Matrix2d::Identity() + slope * n * n.transpose() + of_decentring);
   Eigen::Matrix3d of_point = Eigen::Matrix3d::Zero();
   of_point.topLeftCorner<2, 2>() = of_tangents / x.z();
   of_point.topRightCorner<2, 1>() = -of_tangents * n / x.z();
@@ -93,6 +116,7 @@ void Linearise(const State& state, const PoseObservation& o, const Eigen::Vector
   J.col(kCentreY) << 0, 1;
   J.col(kRadial) = focal.cwiseProduct(n) * square;
   J.col(kRadial4) = focal.cwiseProduct(n) * square * square;
+  J.middleCols<2>(kTangentialY) = focal.asDiagonal() * TangentialParts(n);
 }
 
 // Huber's loss, or with a scale that of Geman and McClure, which forgets what is far off.
@@ -136,6 +160,8 @@ State Moved(const State& state, const Vector& step) {
   moved.bent.camera.cy_px += step[kCentreY];
   moved.bent.k1 += step[kRadial];
   moved.bent.k2 += step[kRadial4];
+  moved.bent.p1 += step[kTangentialY];
+  moved.bent.p2 += step[kTangentialX];
   moved.moved.tail<kNumbers - 6>() += step.tail<kNumbers - 6>();
   return moved;
 }
@@ -183,6 +209,8 @@ State StartOf(const Camera& camera, const Rigid3d& camera_from_map,
   state.moved[kCentreY] = start.cy_px - camera.cy_px;
   state.moved[kRadial] = state.bent.k1;
   state.moved[kRadial4] = state.bent.k2;
+  state.moved[kTangentialY] = state.bent.p1;
+  state.moved[kTangentialX] = state.bent.p2;
   return state;
 }
 
@@ -241,6 +269,21 @@ FittedNumber FitDisparity(const State& state, double baseline_m,
   return {std::log(share), kSharedSigmas * std::sqrt(left / expected) / share};
 }
 
+// Returns the tangent that a lens without p1 and p2 bends to `seen`; nullopt where it folds back.
+std::optional<Eigen::Vector2d> StraightenRadially(const BentCamera& bent,
+                                                  const Eigen::Vector2d& seen) {
+  const double far = seen.norm();
+  double r = far;
+  for (int i = 0; i < 8; ++i) {
+    const double square = r * r;
+    const double slope = 1 + square * (3 * bent.k1 + 5 * bent.k2 * square);
+    if (!(slope > 0.1)) return std::nullopt;
+    r -= (r * (1 + square * (bent.k1 + square * bent.k2)) - far) / slope;
+  }
+  if (!(far > 0) || !(r > 0)) return std::nullopt;
+  return Eigen::Vector2d(seen * (r / far));
+}
+
 bool Differs(const FittedNumber& number, double allowed) {
   constexpr double kSigmas = 4;
   return std::abs(number.value) > allowed && std::abs(number.value) > kSigmas * number.sigma;
@@ -251,23 +294,20 @@ bool Differs(const FittedNumber& number, double allowed) {
 Eigen::Vector2d BentCamera::Project(const Eigen::Vector3d& x_in_camera) const {
   const Eigen::Vector2d n = x_in_camera.head<2>() / x_in_camera.z();
   const double square = n.squaredNorm();
-  const double bent = 1 + square * (k1 + square * k2);
-  return {camera.fx_px * n.x() * bent + camera.cx_px, camera.fy_px * n.y() * bent + camera.cy_px};
+  const Eigen::Vector2d seen = n * (1 + square * (k1 + square * k2)) + Tangential(*this, n);
+  return {camera.fx_px * seen.x() + camera.cx_px, camera.fy_px * seen.y() + camera.cy_px};
 }
 
 Eigen::Vector2d BentCamera::Straighten(const Eigen::Vector2d& pixel) const {
+  constexpr int kDecentringRounds = 4;
   const Eigen::Vector2d seen((pixel.x() - camera.cx_px) / camera.fx_px,
                              (pixel.y() - camera.cy_px) / camera.fy_px);
-  const double far = seen.norm();
-  double r = far;
-  for (int i = 0; i < 8; ++i) {
-    const double square = r * r;
-    const double slope = 1 + square * (3 * k1 + 5 * k2 * square);
-    if (!(slope > 0.1)) return pixel;
-    r -= (r * (1 + square * (k1 + square * k2)) - far) / slope;
+  Eigen::Vector2d n = seen;
+  for (int i = 0; i < kDecentringRounds; ++i) {
+    const auto straight = StraightenRadially(*this, seen - Tangential(*this, n));
+    if (!straight.has_value()) return pixel;
+    n = *straight;
   }
-  if (!(far > 0) || !(r > 0)) return pixel;
-  const Eigen::Vector2d n = seen * (r / far);
   return {camera.fx_px * n.x() + camera.cx_px, camera.fy_px * n.y() + camera.cy_px};
 }
 

@@ -15,12 +15,15 @@
 
 namespace corbslam {
 
-// A pinhole with what a lens does to it: a ray whose tangent to the axis is r falls at the distance
-// r (1 + k1 r^2 + k2 r^4) from the principal point, in focal lengths.
+// A pinhole with what a lens does to it, k1, k2, p1 and p2 of Brown's model (Decentering distortion
+// of lenses, 1966), in focal lengths. A lens that was undone about another centre is left
+// decentred.
 struct BentCamera {
   Camera camera;
   double k1 = 0;
   double k2 = 0;
+  double p1 = 0;
+  double p2 = 0;
 
   // The depth must be positive.
   Eigen::Vector2d Project(const Eigen::Vector3d& x_in_camera) const;
