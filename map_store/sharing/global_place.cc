@@ -2,6 +2,8 @@
 
 #include <iterator>
 
+#include "slam/geometry/same_motion.h"
+
 namespace corbslam::map_store {
 namespace {
 
@@ -12,11 +14,6 @@ const PlacedKeyframe* FindNewestPlaced(LocalMapId local_map, const PlacedKeyfram
   if (after == placed.begin()) return nullptr;
   const auto& [id, keyframe] = *std::prev(after);
   return id.local_map == local_map ? &keyframe : nullptr;
-}
-
-bool AreEqual(const Similarity3d& a, const Similarity3d& b) {
-  return a.scale == b.scale && a.translation == b.translation &&
-         a.rotation.coeffs() == b.rotation.coeffs();
 }
 
 }  // namespace
@@ -37,7 +34,7 @@ std::optional<Similarity3d> FindGlobalPlace(const MissionState& state,
 std::optional<Similarity3d> TakeGlobalPlace(const MissionState& state, ShareState& share) {
   const auto place = FindGlobalPlace(state, *state.FindLocalMap(share.local_map));
   if (!place.has_value()) return std::nullopt;
-  if (share.global_from_local && AreEqual(*share.global_from_local, *place)) return std::nullopt;
+  if (share.global_from_local && AreSame(*share.global_from_local, *place)) return std::nullopt;
   share.global_from_local = place;
   return place;
 }

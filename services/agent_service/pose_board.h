@@ -14,6 +14,7 @@
 #include "client_agent/tracking/tracking_result.h"
 #include "services/agent_service/posted_pose.h"
 #include "slam/geometry/rigid3.h"
+#include "slam/geometry/same_motion.h"
 
 namespace corbslam::services {
 
@@ -74,8 +75,7 @@ class PoseBoard {
   };
   static bool AreEqual(const std::optional<Similarity3d>& a, const std::optional<Similarity3d>& b) {
     if (!a.has_value() || !b.has_value()) return a.has_value() == b.has_value();
-    return a->scale == b->scale && a->translation == b->translation &&
-           a->rotation.coeffs() == b->rotation.coeffs();
+    return AreSame(*a, *b);
   }
 
   mutable absl::Mutex mutex_;

@@ -347,7 +347,7 @@ absl::Status Drive(const RobotFlags& flags, const Surroundings& around, const Ro
   security.server.rpc_observer = observers.OfCalls();
   ASSIGN_OR_RETURN(const auto server, Serve(flags, security, service));
   if (flags.localise_only) WaitForMap(*agent, flags.mission, stop);
-  ToldPoses told(recorded);
+  ToldPoses told(recorded, /*keeps_paths=*/!flags.told.empty());
   PlayedFrames frames;
   const absl::Status played = PlayStream(
       *source.stream, recording != nullptr ? *recording : *watched, flags.pace, stop, frames,
@@ -356,7 +356,7 @@ absl::Status Drive(const RobotFlags& flags, const Surroundings& around, const Ro
         around.activity->NoteFrame(result, moment.came, moment.dropped);
         if (recorder != nullptr) recorder->OnResult(result, moment.dropped);
         service.OnFrame(result, moment.dropped, moment.came);
-        if (!flags.told.empty()) told.Add(result, agent->GlobalFromLocal());
+        told.Add(result, agent->GlobalFromLocal());
       },
       around.rate.get());
   around.activity->NoteEnd();

@@ -306,7 +306,9 @@ Eigen::Vector2d BentCamera::Straighten(const Eigen::Vector2d& pixel) const {
   for (int i = 0; i < kDecentringRounds; ++i) {
     const auto straight = StraightenRadially(*this, seen - Tangential(*this, n));
     if (!straight.has_value()) return pixel;
+    const bool is_there = *straight == n;
     n = *straight;
+    if (is_there) break;
   }
   return {camera.fx_px * n.x() + camera.cx_px, camera.fy_px * n.y() + camera.cy_px};
 }

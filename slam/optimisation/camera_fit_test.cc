@@ -80,6 +80,44 @@ TEST(CameraFitTest, FindsWhatElseIsAnothers) {
   EXPECT_NEAR(fit->camera.baseline_m, camera.baseline_m, 0.03 * camera.baseline_m);
 }
 
+TEST(BentCameraTest, WhatALensBentIsStraightened) {
+  const Camera camera = testing::SyntheticCamera();
+  for (const BentCamera& bent :
+       {BentCamera{.camera = camera, .k1 = -0.1, .k2 = 0.02},
+        BentCamera{.camera = camera, .p1 = 0.03, .p2 = -0.02},
+        BentCamera{.camera = camera, .k1 = 0.1, .p1 = -0.02, .p2 = 0.04}}) {
+    for (const Eigen::Vector3d& x : {Eigen::Vector3d(0, 0, 4), Eigen::Vector3d(1, 0.5, 4),
+                                     Eigen::Vector3d(-1.2, 0.9, 4), Eigen::Vector3d(0.1, -1, 4)}) {
+      const Eigen::Vector2d straight = bent.Straighten(bent.Project(x));
+      EXPECT_LT((straight - Project(camera, x)).norm(), 0.1) << bent.p1 << ", " << x.transpose();
+    }
+  }
+}
+
+// A picture that was padded, and whose lens was undone as if it had not been.
+TEST(CameraFitTest, ALensThatWasUndoneAboutAnotherCentreIsNoticed) {
+  const Camera camera = testing::SyntheticCamera();
+  const BentCamera lens = {.camera = camera, .k1 = -0.25, .k2 = 0.05};
+  for (const double share : {0.01, 0.02, 0.04, 0.06, 0.08, 0.12, 0.16}) {
+    const Eigen::Vector2d padding(share * camera.width_px, share * camera.height_px);
+    std::vector<PoseObservation> seen = Seen(camera, 0, 3);
+    for (PoseObservation& o : seen) {
+      const Eigen::Vector3d x = kTruePose * o.x_in_map;
+      const Eigen::Vector2d noise_px = o.pixel - Project(camera, x);
+      o.pixel = lens.Straighten(lens.Project(x) + noise_px + padding);
+    }
+    const Rigid3d found = OptimisePose(camera, kTruePose, seen).camera_from_map;
+    const auto fit = FitCamera(camera, found, seen);
+    ASSERT_TRUE(fit.has_value());
+    const Matrix6d covariance = CovarianceOfAnyCamera(*fit, found);
+    const double off_rad = LogSE3(found * kTruePose.Inverse()).tail<3>().norm();
+    const double sigma_rad = std::sqrt(covariance.bottomRightCorner<3, 3>().trace());
+    EXPECT_TRUE(IsAnotherCamera(*fit) || off_rad < 5 * sigma_rad)
+        << share << ": " << off_rad << " rad off, sigma " << sigma_rad;
+    EXPECT_TRUE(IsAnotherCamera(*fit) || share < 0.08) << share;
+  }
+}
+
 TEST(CameraFitTest, SaysNothingOfWhatThePointsDoNotTell) {
   const Camera camera = testing::SyntheticCamera();
   std::vector<PoseObservation> seen = Seen(camera, 0, 1);

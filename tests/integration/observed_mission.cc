@@ -111,7 +111,7 @@ void ObservedMissionTest::StartRobot(const std::string& name, const std::string&
   Start(name, "client_agent",
         {"--source", DemoSource(), "--frames", frames, "--server", store_address_, "--mission",
          "lab", "--agent", name, "--listen", "127.0.0.1:0", "--trace-file", FileOf(name + ".trace"),
-         "--spool", FileOf(name + ".spool"), "--stay"});
+         "--record", FileOf(name + ".drive"), "--stay"});
 }
 
 std::string ObservedMissionTest::AddressOf(const std::string& name) {

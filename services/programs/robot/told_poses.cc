@@ -5,6 +5,7 @@
 #include "absl/strings/str_cat.h"
 #include "slam/evaluation/pose_header.h"
 #include "slam/evaluation/trajectory_io.h"
+#include "slam/geometry/same_motion.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::services {
@@ -17,11 +18,6 @@ namespace {
 Rigid3d InGlobal(const Similarity3d& global_from_local, const Rigid3d& local_from_camera) {
   return {(global_from_local.rotation * local_from_camera.rotation).normalized(),
           global_from_local * local_from_camera.translation};
-}
-
-bool AreEqual(const Similarity3d& a, const Similarity3d& b) {
-  return a.scale == b.scale && a.rotation.coeffs() == b.rotation.coeffs() &&
-         a.translation == b.translation;
 }
 
 std::string LocalFile(const std::string& stem) { return stem + ".local.tum"; }
@@ -44,7 +40,7 @@ void ToldPoses::Add(const TrackingResult& result,
   local_map_ = result.local_map;
   if (has_several_) {
     paths_.local.clear();
-  } else {
+  } else if (keeps_paths_) {
     paths_.local.push_back(
         {result.timestamp_ns, result.camera_from_local.Inverse() * camera_from_recorded_});
   }
@@ -58,10 +54,12 @@ void ToldPoses::Add(const TrackingResult& result,
 void ToldPoses::AddGlobal(const TrackingResult& result, const Similarity3d& global_from_local) {
   const Rigid3d global_from_camera =
       InGlobal(global_from_local, result.camera_from_local.Inverse());
-  paths_.global.push_back({result.timestamp_ns, global_from_camera * camera_from_recorded_});
+  if (keeps_paths_) {
+    paths_.global.push_back({result.timestamp_ns, global_from_camera * camera_from_recorded_});
+  }
   const Rigid3d odom_from_camera = result.odom_from_camera.value_or(Rigid3d::Identity());
   if (last_.has_value() &&
-      (last_->epoch != result.epoch || !AreEqual(last_->global_from_local, global_from_local))) {
+      (last_->epoch != result.epoch || !AreSame(last_->global_from_local, global_from_local))) {
     Rigid3d motion = last_->odom_from_camera.Inverse() * odom_from_camera;
     motion.translation *= global_from_local.scale;
     const Rigid3d expected = last_->global_from_camera * motion;

@@ -39,8 +39,9 @@ struct ToldJumps {
 // Not thread-safe.
 class ToldPoses {
  public:
-  explicit ToldPoses(const RecordedCamera& recorded)
-      : camera_from_recorded_(recorded.camera_from_recorded) {}
+  // Jumps are counted in any case; paths grow with every frame.
+  explicit ToldPoses(const RecordedCamera& recorded, bool keeps_paths = true)
+      : camera_from_recorded_(recorded.camera_from_recorded), keeps_paths_(keeps_paths) {}
 
   // Takes the next frame's result, and where its local map lay when it was told.
   void Add(const client_agent::TrackingResult& result,
@@ -61,6 +62,7 @@ class ToldPoses {
   void AddGlobal(const client_agent::TrackingResult& result, const Similarity3d& global_from_local);
 
   const Rigid3d camera_from_recorded_;
+  const bool keeps_paths_;
   ToldPaths paths_;
   ToldJumps jumps_;
   std::optional<Last> last_;

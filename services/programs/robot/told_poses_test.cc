@@ -55,6 +55,14 @@ TEST(ToldPosesTest, AMotionIsNoJumpAndACorrectionIs) {
   EXPECT_NEAR(told.jumps().sum_m, 1.5, 1e-12);
 }
 
+TEST(ToldPosesTest, JumpsAreCountedWithoutPaths) {
+  ToldPoses told({}, /*keeps_paths=*/false);
+  told.Add(At(0), Shifted(10));
+  told.Add(At(1), Shifted(9.5));
+  EXPECT_EQ(told.jumps().count, 1u);
+  EXPECT_TRUE(told.paths().local.empty() && told.paths().global.empty());
+}
+
 TEST(ToldPosesTest, NobodyKnowsWhatHappenedWhileItWasLost) {
   ToldPoses told({});
   told.Add(At(0), Shifted(10));

@@ -247,7 +247,8 @@ absl::StatusOr<ToldAccuracy> ComputeToldAccuracy(const RobotPaths& robot, const 
                                                  Alignment alignment) {
   ASSIGN_OR_RETURN(const Sequence sequence, ReadSequence(robot.source, 0));
   if (!sequence.truth.has_value()) return ToldAccuracy{};
-  const Trajectory& told = robot.told.global.empty() ? robot.told.local : robot.told.global;
+  // Of all frames; what it told in a global frame may begin late.
+  const Trajectory& told = robot.told.local.empty() ? robot.told.global : robot.told.local;
   if (company.global.empty()) return ComputeTold({told, {}}, sequence, alignment);
   return ToldAccuracy{AteOf(AtTimesOf(told, company.global), sequence, alignment),
                       AteOf(Before(told, company.global), sequence, alignment)};

@@ -77,8 +77,8 @@ struct Accuracy {
 // the others were, too.
 std::string WayOf(const client_agent::SourceSpec& source);
 
-// Returns a robot's errors as told, of those frames alone which `company`, another drive of it,
-// told in the global frame and before.
+// Returns the errors as told of a robot that drove alone, in its own local map's frame, of those
+// frames which `company`, the same robot in company, told in the global frame, and before.
 absl::StatusOr<ToldAccuracy> ComputeToldAccuracy(const RobotPaths& robot, const ToldPaths& company,
                                                  Alignment alignment);
 

@@ -39,12 +39,17 @@ bool IsRobot(absl::string_view name) {
   return false;
 }
 
+// What is behind a robot's name where it left what it told (services/programs/robot/told_poses.h).
+bool IsToldPath(absl::string_view rest) {
+  return rest == "told.local.tum" || rest == "told.global.tum";
+}
+
 // Returns true for "alpha.local.tum", "alpha.local+2.tum" and the other files of a robot.
 bool IsFileOfRobot(absl::string_view file) {
   const size_t dot = file.find('.');
   if (dot == absl::string_view::npos || !IsRobot(file.substr(0, dot))) return false;
   const absl::string_view rest = file.substr(dot + 1);
-  if (rest == "map.png" || rest == "near.png") return true;
+  if (rest == "map.png" || rest == "near.png" || IsToldPath(rest)) return true;
   const size_t plus = rest.find('+');
   if (plus == absl::string_view::npos) return rest == "local.tum" || rest == "global.tum";
   const absl::string_view number = rest.substr(plus + 1, rest.rfind('.') - plus - 1);
@@ -64,7 +69,7 @@ bool IsLog(const std::string& file) {
   const size_t dot = file.find('.');
   const bool is_robots = dot != std::string::npos && IsRobot(file.substr(0, dot)) &&
                          (absl::EndsWith(file, ".log") || absl::EndsWith(file, ".json") ||
-                          absl::EndsWith(file, ".map"));
+                          absl::EndsWith(file, ".map") || IsToldPath(file.substr(dot + 1)));
   return is_robots || absl::c_linear_search(kLogs, file);
 }
 
