@@ -72,7 +72,8 @@ void AddResults(CLI::App& app, RobotFlags& flags) {
                           {"rectified", static_cast<int>(PosesOf::kRectifiedCamera)},
                           {"body", static_cast<int>(PosesOf::kBody)}}))
       ->type_name("FRAME")
-      ->default_str("camera");
+      ->default_str("camera")
+      ->group(kRareGroup);
 }
 
 // Returns what is wrong with the value; empty if it is good.
