@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <atomic>
 #include <map>
 #include <memory>
 #include <string>
@@ -11,6 +12,7 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "absl/synchronization/notification.h"
 #include "map_store/map_store.h"
 #include "map_store/testing/byte_journal.h"
 #include "map_store/testing/drive_views.h"
@@ -133,6 +135,39 @@ TEST(RetiringTest, TheMapsSizeIsThatOfThePlace) {
     retired += info.retired_keyframes;
   }
   EXPECT_EQ(retired, kSessions * kKeyframes - sizes[3]);
+}
+
+// A fleet's worker is always short of time at some hour: what is known goes all the same.
+TEST(RetiringTest, LookUpsThatWaitKeepNothing) {
+  const std::vector<SyntheticMap> drives = DriveAll(TheWorld().world, TheWorld().world);
+  TruthfulWorker worker({&drives[0], &drives[1], &drives[2], &drives[3]});
+  MapStoreOptions options = RetiringOptions();
+  options.deterministic = false;
+  options.overlap_spacing = 0;  // Each keyframe asks.
+  options.min_shared_landmarks = 100000;
+  std::unique_ptr<MapStore> store;
+  absl::Notification all_there;
+  std::atomic<size_t> retired_meanwhile = 0;
+  worker.during_verify = [&] {
+    all_there.WaitForNotification();
+    if (store->GetMission(kMission)->waiting_queries < 2) return;
+    size_t retired = 0;
+    for (uint64_t session = 1; session <= kSessions; ++session) {
+      const auto local_map = store->GetLocalMap(kMission, {session});
+      if (local_map.ok()) retired += local_map->retired_keyframes;
+    }
+    retired_meanwhile = std::max(retired_meanwhile.load(), retired);
+  };
+  store = std::make_unique<MapStore>(options, TheWorld().vocabulary,
+                                     std::make_unique<InMemoryJournal>(), &worker);
+  for (size_t session = 0; session < kSessions; ++session) {
+    TestAgent agent(*store, kMission, absl::StrCat("r", session + 1), drives[session]);
+    ASSERT_TRUE(agent.Stream().ok());
+    ASSERT_TRUE(agent.Close().ok());
+  }
+  all_there.Notify();
+  ASSERT_TRUE(store->WaitUntilFusionIdle(kMission, absl::Seconds(60)).ok());
+  EXPECT_GT(retired_meanwhile, 0u);
 }
 
 TEST(RetiringTest, UnlessToldToNothingGoes) {

@@ -22,18 +22,42 @@ struct Prospect {
   bool is_joined = false;  // With the query's local map, in one island.
 };
 
+bool AreJoined(const MissionState& state, LocalMapId a, LocalMapId b) {
+  return state.FindIslandOf(a) == state.FindIslandOf(b);
+}
+
+// Returns the local maps that may hold something new of the query's place. Once others of its
+// island are tied to it close by, the rest of the island, which is tied to these, is not: else each
+// visit would be looked up in all visits before it.
+std::vector<LocalMapId> ListOpenQuestions(const MissionState& state,
+                                          const MapStoreOptions& options) {
+  const KeyframeId query = state.queries.front().query;
+  const LocalMapId own = state.OwnerOf(query.local_map);
+  std::vector<LocalMapId> against = state.queries.AgainstOfFront();
+  if (state.FindKeyframe(query) == nullptr) return {};
+  const auto is_of_others = [&](LocalMapId id) {
+    return state.FindLocalMap(id) != nullptr && state.OwnerOf(id) != own &&
+           AreJoined(state, query.local_map, id);
+  };
+  const auto ties = static_cast<size_t>(std::ranges::count_if(against, [&](LocalMapId id) {
+    return is_of_others(id) && HasOverlapNearby(state, {query, id, 0}, options);
+  }));
+  if (ties >= kMostAlike) std::erase_if(against, is_of_others);
+  return against;
+}
+
 // Lists the local maps in which something is to be verified, the most alike first.
 absl::StatusOr<std::vector<Prospect>> ListProspects(const MissionState& state,
                                                     const MapStoreOptions& options,
                                                     LongRead& read) {
   const KeyframeId query = state.queries.front().query;
-  const std::vector<LocalMapId> against = state.queries.AgainstOfFront();
+  const std::vector<LocalMapId> against = ListOpenQuestions(state, options);
   std::vector<Prospect> prospects;
   for (size_t i = 0; i < against.size(); ++i) {
     RETURN_IF_ERROR(read.Pause());
     const FoundPlaces found = FindCandidates(state, {query, against[i], 0}, options);
     if (found.candidates.empty()) continue;
-    const bool is_joined = state.FindIslandOf(query.local_map) == state.FindIslandOf(against[i]);
+    const bool is_joined = AreJoined(state, query.local_map, against[i]);
     prospects.push_back({against[i], i, found.likeness, found.is_seam, is_joined});
   }
   std::ranges::sort(prospects, {}, [](const Prospect& prospect) {
@@ -43,6 +67,17 @@ absl::StatusOr<std::vector<Prospect>> ListProspects(const MissionState& state,
 }
 
 }  // namespace
+
+LocalMapId ChooseNextToLookUp(const MissionState& state) {
+  const std::vector<LocalMapId> waiting = state.queries.WaitingLocalMaps();
+  if (waiting.empty()) return LocalMapId();
+  return *std::ranges::min_element(waiting, {}, [&state](LocalMapId id) {
+    const Island* island = state.FindIslandOf(id);
+    const LocalMapState* local_map = state.FindLocalMap(id);
+    const bool is_joined = island != nullptr && island->local_maps.size() > 1;
+    return std::make_tuple(is_joined, local_map == nullptr || local_map->closed);
+  });
+}
 
 absl::StatusOr<std::vector<LocalMapId>> ChooseLookups(const MissionState& state,
                                                       const MapStoreOptions& options,

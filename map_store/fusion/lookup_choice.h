@@ -11,12 +11,19 @@
 
 namespace corbslam::map_store {
 
+// Returns the local map whose first waiting keyframe is to be looked up next: those that nothing is
+// joined with come before the others, of both kinds the ones whose robots drive come before closed
+// ones, and of these the one that has waited longest. So a robot that nobody knows yet is not kept
+// waiting by known ground. Invalid: nothing waits.
+LocalMapId ChooseNextToLookUp(const MissionState& state);
+
 // Returns, of the local maps that the queue's first keyframe has still to be looked up in, those
 // that are worth a worker's time, in the queue's order: the two that hold what looks most like it;
 // the one of an island it is not joined with that does, if those two are of its own; and the one
-// that ended where its own local map begins. So a keyframe costs at most four look-ups, however
-// many local maps there are (docs/adr/0038-look-ups-by-keyframe.md). Of an empty queue there are
-// none: a mission that is deleted meanwhile has one. ABORTED: as `read` says.
+// that ended where its own local map begins. Of a place that is tied to as many others of its
+// island already, its own local map and other islands alone are left. So a keyframe costs at most
+// four look-ups, however many local maps there are (docs/adr/0038-look-ups-by-keyframe.md). Of an
+// empty queue there are none: a mission that is deleted meanwhile has one. ABORTED: as `read` says.
 absl::StatusOr<std::vector<LocalMapId>> ChooseLookups(const MissionState& state,
                                                       const MapStoreOptions& options,
                                                       LongRead& read);

@@ -81,6 +81,78 @@ TEST(LookupChoiceTest, ARobotsNextLocalMapIsHeldAgainstItsLastBesideTheBest) {
   EXPECT_LE(twelve.most_of_a_keyframe, 4u);
 }
 
+// So many robots drive the same part of the ring, one after the other. Returns how many look-ups
+// the last one's keyframes cost.
+size_t LookUpsOfTheLast(size_t robots) {
+  std::vector<SyntheticMap> maps;
+  std::vector<const SyntheticMap*> pointers;
+  for (size_t i = 0; i < robots; ++i) {
+    maps.push_back(MakeRingMap(0xa + i, 0.3 * static_cast<double>(i), kKeyframes));
+  }
+  for (const SyntheticMap& map : maps) pointers.push_back(&map);
+  TruthfulWorker worker(pointers);
+  MapStoreOptions options = DeterministicOptions();
+  options.overlap_spacing = 2;
+  options.min_shared_landmarks = 100000;  // No landmarks say that a place is known.
+  MapStore store(options, TheWorld().vocabulary, std::make_unique<InMemoryJournal>(), &worker);
+  for (size_t i = 0; i < robots; ++i) {
+    TestAgent agent(store, kMission, std::to_string(i), maps[i]);
+    EXPECT_TRUE(agent.Stream().ok());
+    EXPECT_TRUE(agent.Close().ok());
+    EXPECT_TRUE(store.RunFusionUntilIdle(kMission).ok());
+  }
+  EXPECT_EQ(store.GlobalMapView(kMission)->size(), 1u);
+  const std::vector<TruthfulWorker::Asked> asked = worker.asked();
+  const LocalMapId last = {0xa + robots - 1};
+  return static_cast<size_t>(
+      std::ranges::count_if(asked, [&](const auto& one) { return one.query.local_map == last; }));
+}
+
+// Where two others hold a place already, eight more visits of it are not asked, too.
+TEST(LookupChoiceTest, KnownGroundCostsTheSameHoweverOftenItWasVisited) {
+  const size_t fourth = LookUpsOfTheLast(4);
+  EXPECT_GT(fourth, 0u);
+  EXPECT_LE(LookUpsOfTheLast(12), fourth);
+}
+
+class NextToLookUpTest : public ::testing::Test {
+ protected:
+  NextToLookUpTest() {
+    for (const LocalMapId id : {kJoined, kPartner, kAlone}) {
+      AddLocalMap(state_, id, ToString(id));
+      state_.queries.Push({id, 1}, {kPartner});
+    }
+    Island& island = state_.global.islands.at(state_.global.island_of.at(kJoined));
+    state_.global.islands.erase(state_.global.island_of.at(kPartner));
+    state_.global.island_of[kPartner] = island.id;
+    island.local_maps.push_back(kPartner);
+  }
+
+  static constexpr LocalMapId kJoined{0xa};
+  static constexpr LocalMapId kPartner{0xb};
+  static constexpr LocalMapId kAlone{0xc};
+  MissionState state_;
+};
+
+TEST_F(NextToLookUpTest, NothingIsChosenWhereNothingWaits) {
+  state_.queries.Clear();
+  EXPECT_FALSE(ChooseNextToLookUp(state_).IsValid());
+}
+
+TEST_F(NextToLookUpTest, WhoIsNotJoinedComesFirst) {
+  EXPECT_EQ(ChooseNextToLookUp(state_), kAlone);
+  state_.FindLocalMap(kAlone)->closed = true;
+  EXPECT_EQ(ChooseNextToLookUp(state_), kAlone);
+}
+
+TEST_F(NextToLookUpTest, WhoDrivesComesBeforeWhoHasEnded) {
+  state_.queries.BringForward(kAlone);
+  state_.queries.PopFront();
+  EXPECT_EQ(ChooseNextToLookUp(state_), kJoined) << "it has waited longest";
+  state_.FindLocalMap(kJoined)->closed = true;
+  EXPECT_EQ(ChooseNextToLookUp(state_), kPartner);
+}
+
 // A mission may be deleted, or derived anew, between the claim of a lane and the choice.
 TEST(LookupChoiceTest, OfAnEmptyQueueNothingIsChosen) {
   UnbrokenRead read;

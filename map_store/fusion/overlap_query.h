@@ -23,6 +23,12 @@ struct FoundPlaces {
   bool is_seam = false;  // True: the robot may go on here where its local map before ended.
 };
 
+// Returns whether there is an accepted overlap, in the graph or waiting for it, of the query
+// itself, or of a keyframe within `options.overlap_spacing` of it, with `task.against`. Both local
+// maps must be there.
+bool HasOverlapNearby(const MissionState& state, const QueryTask& task,
+                      const MapStoreOptions& options);
+
 // Finds keyframes of `task.against` that may show the query's place, best first: settled ones
 // that share enough words, the best of each of the best groups of covisible keyframes; first of
 // all, for the first keyframes of a robot's local map, the last one of its local map before. There

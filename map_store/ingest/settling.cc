@@ -10,6 +10,7 @@ void SettleKeyframes(size_t settle_after, MissionState& state, LocalMapState& lo
     if (local_map.map.FindKeyframe(id) == nullptr) continue;
     ++state.statistics.overlaps_queried;
     state.queries.Push(id, state.order);
+    state.queries.ThinOut(local_map.id);
   }
 }
 

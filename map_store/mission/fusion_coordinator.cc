@@ -134,6 +134,12 @@ std::optional<FusionCoordinator::Claim> FusionCoordinator::ClaimLane(FusionLane 
 }
 
 FusionCoordinator::Attempt FusionCoordinator::Choose(const Claim& claim) {
+  // In lockstep nothing waits long, and the order is that of arrival.
+  if (!strand_.options().deterministic) {
+    StateWriteLock lock(strand_);
+    MissionState& state = strand_.mutable_state();
+    if (!claim.cancelled->load()) state.queries.BringForward(ChooseNextToLookUp(state));
+  }
   absl::StatusOr<std::vector<LocalMapId>> against;
   {
     absl::ReaderMutexLock lock(&strand_.mutex());
@@ -290,6 +296,16 @@ FusionRequestCounts FusionCoordinator::CountWaiting() const {
     if (const auto kind = lanes_.Running(lane)) TakeOne(*kind, counts);
   }
   return counts;
+}
+
+bool FusionCoordinator::RestsButForLookUps() const {
+  absl::ReaderMutexLock lock(&strand_.mutex());
+  return std::ranges::all_of(kFusionLanes,
+                             [this](FusionLane lane) ABSL_SHARED_LOCKS_REQUIRED(strand_.mutex()) {
+                               if (lanes_.IsBusy(lane)) return false;
+                               const std::optional<FusionAction> next = NextAction(lane);
+                               return !next.has_value() || next->kind == FusionAction::Kind::kQuery;
+                             });
 }
 
 bool FusionCoordinator::IsIdleLocked() const {

@@ -64,6 +64,8 @@ class FusionCoordinator {
   absl::StatusOr<std::vector<uint64_t>> RetractOverlap(uint64_t overlap, bool keep_apart);
 
   bool IsIdle() const;
+  // Returns whether nothing runs, and nothing but look-ups waits.
+  bool RestsButForLookUps() const;
   // Returns whether there would be something to do, had the store a worker.
   bool HasWork() const;
   bool WaitUntilIdle(absl::Time deadline) const;

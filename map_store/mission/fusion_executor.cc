@@ -66,7 +66,8 @@ void FusionExecutor::RunLane(FusionLane lane) {
       const std::shared_ptr<Mission> mission = listed.lock();
       if (mission == nullptr) continue;
       Turn turn = RunOne(*mission, lane);
-      if (turn == Turn::kNothingToDo && lane == FusionLane::kGraph &&
+      const bool may_tidy = turn == Turn::kNothingToDo || turn == Turn::kDone;
+      if (may_tidy && lane == FusionLane::kGraph &&
           (mission->retiring().RunOne() || mission->joining().RunOne())) {
         turn = Turn::kDone;
       }

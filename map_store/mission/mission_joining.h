@@ -28,9 +28,9 @@ class MissionJoining {
                  const MissionRetiring& retiring, std::function<void()> notify)
       : strand_(strand), fusion_(fusion), retiring_(retiring), notify_(std::move(notify)) {}
 
-  // Makes one local map of two, if fusion rests and nothing is left to be looked at for retiring.
-  // Returns whether there were two, and that is done. A journal that takes nothing leaves it for
-  // later.
+  // Makes one local map of two, if fusion rests but for look-ups and nothing is left to be looked
+  // at for retiring. Returns whether there were two, and that is done. A journal that takes nothing
+  // leaves it for later.
   bool RunOne();
   // Returns whether local maps are still to become one.
   bool IsDue() const;

@@ -23,7 +23,7 @@ void MissionRetiring::NoteAllDone() {
 }
 
 bool MissionRetiring::RunOne() {
-  if (!IsDue() || !fusion_.IsIdle() || !turn_.TryLock()) return false;
+  if (!IsDue() || !fusion_.RestsButForLookUps() || !turn_.TryLock()) return false;
   bool done = false;
   Retirement retirement;
   const absl::StatusOr<Look> look = TakeNext();

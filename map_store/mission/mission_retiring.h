@@ -1,4 +1,5 @@
-// Lets go of what a mission can do without while nothing is fused of it.
+// Lets go of what a mission can do without while nothing is fused of it. Look-ups may wait: a
+// worker that is short of time must not keep known ground.
 #ifndef CORBSLAM_MAP_STORE_MISSION_MISSION_RETIRING_H_
 #define CORBSLAM_MAP_STORE_MISSION_MISSION_RETIRING_H_
 
@@ -23,9 +24,9 @@ class MissionRetiring {
                   std::function<void()> notify)
       : strand_(strand), fusion_(fusion), notify_(std::move(notify)) {}
 
-  // Looks at the next stretch, if fusion rests, and lets go of what it finds. Returns whether there
-  // was one, and it is done with. Another thread's turn, a state that changed meanwhile and a
-  // journal that takes nothing leave it for later.
+  // Looks at the next stretch, if fusion rests but for look-ups, and lets go of what it finds.
+  // Returns whether there was one, and it is done with. Another thread's turn, a state that changed
+  // meanwhile and a journal that takes nothing leave it for later.
   bool RunOne();
   // Returns whether something is still to be looked at.
   bool IsDue() const;

@@ -1,6 +1,7 @@
 #include "map_store/state/query_queue.h"
 
 #include <algorithm>
+#include <optional>
 #include <tuple>
 
 namespace corbslam::map_store {
@@ -38,6 +39,44 @@ void QueryQueue::Push(KeyframeId query, const std::vector<LocalMapId>& against) 
   size_ += against.size();
 }
 
+std::vector<LocalMapId> QueryQueue::WaitingLocalMaps() const {
+  std::vector<LocalMapId> local_maps;
+  for (const Entry& entry : entries_) {
+    const LocalMapId id = entry.query.local_map;
+    if (std::ranges::find(local_maps, id) == local_maps.end()) local_maps.push_back(id);
+  }
+  return local_maps;
+}
+
+void QueryQueue::ThinOut(LocalMapId local_map) {
+  std::vector<size_t> places;
+  for (size_t i = 0; i < entries_.size(); ++i) {
+    if (entries_[i].query.local_map == local_map) places.push_back(i);
+  }
+  if (places.size() <= kMostOfLocalMap) return;
+  const auto index_at = [&](size_t i) { return entries_[places[i]].query.index; };
+  std::optional<size_t> nearest;
+  uint32_t least = 0;
+  for (size_t i = 1; i + 1 < places.size(); ++i) {
+    if (places[i] == 0) continue;
+    const uint32_t gap = index_at(i + 1) - index_at(i - 1);
+    if (nearest.has_value() && gap >= least) continue;
+    nearest = places[i];
+    least = gap;
+  }
+  if (!nearest.has_value()) return;
+  size_ -= entries_[*nearest].against->size() - entries_[*nearest].next;
+  entries_.erase(entries_.begin() + static_cast<std::ptrdiff_t>(*nearest));
+}
+
+void QueryQueue::BringForward(LocalMapId local_map) {
+  const auto first = std::ranges::find_if(
+      entries_, [local_map](const Entry& entry) { return entry.query.local_map == local_map; });
+  if (first == entries_.end() || first == entries_.begin()) return;
+  std::rotate(entries_.begin(), first, first + 1);
+  attempts_of_front_ = 0;
+}
+
 void QueryQueue::PopFront() {
   Entry& entry = entries_.front();
   if (++entry.next == entry.against->size()) {
@@ -72,11 +111,19 @@ void QueryQueue::TakeUntil(const QueryTask& task) {
   });
   if (asked == entries_.end()) return;
   const auto behind = static_cast<size_t>(find(*asked) - asked->against->begin()) + 1;
-  for (auto it = entries_.begin(); it != asked; ++it) size_ -= it->against->size() - it->next;
   size_ -= behind - asked->next;
-  if (asked != entries_.begin() || behind == asked->against->size()) front_chosen_ = false;
   asked->next = behind;
-  entries_.erase(entries_.begin(), behind == asked->against->size() ? asked + 1 : asked);
+  const bool is_done = behind == asked->against->size();
+  const KeyframeId front = entries_.front().query;
+  const auto end = is_done ? asked + 1 : asked;
+  const auto is_before = [&task](const Entry& entry) {
+    return entry.query.local_map == task.query.local_map;
+  };
+  for (auto it = entries_.begin(); it != end; ++it) {
+    if (is_before(*it)) size_ -= it->against->size() - it->next;
+  }
+  entries_.erase(std::remove_if(entries_.begin(), end, is_before), end);
+  if (entries_.empty() || entries_.front().query != front) front_chosen_ = false;
   attempts_of_front_ = 0;
 }
 

@@ -21,10 +21,14 @@ struct QueryTask {
   int attempts = 0;
 };
 
-// Tasks, first in, first out. A value; not thread-safe. Memory grows with the keyframes that wait,
-// not with keyframes times local maps: keyframes share the list of the local maps to look in.
+// Tasks, first in, first out within each local map. A value; not thread-safe. Memory grows with the
+// keyframes that wait, not with keyframes times local maps: keyframes share the list of the local
+// maps to look in.
 class QueryQueue {
  public:
+  // Of a local map whose owner drives on, so many keyframes wait at most.
+  static constexpr size_t kMostOfLocalMap = 256;
+
   QueryQueue() = default;
   // Takes the tasks as ToTasks lists them.
   explicit QueryQueue(const std::vector<QueryTask>& tasks);
@@ -39,8 +43,18 @@ class QueryQueue {
   // Returns the local maps that the first keyframe has still to be looked up in.
   std::vector<LocalMapId> AgainstOfFront() const;
 
+  // Returns the local maps whose keyframes wait, in the order in which their first ones stand.
+  std::vector<LocalMapId> WaitingLocalMaps() const;
+
   // Adds a task for each of the local maps.
   void Push(KeyframeId query, const std::vector<LocalMapId>& against);
+  // Takes out one keyframe of the local map if more than kMostOfLocalMap of its keyframes wait: the
+  // one with the nearest neighbours before and behind it, which see most of what it does. The
+  // queue's first keyframe, the local map's first and its last one stay.
+  void ThinOut(LocalMapId local_map);
+  // Makes the local map's first keyframe the queue's first, which must not be chosen. Does nothing
+  // if none waits.
+  void BringForward(LocalMapId local_map);
   void PopFront();
   // Keeps of the first keyframe's tasks those in these local maps, in this order; none: the
   // keyframe leaves the queue. It is not listed by ToTasks that they are chosen: who restores
@@ -48,7 +62,8 @@ class QueryQueue {
   void ChooseOfFront(const std::vector<LocalMapId>& against);
   // Counts one more failed attempt at the first task; returns how many those were.
   int CountFailureOfFront() { return ++attempts_of_front_; }
-  // Takes out this task, and all before it, which needed no answer. Does nothing if it isn't there.
+  // Takes out this task, and all of the same local map's keyframes before it, which needed no
+  // answer. Does nothing if it isn't there.
   void TakeUntil(const QueryTask& task);
   void Clear();
 

@@ -3,6 +3,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cstdint>
+#include <tuple>
+#include <vector>
+
 namespace corbslam::map_store {
 namespace {
 
@@ -68,6 +73,84 @@ TEST(QueryQueueTest, TakesATaskOutWithThoseBeforeIt) {
   queue.TakeUntil({Ka(3), kB, 0});
   EXPECT_TRUE(queue.empty());
   EXPECT_EQ(queue.size(), 0u);
+}
+
+// Local maps take turns, so that what stands before an answered task may be unanswered.
+TEST(QueryQueueTest, TakesNoOtherLocalMapsTasks) {
+  QueryQueue queue;
+  queue.Push({kB, 1}, {kA});
+  queue.Push(Ka(1), {kB});
+  queue.Push({kB, 2}, {kA});
+  queue.Push(Ka(2), {kA, kB});
+  queue.ChooseOfFront({kA});
+  queue.TakeUntil({Ka(2), kA, 0});
+  EXPECT_TRUE(queue.IsFrontChosen()) << "the front is still the same";
+  EXPECT_EQ(queue.size(), 3u);
+  EXPECT_THAT(Tasks(queue), ElementsAre(Task{1, 0xa, 0}, Task{2, 0xa, 0}, Task{2, 0xb, 0}));
+  EXPECT_EQ(queue.front().query, (KeyframeId{kB, 1}));
+}
+
+TEST(QueryQueueTest, BringsALocalMapsFirstKeyframeForward) {
+  QueryQueue queue;
+  queue.Push(Ka(1), {kB});
+  queue.Push(Ka(2), {kB});
+  queue.Push({kB, 7}, {kA});
+  queue.Push({kB, 8}, {kA});
+  EXPECT_THAT(queue.WaitingLocalMaps(), ElementsAre(kA, kB));
+  queue.CountFailureOfFront();
+  queue.BringForward(kB);
+  EXPECT_THAT(queue.WaitingLocalMaps(), ElementsAre(kB, kA));
+  EXPECT_THAT(Tasks(queue),
+              ElementsAre(Task{7, 0xa, 0}, Task{1, 0xb, 0}, Task{2, 0xb, 0}, Task{8, 0xa, 0}));
+  queue.BringForward(kB);
+  queue.BringForward({0xc});
+  EXPECT_EQ(queue.front().query.index, 7u);
+  EXPECT_EQ(queue.size(), 4u);
+}
+
+// Indices of the local map's keyframes that wait.
+std::vector<uint32_t> Waiting(const QueryQueue& queue, LocalMapId local_map) {
+  std::vector<uint32_t> indices;
+  for (const QueryTask& task : queue.ToTasks()) {
+    if (task.query.local_map == local_map) indices.push_back(task.query.index);
+  }
+  return indices;
+}
+
+// A worker that is short of time costs look-ups next to others, not a queue without end.
+TEST(QueryQueueTest, OfALocalMapSoManyWaitAtMost) {
+  constexpr uint32_t kPushed = 10 * QueryQueue::kMostOfLocalMap;
+  QueryQueue queue;
+  queue.Push({kB, 1}, {kA});
+  for (uint32_t i = 1; i <= kPushed; ++i) {
+    queue.Push(Ka(i), {kB});
+    queue.ThinOut(kA);
+  }
+  const std::vector<uint32_t> waiting = Waiting(queue, kA);
+  EXPECT_EQ(waiting.size(), QueryQueue::kMostOfLocalMap);
+  EXPECT_EQ(queue.size(), waiting.size() + 1);
+  EXPECT_EQ(waiting.front(), 1u);
+  EXPECT_EQ(waiting.back(), kPushed);
+  uint32_t widest = 0;
+  for (size_t i = 1; i < waiting.size(); ++i) {
+    widest = std::max(widest, waiting[i] - waiting[i - 1]);
+  }
+  EXPECT_LE(widest, 2 * kPushed / QueryQueue::kMostOfLocalMap) << "no place is left out";
+}
+
+TEST(QueryQueueTest, ThinsOutNeitherOthersNorTheFront) {
+  QueryQueue queue;
+  for (uint32_t i = 1; i <= QueryQueue::kMostOfLocalMap; ++i) queue.Push(Ka(i), {kB});
+  queue.Push({kB, 1}, {kA});
+  queue.ThinOut(kA);
+  queue.ThinOut(kB);
+  EXPECT_EQ(queue.size(), QueryQueue::kMostOfLocalMap + 1);
+  queue.ChooseOfFront({kB});
+  queue.Push(Ka(1000), {kB});
+  queue.ThinOut(kA);
+  EXPECT_TRUE(queue.IsFrontChosen());
+  EXPECT_EQ(queue.front().query, Ka(1));
+  EXPECT_EQ(Waiting(queue, kA).size(), QueryQueue::kMostOfLocalMap);
 }
 
 TEST(QueryQueueTest, LooksUpAKeyframeWhereItWasChosenTo) {
