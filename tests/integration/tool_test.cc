@@ -161,7 +161,7 @@ TEST(ToolTest, ForgetsSessionsAndSaysWhatItDoesNotKnow) {
   EXPECT_EQ(would["local_maps"].size(), 1u);
   EXPECT_GT(would["keyframes"], 0);
   EXPECT_THAT(RunTool(forget({"--agent", "alpha", "--keep", "0"})),
-              HasSubstr("deleted 1 local maps of alpha"));
+              AllOf(HasSubstr("deleted 1 local maps of alpha"), HasSubstr("points: alpha/1\n")));
   const json again = ReadDocument(RunTool(forget({"--agent", "alpha", "--keep", "0", "--json"})));
   EXPECT_EQ(again["local_maps"].size(), 0u) << "nothing is left, and that is no error";
 }

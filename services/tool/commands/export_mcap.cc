@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "services/client/store/local_map_names.h"
 #include "services/client/store/store_reader.h"
 #include "services/convert/resource_names.h"
 #include "services/tool/commands/recorded_notes.h"
@@ -14,7 +15,6 @@
 #include "services/tool/export/mcap/mission_recording.h"
 #include "services/tool/export/robot_colours.h"
 #include "services/tool/mission/mission_summary.h"
-#include "services/tool/mission/summary_pairs.h"
 #include "services/tool/output/result.h"
 #include "slam/evaluation/pose_header.h"
 #include "slam/util/status_macros.h"
@@ -123,7 +123,7 @@ absl::StatusOr<std::vector<RecordedTrajectory>> ReadDrives(const MissionSummary&
                                                            PosesOf poses_of, const ToldMap& map,
                                                            StoreReader& store) {
   std::vector<RecordedTrajectory> trajectories;
-  const LocalMapNames names = ShortNames(summary);
+  const LocalMapNames names = ShortNames(summary.local_maps);
   for (const v1::MissionAgent& agent : summary.agents) {
     const std::string robot = LastSegment(agent.name());
     ASSIGN_OR_RETURN(const ServedTrajectory served,
