@@ -93,11 +93,32 @@ absl::StatusOr<ToldMap> RecordPast(const MissionArguments& arguments, StoreReade
   return map;
 }
 
+// The frames, by local map and time, that nothing connects with the one before.
+using Gaps = std::set<std::pair<std::string, int64_t>>;
+
+Gaps GapsOf(const ServedTrajectory& served) {
+  Gaps gaps;
+  for (const ServedPose& pose : served) {
+    if (pose.after_gap) gaps.emplace(pose.local_map, pose.timestamp_ns);
+  }
+  return gaps;
+}
+
+// Appends a part's poses, and where its pieces begin.
+void AddPart(const TrajectoryPart& part, const Gaps& gaps, RecordedTrajectory& trajectory) {
+  for (size_t i = 0; i < part.poses.size(); ++i) {
+    const bool begins = i == 0 || gaps.contains({part.local_map, part.poses[i].timestamp_ns});
+    if (begins) trajectory.pieces.push_back(trajectory.poses.size());
+    trajectory.poses.push_back(part.poses[i]);
+  }
+}
+
 // Adds a robot's drives, each island's part of them on its own.
 absl::Status AddDrives(const std::string& robot, const ServedTrajectory& served, const ToldMap& map,
                        const LocalMapNames& names, std::vector<RecordedTrajectory>& trajectories) {
   const std::vector<TrajectoryFile> drives = ShareFiles(PartsOf(served));
   const std::vector<std::string> suffixes = SuffixesOf(drives, names);
+  const Gaps gaps = GapsOf(served);
   for (size_t i = 0; i < drives.size(); ++i) {
     const TrajectoryFile& parts = drives[i];
     std::map<LocalMapId, RecordedTrajectory> by_island;
@@ -112,7 +133,7 @@ absl::Status AddDrives(const std::string& robot, const ServedTrajectory& served,
       trajectory.island = island;
       trajectory.in_global_frame = known != map.islands.end() && known->second.in_global_frame;
       trajectory.drive_begins_ns = parts.front().poses.front().timestamp_ns;
-      trajectory.poses.insert(trajectory.poses.end(), part.poses.begin(), part.poses.end());
+      AddPart(part, gaps, trajectory);
     }
     for (auto& [island, trajectory] : by_island) trajectories.push_back(std::move(trajectory));
   }
