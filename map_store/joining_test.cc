@@ -271,6 +271,7 @@ TEST(JoiningTest, NumbersStayWhateverBecomesOfTheSessions) {
   ForgetRequest request{.agent = kOneRobot, .before_ns = {}, .keep = 1};
   ASSERT_TRUE(joined.store().ForgetLocalMaps("m", request).ok());
   EXPECT_EQ(joined.store().GetLocalMap("m", {4})->number, 4u);
+  ASSERT_TRUE(joined.store().RunFusionUntilIdle("m").ok());
   request.keep = 0;
   ASSERT_TRUE(joined.store().ForgetLocalMaps("m", request).ok());
   const testing::SyntheticMap drive = testing::MakeRingMap(5, 5, 2);
