@@ -243,6 +243,7 @@ TEST(JoiningTest, SessionsAreDeletedForGood) {
   ASSERT_TRUE(forgotten.ok()) << forgotten.status();
   EXPECT_EQ(forgotten->keyframes, 3 * kKeyframesOfDrive);
   EXPECT_EQ(forgotten->parts, 2u);
+  EXPECT_THAT(forgotten->numbers, ::testing::ElementsAre(1, 2, 3));
   EXPECT_EQ(joined.store().GetMission("m")->local_maps, 2u) << "it was a question";
   request.dry_run = false;
   ASSERT_TRUE(joined.store().ForgetLocalMaps("m", request).ok());
@@ -256,6 +257,36 @@ TEST(JoiningTest, SessionsAreDeletedForGood) {
   EXPECT_EQ(testing::FirstDifference(testing::DumpLocal("m", again),
                                      testing::DumpLocal("m", joined.store())),
             "");
+}
+
+// The numbers are those by which people call local maps, and files that were exported once.
+TEST(JoiningTest, NumbersStayWhateverBecomesOfTheSessions) {
+  OneRobotsStore joined(true);
+  joined.StartAll();
+  const auto whole = joined.store().GetLocalMap("m", {1});
+  ASSERT_TRUE(whole.ok()) << whole.status();
+  EXPECT_EQ(whole->number, 1u);
+  EXPECT_THAT(whole->joined_numbers, ::testing::ElementsAre(2, 3));
+  EXPECT_EQ(joined.store().GetLocalMap("m", {4})->number, 4u);
+  ForgetRequest request{.agent = kOneRobot, .before_ns = {}, .keep = 1};
+  ASSERT_TRUE(joined.store().ForgetLocalMaps("m", request).ok());
+  EXPECT_EQ(joined.store().GetLocalMap("m", {4})->number, 4u);
+  ASSERT_TRUE(joined.store().RunFusionUntilIdle("m").ok());
+  request.keep = 0;
+  ASSERT_TRUE(joined.store().ForgetLocalMaps("m", request).ok());
+  const testing::SyntheticMap drive = testing::MakeRingMap(5, 5, 2);
+  for (const bool from_snapshot : {false, true}) {
+    if (from_snapshot) {
+      joined.bytes()->wants_snapshot = true;
+      ASSERT_TRUE(joined.store().RunFusionUntilIdle("m").ok());
+    }
+    MapStore again(OneRobotsStore::Options(true), TheWorld().vocabulary,
+                   std::make_unique<ByteJournal>(joined.bytes()), nullptr);
+    ASSERT_TRUE(testing::RecoverWhole(again).ok());
+    TestAgent next(again, "m", kOneRobot, drive);
+    ASSERT_TRUE(next.Send(next.NextBatch(1)).ok());
+    EXPECT_EQ(again.GetLocalMap("m", {5})->number, 5u) << "none is given twice";
+  }
 }
 
 }  // namespace

@@ -122,6 +122,27 @@ absl::StatusOr<StoredBackup> StoredBackups::Verify(const std::string& mission,
   return backup;
 }
 
+absl::StatusOr<StoredBackup> StoredBackups::Remove(const std::string& mission, uint32_t number,
+                                                   std::optional<absl::Time> created) {
+  absl::StatusOr<StoredBackup> backup = shelf_->Find(mission, number);
+  const bool is_unreadable = absl::IsDataLoss(backup.status());
+  if (is_unreadable) {
+    backup = StoredBackup();
+    backup->mission = mission;
+    backup->number = number;
+    backup->damage = "its list of files can't be read";
+  }
+  RETURN_IF_ERROR(backup.status());
+  if (created.has_value() && !is_unreadable && backup->facts.created != *created) {
+    return absl::FailedPreconditionError(absl::StrCat(
+        "backup ", number, " of mission ", mission, " is of ",
+        absl::FormatTime(absl::RFC3339_full, backup->facts.created, absl::UTCTimeZone()),
+        " by now, and another one was meant"));
+  }
+  RETURN_IF_ERROR(shelf_->Remove(mission, number));
+  return backup;
+}
+
 absl::Status StoredBackups::CompareAll(const std::function<bool(uint64_t bytes)>& pace) {
   ASSIGN_OR_RETURN(const std::vector<std::string> missions, shelf_->ListMissions());
   for (const std::string& mission : missions) RETURN_IF_ERROR(shelf_->Compare(mission, pace));

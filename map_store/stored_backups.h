@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -43,6 +44,11 @@ class StoredBackups {
   ShelfHealth health() const { return shelf_->health(); }
   // Compares all of it with its checksums.
   absl::StatusOr<StoredBackup> Verify(const std::string& mission, uint32_t number) const;
+  // Removes one for good, whatever it is (BackupShelf::Remove), and returns what it was; of one
+  // whose list of files is damaged, its name alone. FAILED_PRECONDITION: it was not made at
+  // `created`, but the number was given again.
+  absl::StatusOr<StoredBackup> Remove(const std::string& mission, uint32_t number,
+                                      std::optional<absl::Time> created);
   // Makes a mission of the backup, under any name that is free, as MapStore::RestoreMission does
   // and with its errors.
   absl::Status Restore(const std::string& mission, uint32_t number, const std::string& name);

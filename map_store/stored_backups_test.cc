@@ -183,6 +183,52 @@ TEST_F(StoredBackupsTest, OldOnesGoWithTheirFilesAndTheLastGoodOneStays) {
   EXPECT_EQ(numbers.size(), 2u);
 }
 
+TEST_F(StoredBackupsTest, OneThatIsDeletedGoesWithItsFilesAndTheOthersStaySound) {
+  Stream("m", 6);
+  ASSERT_EQ(Store("m"), 1u);
+  const std::string first = DumpLocal("m", *store_);
+  const uint64_t one = BytesIn(Shelf());
+  Stream("m", 6);
+  ASSERT_EQ(Store("m"), 2u);
+  ASSERT_EQ(Store("m"), 3u);
+  EXPECT_TRUE(absl::IsFailedPrecondition(backups_->Remove("m", 2, now_).status()))
+      << "the third was made then";
+  const auto gone = backups_->Remove("m", 2, now_ - absl::Minutes(10));
+  ASSERT_TRUE(gone.ok()) << gone.status();
+  EXPECT_EQ(gone->facts.keyframes, 12u);
+  EXPECT_THAT(Numbers("m"), ::testing::ElementsAre(1u, 3u));
+  EXPECT_TRUE(backups_->Verify("m", 3).ok());
+  ASSERT_TRUE(backups_->Remove("m", 3, {}).ok());
+  EXPECT_LT(BytesIn(Shelf()), one + one / 2) << "what the second and third shared is gone";
+  ASSERT_TRUE(backups_->Restore("m", 1, "then").ok());
+  EXPECT_EQ(DumpLocal("then", *store_), first);
+  EXPECT_TRUE(absl::IsNotFound(backups_->Remove("m", 3, {}).status()));
+  EXPECT_TRUE(absl::IsNotFound(backups_->Remove("nobody", 1, {}).status()));
+  EXPECT_FALSE(fs::exists(fs::path(Shelf()) / "nobody"));
+  EXPECT_TRUE(backups_->Remove("m", 1, {}).ok()) << "the last good one, too";
+  EXPECT_TRUE(Numbers("m").empty());
+}
+
+TEST_F(StoredBackupsTest, OneThatIsDamagedCanBeDeletedAndOneThatIsReadCannot) {
+  Stream("m", 6);
+  ASSERT_EQ(Store("m"), 1u);
+  std::ofstream(fs::path(Shelf()) / "m" / "meta" / "1") << "rubbish";
+  const auto gone = backups_->Remove("m", 1, {});
+  ASSERT_TRUE(gone.ok()) << gone.status();
+  EXPECT_NE(gone->damage, "");
+  EXPECT_FALSE(fs::exists(fs::path(Shelf()) / "m" / "meta" / "1"));
+  ASSERT_EQ(Store("m"), 2u);
+  BackupOptions options;
+  options.directory = Shelf();
+  auto folder = BackupFolder::Open(journal_, options);
+  ASSERT_TRUE(folder.ok()) << folder.status();
+  auto reading = (*folder)->Open("m", 2);
+  ASSERT_TRUE(reading.ok()) << reading.status();
+  EXPECT_TRUE(absl::IsFailedPrecondition((*folder)->Remove("m", 2)));
+  reading->reset();
+  EXPECT_TRUE((*folder)->Remove("m", 2).ok());
+}
+
 TEST_F(StoredBackupsTest, WithoutRoomItIsRefusedWithTheNumbersAndLeavesNothing) {
   Stream("m", 4);
   free_bytes_ = 1000;

@@ -16,6 +16,14 @@ bool IsEmpty(const MapUpdateBatch& batch) {
          batch.tracked_frames.empty() && batch.lost_frames_ns.empty() && !batch.closes_local_map;
 }
 
+uint64_t Outbox::SpooledBytes() const {
+  uint64_t bytes = 0;
+  for (const Entry& entry : entries_) {
+    if (entry.spooled.has_value()) bytes += entry.spooled->record.bytes;
+  }
+  return bytes;
+}
+
 absl::Status Outbox::AddFound(const SpooledBatch& spooled) {
   const SpoolRecord& record = spooled.record;
   const bool is_whole = record.kind != SpoolRecord::Kind::kBatch;

@@ -49,6 +49,8 @@ class Outbox {
   bool IsEmpty() const { return entries_.empty(); }
   size_t bytes() const { return bytes_; }
   size_t size() const { return entries_.size(); }
+  // Returns what its batches take in the spool, those that are in memory, too, included.
+  uint64_t SpooledBytes() const;
 
   // Notes that the agent begins a local map. Returns false if the id is taken.
   bool Begin(LocalMapId local_map) { return local_maps_.try_emplace(local_map).second; }

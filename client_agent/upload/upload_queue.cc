@@ -34,7 +34,7 @@ UploadQueue::UploadQueue(const UploadQueueOptions& options, std::unique_ptr<Spoo
     if (added.ok() || !cut.insert(found.record.local_map).second) continue;
     NoteLoss({found.record.local_map, /*of_earlier_process=*/true, added});
   }
-  spool_bytes_ = spool_->bytes();
+  spool_bytes_ = outbox_.SpooledBytes();
   if (options.goes_on.IsValid() && !outbox_.GoOnWith(options.goes_on)) {
     LOG(WARNING) << "local map " << ToString(options.goes_on) << " can't go on";
   }

@@ -12,14 +12,14 @@
 namespace corbslam::client_agent {
 
 void UploadQueue::NoteSpool(const absl::Status& room) {
-  const uint64_t bytes = spool_->bytes();
   const uint64_t syncs = spool_->syncs();
   absl::MutexLock lock(&mutex_);
   if (room.ok() != room_.ok()) {
     LOG(WARNING) << (room.ok() ? "the spool has room again" : room.ToString());
   }
   room_ = room;
-  spool_bytes_ = bytes;
+  // The files have more: what is acknowledged goes with its file, and the local map in use stays.
+  spool_bytes_ = outbox_.SpooledBytes();
   spool_syncs_ = syncs;
 }
 

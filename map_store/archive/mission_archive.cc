@@ -19,9 +19,10 @@ namespace {
 constexpr std::string_view kMagic = "CORBMISN";
 // Format 4 holds states of format 3, formats 5 and 6 those of format 4, format 7 those of format 5,
 // format 8 those of format 6, format 9 those of format 7, format 10 those of format 8, format 11
-// those of format 9, and in format 5 no features are coded; otherwise they are the same.
+// those of format 9, format 12 those of format 10, and in format 5 no features are coded; otherwise
+// they are the same.
 constexpr uint32_t kOldestFormat = 4;
-constexpr uint32_t kFormat = 12;
+constexpr uint32_t kFormat = 13;
 constexpr size_t kHeaderBytes = kMagic.size() + sizeof(kFormat);
 constexpr size_t kSectionHeadBytes = 1 + sizeof(uint64_t);
 constexpr size_t kChecksumBytes = sizeof(uint32_t);

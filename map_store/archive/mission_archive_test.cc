@@ -174,9 +174,12 @@ std::string AsFormat6(const MissionState& of) {
   // That nothing has retired takes eight bytes, and sixteen for each local map.
   // That none was deleted takes eight, and that nothing has become a part of a local map as many.
   // That an agent has no trajectory of its own takes sixteen; when local maps arrived takes
-  // sixteen, and as many for each. A uid takes eight more than it has digits.
+  // sixteen, and as many for each. A uid takes eight more than it has digits. Whose local maps they
+  // are takes eight, sixteen and its name for each agent, and eight for each local map.
+  size_t names = 0;
+  for (const auto& [name, agent] : of.agents) names += 16 + name.size();
   state.resize(state.size() - profile.Take().size() - 32 - 40 * of.order.size() -
-               16 * of.agents.size() - 8 - of.uid.size());
+               16 * of.agents.size() - 8 - of.uid.size() - 8 - names - 8 * of.order.size());
   return state;
 }
 

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -39,7 +40,8 @@ namespace {
 // format 6 missions have no profile, and the store lets go of nothing; in format 7 profiles have no
 // revision and no settings of robots, local maps stay as they are, and none is deleted; up to
 // format 8 what agents that only localise say is not kept, nor in which order parts of local maps
-// arrived; up to format 9 a mission has no uid.
+// arrived; up to format 9 a mission has no uid, and up to format 10 nobody knows whose a deleted
+// local map was.
 constexpr uint32_t kOldestStateFormat = 3;
 constexpr uint32_t kFirstWithAnchors = 5;
 constexpr uint32_t kFirstWithProfile = 7;
@@ -48,7 +50,8 @@ constexpr uint32_t kFirstWithJoined = 8;
 constexpr uint32_t kFirstWithTracks = 9;
 constexpr uint32_t kFirstWithArrivals = 9;
 constexpr uint32_t kFirstWithUid = 10;
-constexpr uint32_t kStateFormat = 10;
+constexpr uint32_t kFirstWithNumbers = 11;
+constexpr uint32_t kStateFormat = 11;
 
 absl::Status CheckRecordedCameras(const LocalMapState& local_map) {
   if (local_map.recorded_cameras.size() > local_map.cameras.size()) {
@@ -94,11 +97,31 @@ void TrackFields(Archive& archive, State& state) {
   for (auto& [name, agent] : state.agents) archive(agent.track);
 }
 
+// Numbers each agent's local maps, for a state of an older format: those that are deleted are not
+// counted.
+std::map<std::string, std::vector<LocalMapId>> NamesOfAgents(
+    const std::map<uint64_t, LocalMapId>& names, const MissionState& state) {
+  std::map<std::string, std::vector<LocalMapId>> of_agents;
+  for (const auto& [number, name] : names) {
+    const LocalMapState* local_map = state.FindLocalMap(name);
+    if (local_map != nullptr) of_agents[local_map->agent].push_back(name);
+  }
+  return of_agents;
+}
+
 void ReadArrivals(ArchiveReader& reader, MissionState& state) {
   uint64_t gone = 0;
   std::map<uint64_t, LocalMapId> names;
   reader(gone, names);
-  state.arrivals = ArrivalBook(gone, std::move(names));
+  std::map<std::string, std::vector<LocalMapId>> of_agents = NamesOfAgents(names, state);
+  state.arrivals = ArrivalBook(gone, std::move(names), std::move(of_agents));
+}
+
+void ReadNumbers(ArchiveReader& reader, MissionState& state) {
+  std::map<std::string, std::vector<LocalMapId>> of_agents;
+  reader(of_agents);
+  const ArrivalBook& read = state.arrivals;
+  state.arrivals = ArrivalBook(read.gone(), read.names(), std::move(of_agents));
 }
 
 // Anchors points of an older format, which are placed in their islands. Where no keyframe is placed
@@ -142,7 +165,7 @@ std::string EncodeState(const MissionState& state) {
   JoinedFields(writer, state);
   TrackFields(writer, state);
   writer(state.arrivals.gone(), state.arrivals.names());
-  writer(state.uid);
+  writer(state.uid, state.arrivals.of_agents());
   return writer.Take();
 }
 
@@ -205,6 +228,7 @@ absl::StatusOr<MissionState> DecodeState(std::string_view bytes, const FeatureLo
     BeginArrivals(state);
   }
   if (format >= kFirstWithUid) reader(state.uid);
+  if (format >= kFirstWithNumbers) ReadNumbers(reader, state);
   if (!reader.done()) return Unreadable("a mission's snapshot");
   RETURN_IF_ERROR(ValidateState(state));
   IndexPoints(state);

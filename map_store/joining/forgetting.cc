@@ -25,8 +25,12 @@ int64_t NewestTime(const LocalMapState& local_map) {
   return newest;
 }
 
-void Count(const LocalMapState& local_map, ForgottenLocalMaps& forgotten) {
+void Count(const LocalMapState& local_map, const ArrivalBook& arrivals,
+           ForgottenLocalMaps& forgotten) {
   forgotten.local_maps.push_back(local_map.id);
+  for (const LocalMapId& name : local_map.Names()) {
+    forgotten.numbers.push_back(arrivals.NumberOfAgent(name));
+  }
   forgotten.keyframes += local_map.map.keyframes().size();
   forgotten.map_points += local_map.map.points().size();
   forgotten.stored_bytes += local_map.stored_bytes;
@@ -162,8 +166,9 @@ absl::StatusOr<ForgottenLocalMaps> ChooseForgotten(const ForgetRequest& request,
   ForgottenLocalMaps forgotten;
   for (const LocalMapState* local_map : closed) {
     const bool goes = !request.before_ns.has_value() || NewestTime(*local_map) < *request.before_ns;
-    if (goes) Count(*local_map, forgotten);
+    if (goes) Count(*local_map, state.arrivals, forgotten);
   }
+  std::ranges::sort(forgotten.numbers);
   return forgotten;
 }
 

@@ -25,6 +25,9 @@ struct ForgetRequest {
 
 struct ForgottenLocalMaps {
   std::vector<LocalMapId> local_maps;  // In the order of their arrival.
+  // Which of the agent's local maps go (ArrivalBook), those that had become parts of others
+  // included; ascending.
+  std::vector<uint64_t> numbers;
   uint64_t keyframes = 0;
   uint64_t map_points = 0;
   uint64_t stored_bytes = 0;

@@ -23,6 +23,7 @@ TEST(ForgettingTest, ChoosesByNumberOrAge) {
   auto chosen = ChooseForgotten(request, state);
   ASSERT_TRUE(chosen.ok());
   EXPECT_THAT(chosen->local_maps, ElementsAre(LocalMapId{1}, LocalMapId{2}, LocalMapId{3}));
+  EXPECT_THAT(chosen->numbers, ElementsAre(1, 2, 3));
   EXPECT_EQ(chosen->keyframes, 9u);
   request = {.agent = "r", .before_ns = 2000, .keep = {}};
   chosen = ChooseForgotten(request, state);
@@ -62,6 +63,7 @@ TEST(ForgettingTest, WhatBecameOneGoesAsOne) {
   ASSERT_TRUE(chosen.ok());
   EXPECT_THAT(chosen->local_maps, ElementsAre(LocalMapId{1}));
   EXPECT_EQ(chosen->parts, 2u);
+  EXPECT_THAT(chosen->numbers, ElementsAre(1, 2, 3)) << "of its parts, too";
   ForgetLocalMaps(chosen->local_maps, state);
   EXPECT_EQ(state.FindLocalMap({2}), nullptr);
   EXPECT_TRUE(state.joined_into.empty());

@@ -112,6 +112,7 @@ TEST(LocalMapJoiningTest, ASnapshotHasTheSame) {
   EXPECT_EQ(again->joined_into, state.joined_into);
   EXPECT_EQ(again->FindLocalMap({7})->id, LocalMapId{1});
   EXPECT_EQ(LastBatchOf(*again, {7}), 17u);
+  EXPECT_EQ(again->arrivals.NumberOfAgent({7}), 7u) << "parts keep their numbers";
 }
 
 TEST(LocalMapJoiningTest, ARobotThatComesBackToAPartIsToldSo) {
@@ -246,6 +247,12 @@ TEST(LocalMapJoiningTest, PartsThatCanNotBeAreDamage) {
   MissionState twice = state;
   twice.FindLocalMap({4})->AddPart({{2}, 1, 0, 0});
   EXPECT_TRUE(absl::IsDataLoss(ValidateState(twice)));
+  MissionState others = state;
+  const std::map<uint64_t, LocalMapId> names = state.arrivals.names();
+  others.arrivals = ArrivalBook(0, names, {{"r", {{1}, {2}, {3}}}, {"s", {{4}}}});
+  EXPECT_TRUE(absl::IsDataLoss(ValidateState(others))) << "another agent's number";
+  others.arrivals = ArrivalBook(0, names, {{"r", {{1}, {2}, {3}, {4}, {2}}}});
+  EXPECT_TRUE(absl::IsDataLoss(ValidateState(others))) << "two numbers";
 }
 
 void AddJoiningOverlap(KeyframeId query, KeyframeId candidate, MissionState& state) {

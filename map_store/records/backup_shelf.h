@@ -72,6 +72,8 @@ class BackupShelf {
   // Removes the oldest backups of each mission that ever had the name beyond its newest `keep` (at
   // least 1) that are good. Archived ones, and those that are being read, stay and do not count.
   virtual absl::Status Purge(absl::string_view mission, size_t keep) = 0;
+  // Removes a backup, with the files that no other one needs, whatever it is: damaged, archived,
+  // the last good one. FAILED_PRECONDITION: it is being read.
   virtual absl::Status Remove(absl::string_view mission, uint32_t number) = 0;
 
   // Returns the missions that have backups, by name.

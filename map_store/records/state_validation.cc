@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <set>
+#include <string>
 
 #include "absl/strings/str_cat.h"
 #include "map_store/ingest/batch_validation.h"
@@ -82,6 +84,23 @@ bool AreArrivalsSound(const MissionState& state) {
   return std::ranges::all_of(state.local_maps, [&arrived](const auto& item) {
     return std::ranges::all_of(item.second.Names(),
                                [&arrived](LocalMapId name) { return arrived.contains(name); });
+  });
+}
+
+// Returns whether no name has numbers of two agents, and every name that is there has one of its
+// own agent.
+bool AreNumbersSound(const MissionState& state) {
+  std::map<LocalMapId, std::string> agents;
+  for (const auto& [agent, names] : state.arrivals.of_agents()) {
+    for (const LocalMapId& name : names) {
+      if (!agents.emplace(name, agent).second) return false;
+    }
+  }
+  return std::ranges::all_of(state.local_maps, [&agents](const auto& item) {
+    return std::ranges::all_of(item.second.Names(), [&](LocalMapId name) {
+      const auto agent = agents.find(name);
+      return agent != agents.end() && agent->second == item.second.agent;
+    });
   });
 }
 
@@ -211,6 +230,7 @@ absl::Status ValidateState(const MissionState& state) {
   RETURN_IF_ERROR(Check(ordered, "the order of local maps"));
   RETURN_IF_ERROR(Check(AreNamesSound(state), "what names local maps have"));
   RETURN_IF_ERROR(Check(AreArrivalsSound(state), "when local maps arrived"));
+  RETURN_IF_ERROR(Check(AreNumbersSound(state), "which of their agents' local maps they are"));
   if (const absl::Status profile = ValidateProfile(state.profile); !profile.ok()) {
     return absl::DataLossError(absl::StrCat("the mission's profile: ", profile.message()));
   }

@@ -208,6 +208,10 @@ absl::Status BackupFolder::Purge(absl::string_view mission, size_t keep) {
 absl::Status BackupFolder::Remove(absl::string_view mission, uint32_t number) {
   absl::MutexLock writing(&writing_);
   RETURN_IF_ERROR(CheckOwner());
+  if (IsHeld(mission, number)) {
+    return absl::FailedPreconditionError(
+        absl::StrCat("backup ", PlaceOf(mission, number), " is being read: try again later"));
+  }
   ASSIGN_OR_RETURN(const std::unique_ptr<rocksdb::BackupEngine> engine,
                    OpenToWrite(FolderOf(mission), options_));
   RETURN_IF_ERROR(ToBackupStatus(PlaceOf(mission, number), engine->DeleteBackup(number)));

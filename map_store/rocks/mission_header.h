@@ -17,10 +17,11 @@ namespace corbslam::map_store {
 // format 10 all missions are in one database, in format 11 missions have no profile and no
 // keyframes retire, in format 12 profiles have no revision and no settings of robots, and no local
 // map becomes a part of another or is deleted, in format 13 what robots that only localise say is
-// not kept, and in format 14 missions have no uid.
+// not kept, in format 14 missions have no uid, and in format 15 nobody knows whose a deleted local
+// map was.
 inline constexpr uint32_t kOldestJournalFormat = 5;
 inline constexpr uint32_t kLastSharedFormat = 10;
-inline constexpr uint32_t kJournalFormat = 15;
+inline constexpr uint32_t kJournalFormat = 16;
 
 // Returns the format's number as it stands under its key. DATA_LOSS for bytes that are no number,
 // FAILED_PRECONDITION for a format that this program doesn't read; `written_by` is the version of

@@ -109,6 +109,8 @@ struct AgentInfo {
 struct LocalMapInfo {
   LocalMapId id;
   std::string agent;
+  // Which of the agent's local maps it is (ArrivalBook).
+  uint64_t number = 0;
   IslandId island;
   bool in_reference_island = false;
   bool closed = false;
@@ -122,8 +124,9 @@ struct LocalMapInfo {
   size_t parked_references = 0;
   // What the store itself let go of (LocalMapState).
   uint64_t retired_keyframes = 0;
-  // Closed local maps of the owner that have become parts of this one.
+  // Closed local maps of the owner that have become parts of this one, and their numbers.
   std::vector<LocalMapId> joined;
+  std::vector<uint64_t> joined_numbers;
   uint64_t faded_points = 0;
 };
 

@@ -90,7 +90,8 @@ void IndexJoined(MissionState& state) {
 void BeginArrivals(MissionState& state) {
   state.arrivals = ArrivalBook(state.joined_into.size() + state.forgotten.size());
   for (const LocalMapId& id : state.order) {
-    for (const LocalMapId& name : state.local_maps.at(id).Names()) state.arrivals.Add(name);
+    const LocalMapState& local_map = state.local_maps.at(id);
+    for (const LocalMapId& name : local_map.Names()) state.arrivals.Add(name, local_map.agent);
   }
 }
 
@@ -131,7 +132,7 @@ LocalMapState& AddLocalMap(MissionState& state, LocalMapId id, const std::string
   local_map.agent = agent;
   local_map.order = state.order.size();
   state.order.push_back(id);
-  state.arrivals.Add(id);
+  state.arrivals.Add(id, agent);
   state.agents[agent].local_maps.push_back(id);
   state.global.island_of[id] = id;
   Island& island = state.global.islands[id];

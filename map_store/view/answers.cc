@@ -107,6 +107,7 @@ LocalMapInfo DescribeLocalMap(const MissionState& state, const LocalMapState& lo
   LocalMapInfo info;
   info.id = local_map.id;
   info.agent = local_map.agent;
+  info.number = state.arrivals.NumberOfAgent(local_map.id);
   info.island = state.global.island_of.at(local_map.id);
   info.in_reference_island = info.island == state.ReferenceIsland();
   info.closed = local_map.closed;
@@ -121,7 +122,10 @@ LocalMapInfo DescribeLocalMap(const MissionState& state, const LocalMapState& lo
   info.lost_frames = local_map.lost_frames_ns.size();
   info.parked_references = local_map.CountParked();
   info.retired_keyframes = local_map.retired_keyframes;
-  for (const JoinedLocalMap& part : local_map.joined) info.joined.push_back(part.id);
+  for (const JoinedLocalMap& part : local_map.joined) {
+    info.joined.push_back(part.id);
+    info.joined_numbers.push_back(state.arrivals.NumberOfAgent(part.id));
+  }
   info.faded_points = local_map.faded_points;
   return info;
 }

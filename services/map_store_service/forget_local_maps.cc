@@ -22,6 +22,9 @@ map_store::ForgetRequest FromProto(const std::string& agent,
 void ForgottenToProto(const map_store::ForgottenLocalMaps& forgotten,
                       v1::ForgetLocalMapsResponse* proto) {
   for (const LocalMapId& id : forgotten.local_maps) proto->add_local_maps(ToString(id));
+  for (const uint64_t number : forgotten.numbers) {
+    proto->add_numbers(static_cast<uint32_t>(number));
+  }
   proto->set_parts(forgotten.parts);
   proto->set_keyframes(forgotten.keyframes);
   proto->set_map_points(forgotten.map_points);

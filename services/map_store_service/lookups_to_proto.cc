@@ -98,6 +98,7 @@ void ToProto(absl::string_view mission, const AgentInfo& info, v1::MissionAgent*
 void ToProto(absl::string_view mission, const LocalMapInfo& info, v1::LocalMap* proto) {
   proto->set_name(LocalMapName(mission, info.id));
   proto->set_agent(AgentName(mission, info.agent));
+  proto->set_number(Count(info.number));
   proto->set_island(NameOrEmpty(mission, info.island));
   proto->set_in_global_frame(info.in_reference_island);
   proto->set_closed(info.closed);
@@ -113,6 +114,7 @@ void ToProto(absl::string_view mission, const LocalMapInfo& info, v1::LocalMap* 
   for (const LocalMapId& part : info.joined) {
     proto->add_joined_local_maps(LocalMapName(mission, part));
   }
+  for (const uint64_t number : info.joined_numbers) proto->add_joined_numbers(Count(number));
   proto->set_faded_map_points(info.faded_points);
 }
 

@@ -31,8 +31,10 @@ using MapStoreBackupMethods =
     v1::MapStore::WithCallbackMethod_StoreBackup<v1::MapStore::WithCallbackMethod_ListStoredBackups<
         v1::MapStore::WithCallbackMethod_RestoreStoredBackup<
             v1::MapStore::WithCallbackMethod_VerifyStoredBackup<
-                v1::MapStore::WithCallbackMethod_ArchiveMission<
-                    v1::MapStore::WithCallbackMethod_ForgetLocalMaps<v1::MapStore::Service>>>>>>;
+                v1::MapStore::WithCallbackMethod_DeleteStoredBackup<
+                    v1::MapStore::WithCallbackMethod_ArchiveMission<
+                        v1::MapStore::WithCallbackMethod_ForgetLocalMaps<
+                            v1::MapStore::Service>>>>>>>;
 using MapStoreSettingsMethods = v1::MapStore::WithCallbackMethod_SetRobotSettings<
     v1::MapStore::WithCallbackMethod_GetRobotSettings<
         v1::MapStore::WithCallbackMethod_GetOverlap<MapStoreBackupMethods>>>;
@@ -190,6 +192,9 @@ class MapStoreService : public MapStoreMethods {
                                                 v1::Mission* response) override;
   grpc::ServerUnaryReactor* VerifyStoredBackup(grpc::CallbackServerContext* context,
                                                const v1::VerifyStoredBackupRequest* request,
+                                               v1::StoredBackup* response) override;
+  grpc::ServerUnaryReactor* DeleteStoredBackup(grpc::CallbackServerContext* context,
+                                               const v1::DeleteStoredBackupRequest* request,
                                                v1::StoredBackup* response) override;
   grpc::ServerUnaryReactor* ArchiveMission(grpc::CallbackServerContext* context,
                                            const v1::ArchiveMissionRequest* request,

@@ -91,6 +91,12 @@ class StoredBackupsServiceTest : public ::testing::Test {
     request.set_name(name);
     return stub_->RestoreStoredBackup(&context, request, made);
   }
+  grpc::Status Delete(const std::string& backup, v1::StoredBackup* gone) {
+    grpc::ClientContext context;
+    v1::DeleteStoredBackupRequest request;
+    request.set_backup(backup);
+    return stub_->DeleteStoredBackup(&context, request, gone);
+  }
   v1::ListStoredBackupsResponse List(const std::string& parent, int size,
                                      const std::string& token = "") {
     grpc::ClientContext context;
@@ -136,6 +142,10 @@ TEST_F(StoredBackupsServiceTest, StoresListsVerifiesAndRestores) {
     EXPECT_TRUE(verified.ok()) << verified.error_message();
     EXPECT_EQ(made.name(), "missions/lab/backups/2");
   }
+  EXPECT_TRUE(Delete("missions/lab/backups/2", &made).ok());
+  EXPECT_EQ(made.name(), "missions/lab/backups/2");
+  EXPECT_EQ(List("missions/lab", 0).backups_size(), 1);
+  EXPECT_EQ(Delete("missions/lab/backups/2", &made).error_code(), grpc::StatusCode::NOT_FOUND);
   v1::Mission mission;
   EXPECT_EQ(Restore("missions/lab/backups/1", "", &mission).error_code(),
             grpc::StatusCode::ALREADY_EXISTS);
@@ -171,6 +181,7 @@ TEST_F(StoredBackupsServiceTest, RefusesNamesAndStoresWithoutAFolder) {
     EXPECT_EQ(Restore(name, "missions/x", &mission).error_code(),
               grpc::StatusCode::INVALID_ARGUMENT)
         << name;
+    EXPECT_EQ(Delete(name, &made).error_code(), grpc::StatusCode::INVALID_ARGUMENT) << name;
   }
   EXPECT_EQ(Store("missions/nobody", &made).error_code(), grpc::StatusCode::NOT_FOUND);
   EXPECT_EQ(Restore("missions/lab/backups/7", "missions/x", &mission).error_code(),

@@ -58,6 +58,14 @@ grpc::ServerUnaryReactor* GuardedMapStore::VerifyStoredBackup(
                      : RefuseBackup(context, status);
 }
 
+grpc::ServerUnaryReactor* GuardedMapStore::DeleteStoredBackup(
+    grpc::CallbackServerContext* context, const v1::DeleteStoredBackupRequest* request,
+    v1::StoredBackup* response) {
+  const absl::Status status = Check(*context, Action::kAdminister, request->backup());
+  return status.ok() ? service_.DeleteStoredBackup(context, request, response)
+                     : RefuseBackup(context, status);
+}
+
 grpc::ServerUnaryReactor* GuardedMapStore::ArchiveMission(grpc::CallbackServerContext* context,
                                                           const v1::ArchiveMissionRequest* request,
                                                           v1::StoredBackup* response) {

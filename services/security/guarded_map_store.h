@@ -100,6 +100,9 @@ class GuardedMapStore : public MapStoreMethods {
   grpc::ServerUnaryReactor* VerifyStoredBackup(grpc::CallbackServerContext* context,
                                                const v1::VerifyStoredBackupRequest* request,
                                                v1::StoredBackup* response) override;
+  grpc::ServerUnaryReactor* DeleteStoredBackup(grpc::CallbackServerContext* context,
+                                               const v1::DeleteStoredBackupRequest* request,
+                                               v1::StoredBackup* response) override;
   grpc::ServerUnaryReactor* ArchiveMission(grpc::CallbackServerContext* context,
                                            const v1::ArchiveMissionRequest* request,
                                            v1::StoredBackup* response) override;

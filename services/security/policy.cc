@@ -106,6 +106,7 @@ const std::map<absl::string_view, Action>& OwnMethods() {
       {"/corbslam.v1.MapStore/ListStoredBackups", Action::kAdminister},
       {"/corbslam.v1.MapStore/RestoreStoredBackup", Action::kAdminister},
       {"/corbslam.v1.MapStore/VerifyStoredBackup", Action::kAdminister},
+      {"/corbslam.v1.MapStore/DeleteStoredBackup", Action::kAdminister},
       {"/corbslam.v1.MapStore/ArchiveMission", Action::kAdminister},
       {"/corbslam.v1.MapStore/ListAgents", Action::kLook},
       {"/corbslam.v1.MapStore/ListLocalMaps", Action::kLook},

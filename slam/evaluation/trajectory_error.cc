@@ -120,6 +120,17 @@ std::optional<RelativeError> ComputeRelativeError(const std::vector<PosePair>& p
   return Mean(sum);
 }
 
+std::optional<RelativeError> MeanOverSegments(const std::vector<RelativeError>& errors) {
+  RelativeError sum;
+  for (const RelativeError& error : errors) {
+    sum.translation_percent += error.segments * error.translation_percent;
+    sum.rotation_deg_per_100m += error.segments * error.rotation_deg_per_100m;
+    sum.segments += error.segments;
+  }
+  if (sum.segments == 0) return std::nullopt;
+  return Mean(sum);
+}
+
 std::vector<LengthError> ComputeErrorByLength(const std::vector<PosePair>& pairs,
                                               const Trajectory& truth, int first_pose_step) {
   const TrueTravel travel = MeasureTravel(pairs, truth);

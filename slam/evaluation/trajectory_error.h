@@ -46,6 +46,9 @@ std::optional<RelativeError> ComputeRelativeError(const std::vector<PosePair>& p
                                                   const Trajectory& truth,
                                                   int first_pose_step = 10);
 
+// Returns the mean over all segments of several paths; nullopt where there is none.
+std::optional<RelativeError> MeanOverSegments(const std::vector<RelativeError>& errors);
+
 // The mean relative error over segments of one length.
 struct LengthError {
   double length_m = 0;

@@ -161,6 +161,15 @@ TEST(ErrorByLengthTest, AddsUpToTheRelativeError) {
   EXPECT_TRUE(ComputeErrorByLength({}, truth).empty());
 }
 
+TEST(RelativeErrorTest, OfSeveralPathsItIsTheMeanOverTheirSegments) {
+  const auto mean = MeanOverSegments({{1, 0.5, 10}, {4, 2, 20}});
+  ASSERT_TRUE(mean.has_value());
+  EXPECT_NEAR(mean->translation_percent, 3, 1e-12);
+  EXPECT_NEAR(mean->rotation_deg_per_100m, 1.5, 1e-12);
+  EXPECT_EQ(mean->segments, 30);
+  EXPECT_FALSE(MeanOverSegments({}).has_value());
+}
+
 TEST(RelativeErrorTest, IsAbsentForAShortPath) {
   EXPECT_FALSE(ComputeRelativeError(PairUp(MakeSpiral(50), kMoved), MakeSpiral(50)).has_value());
 }

@@ -106,6 +106,33 @@ TEST(ToolTest, SaysThatATruthIsInMillimetres) {
   EXPECT_THAT(RunTool({"eval", "--truth", estimate, estimate}), Not(HasSubstr("times as large")));
 }
 
+// Two recordings of one room, each with a clock that begins at 0, in two robots' fused map.
+TEST(ToolTest, HoldsTwoSequencesAgainstTruthsInOneFrame) {
+  const auto write = [](const std::string& name, double x) {
+    const std::string path = TestPath(name);
+    std::ofstream file(path);
+    for (int i = 0; i < 20; ++i) {
+      file << absl::StrFormat("%d %g %g 0 0 0 0 1\n", i, x + 0.1 * i, 0.01 * i * i);
+    }
+    return path;
+  };
+  const std::string first = write("first.txt", 0);
+  const std::string second = write("second.txt", 5);
+  // The second robot's map lies 0.2 m beside where it should be to the first's.
+  const std::string beside = write("beside.txt", 5.2);
+  std::vector<std::string> command = {"eval", "--truth", first, "--truth", second, first, beside};
+  const std::string own = RunTool(command);
+  EXPECT_THAT(own, HasSubstr("no fused error: --truth-frame shared"));
+  EXPECT_THAT(own, Not(HasSubstr("\nfused ")));
+  command.insert(command.end(), {"--truth-frame", "shared", "--json", "-"});
+  const json rows = json::parse(RunTool(command));
+  ASSERT_EQ(rows.size(), 3u);
+  EXPECT_LT(rows[1]["ate_m"], 1e-6) << "alone the second is right";
+  EXPECT_EQ(rows[2]["name"], "fused");
+  EXPECT_EQ(rows[2]["poses"], 40);
+  EXPECT_GT(rows[2]["ate_m"], 0.05);
+}
+
 TEST(ToolTest, SaysThatNoStoreAnswers) {
   for (const std::vector<std::string>& command :
        {std::vector<std::string>{"render", "--server", kNobody, "--insecure"},
@@ -161,7 +188,7 @@ TEST(ToolTest, ForgetsSessionsAndSaysWhatItDoesNotKnow) {
   EXPECT_EQ(would["local_maps"].size(), 1u);
   EXPECT_GT(would["keyframes"], 0);
   EXPECT_THAT(RunTool(forget({"--agent", "alpha", "--keep", "0"})),
-              HasSubstr("deleted 1 local maps of alpha"));
+              AllOf(HasSubstr("deleted 1 local maps of alpha"), HasSubstr("points: alpha/1\n")));
   const json again = ReadDocument(RunTool(forget({"--agent", "alpha", "--keep", "0", "--json"})));
   EXPECT_EQ(again["local_maps"].size(), 0u) << "nothing is left, and that is no error";
 }

@@ -132,23 +132,29 @@ absl::StatusOr<std::map<std::string, v1::MissionAgent>> StoreReader::ListAgents(
   return agents;
 }
 
-absl::StatusOr<std::map<std::string, uint64_t>> StoreReader::CountReportedFrames() {
+absl::StatusOr<std::vector<v1::LocalMap>> StoreReader::ListLocalMaps() {
   v1::ListLocalMapsRequest request;
   request.set_parent(MissionName(mission_));
-  std::map<std::string, uint64_t> frames;
+  std::vector<v1::LocalMap> local_maps;
   do {
     grpc::ClientContext context;
     WaitForAnswer(context);
     v1::ListLocalMapsResponse response;
     const grpc::Status status = stub_->ListLocalMaps(&context, request, &response);
-    if (status.error_code() == grpc::StatusCode::NOT_FOUND) return frames;
+    if (status.error_code() == grpc::StatusCode::NOT_FOUND) return local_maps;
     RETURN_IF_ERROR(ToStatus(status, "ListLocalMaps"));
-    for (const v1::LocalMap& local_map : response.local_maps()) {
-      frames[LastSegment(local_map.agent())] +=
-          local_map.tracked_frames() + local_map.lost_frames();
-    }
+    local_maps.insert(local_maps.end(), response.local_maps().begin(), response.local_maps().end());
     request.set_page_token(response.next_page_token());
   } while (!request.page_token().empty());
+  return local_maps;
+}
+
+absl::StatusOr<std::map<std::string, uint64_t>> StoreReader::CountReportedFrames() {
+  ASSIGN_OR_RETURN(const std::vector<v1::LocalMap> local_maps, ListLocalMaps());
+  std::map<std::string, uint64_t> frames;
+  for (const v1::LocalMap& local_map : local_maps) {
+    frames[LastSegment(local_map.agent())] += local_map.tracked_frames() + local_map.lost_frames();
+  }
   return frames;
 }
 

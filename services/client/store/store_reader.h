@@ -41,6 +41,8 @@ class StoreReader {
   absl::Status WaitUntilFused(absl::Duration timeout);
   // Returns the mission's agents by their own names; none before the first.
   absl::StatusOr<std::map<std::string, v1::MissionAgent>> ListAgents();
+  // Returns the mission's local maps as they arrived; none before the first.
+  absl::StatusOr<std::vector<v1::LocalMap>> ListLocalMaps();
   // Returns how many frames, tracked or lost, each agent has reported so far; empty before the
   // first.
   absl::StatusOr<std::map<std::string, uint64_t>> CountReportedFrames();

@@ -15,6 +15,7 @@
 #include "services/tool/mission/file_backups.h"
 #include "services/tool/mission/mission_admin.h"
 #include "services/tool/mission/mission_json.h"
+#include "services/tool/output/confirmation.h"
 #include "services/tool/output/result.h"
 #include "slam/util/status_macros.h"
 
@@ -61,6 +62,30 @@ absl::Status VerifyBackup(const MissionArguments& arguments) {
   ASSIGN_OR_RETURN(const auto channel, Connect(arguments));
   ASSIGN_OR_RETURN(const v1::StoredBackup found, BackupAdmin(channel).Verify(arguments.stored));
   PrintBackup("all checksums fit", found);
+  return absl::OkStatus();
+}
+
+// Says what is lost with a backup, as far as the store lists it.
+std::string DescribeLoss(const std::string& name, const absl::StatusOr<v1::StoredBackup>& found) {
+  if (!found.ok()) return absl::StrCat(name, ", of which the store lists nothing, goes for good.");
+  return absl::StrFormat(
+      "%s of %s, with %u keyframes, goes for good%s.", name,
+      absl::FormatTime(absl::RFC3339_sec, absl::FromUnixNanos(found->created_ns()),
+                       absl::UTCTimeZone()),
+      found->keyframes(), found->archived() ? ", and the mission with it: it is an archive" : "");
+}
+
+absl::Status DeleteBackup(const MissionArguments& arguments) {
+  RETURN_IF_ERROR(ParseBackupName(arguments.stored).status());
+  ASSIGN_OR_RETURN(const auto channel, Connect(arguments));
+  BackupAdmin admin(channel);
+  // One that is too damaged to be listed can be deleted, too.
+  const absl::StatusOr<v1::StoredBackup> found = admin.Find(arguments.stored);
+  if (!found.ok() && !absl::IsNotFound(found.status())) return found.status();
+  RETURN_IF_ERROR(ConfirmLoss(DescribeLoss(arguments.stored, found), arguments.yes));
+  ASSIGN_OR_RETURN(const v1::StoredBackup gone,
+                   admin.Delete(arguments.stored, found.ok() ? found->created_ns() : 0));
+  PrintBackup(gone.archived() ? "archive deleted" : "deleted", gone);
   return absl::OkStatus();
 }
 
@@ -196,6 +221,12 @@ void AddBackupActions(CLI::App& mission, const std::shared_ptr<MissionArguments>
   AddStoredFlag(*verify, *arguments);
   verify->get_option("--stored")->required();
   AddJsonFlag(*verify, *arguments);
+  CLI::App* remove = AddMissionAction(mission, "delete-backup", "Remove such a backup for good",
+                                      &DeleteBackup, arguments, chosen);
+  AddStoredFlag(*remove, *arguments);
+  remove->get_option("--stored")->required();
+  AddYesFlag(*remove, *arguments);
+  AddJsonFlag(*remove, *arguments);
   CLI::App* archive =
       AddMissionAction(mission, "archive",
                        "Store a backup, verify it, and delete the mission; `restore` brings it "

@@ -4,7 +4,10 @@
 #include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
@@ -24,6 +27,7 @@ constexpr double kLargestGap_s = 1;
 
 struct EvalArguments {
   EvaluationFiles files;
+  std::string truth_frame = "own";
   std::string alignment = "se3";
   double max_gap_s = static_cast<double>(kMaxAssociationGap_ns) * 1e-9;
   std::string json;
@@ -41,8 +45,8 @@ absl::StatusOr<int64_t> MaxGap_ns(double max_gap_s) {
 
 absl::StatusOr<nlohmann::ordered_json> Measure(const std::string& name,
                                                const std::vector<PosePair>& pairs,
-                                               const std::vector<PosePair>& in_time,
-                                               const Trajectory& truth, Alignment alignment) {
+                                               const std::optional<RelativeError>& relative,
+                                               Alignment alignment) {
   const absl::StatusOr<AbsoluteError> error = ComputeAbsoluteError(pairs, alignment);
   if (!error.ok()) {
     return absl::Status(error.status().code(), absl::StrCat(name, ": ", error.status().message()));
@@ -56,7 +60,7 @@ absl::StatusOr<nlohmann::ordered_json> Measure(const std::string& name,
                                  {"scale", error->truth_from_estimate.scale},
                                  {"t_rel_percent", nullptr},
                                  {"r_rel_deg_per_100m", nullptr}};
-  if (const auto relative = ComputeRelativeError(in_time, truth); relative.has_value()) {
+  if (relative.has_value()) {
     json["t_rel_percent"] = relative->translation_percent;
     json["r_rel_deg_per_100m"] = relative->rotation_deg_per_100m;
   }
@@ -97,6 +101,17 @@ void SayOtherSize(const std::vector<PosePair>& pairs, Alignment alignment) {
                scale, similar->rmse_m);
 }
 
+// Returns the error along one path through all estimates, where these have one truth; else the mean
+// over the segments of each.
+std::optional<RelativeError> FusedRelative(const EvaluationInput& input,
+                                           const std::vector<RelativeError>& of_each,
+                                           int64_t max_gap_ns) {
+  if (input.truths.size() > 1) return MeanOverSegments(of_each);
+  const Trajectory& truth = input.truths.front();
+  return ComputeRelativeError(AssociateByTime(MergeByTime(input.estimates), truth, max_gap_ns),
+                              truth);
+}
+
 absl::Status Eval(const EvalArguments& arguments) {
   ASSIGN_OR_RETURN(const int64_t max_gap_ns, MaxGap_ns(arguments.max_gap_s));
   ASSIGN_OR_RETURN(const EvaluationInput input, ReadEvaluationInput(arguments.files));
@@ -104,17 +119,24 @@ absl::Status Eval(const EvalArguments& arguments) {
   const Alignment alignment = arguments.alignment == "sim3" ? Alignment::kSim3 : Alignment::kSe3;
   nlohmann::ordered_json rows = nlohmann::ordered_json::array();
   std::vector<PosePair> all;
+  std::vector<RelativeError> relative;
   for (size_t i = 0; i < input.estimates.size(); ++i) {
     const std::string& name = arguments.files.estimates[i];
-    const auto pairs = AssociateByTime(input.estimates[i], input.truth, max_gap_ns);
+    const Trajectory& truth = input.TruthOf(i);
+    const auto pairs = AssociateByTime(input.estimates[i], truth, max_gap_ns);
     SayUnpaired(name, input.estimates[i].size(), pairs.size(), arguments.max_gap_s);
     all.insert(all.end(), pairs.begin(), pairs.end());
-    ASSIGN_OR_RETURN(rows.emplace_back(), Measure(name, pairs, pairs, input.truth, alignment));
+    const std::optional<RelativeError> own = ComputeRelativeError(pairs, truth);
+    if (own.has_value()) relative.push_back(*own);
+    ASSIGN_OR_RETURN(rows.emplace_back(), Measure(name, pairs, own, alignment));
   }
-  SayOtherSize(all, alignment);
-  if (input.estimates.size() > 1) {
-    const auto merged = AssociateByTime(MergeByTime(input.estimates), input.truth, max_gap_ns);
-    ASSIGN_OR_RETURN(rows.emplace_back(), Measure("fused", all, merged, input.truth, alignment));
+  if (input.is_one_frame) SayOtherSize(all, alignment);
+  if (input.estimates.size() > 1 && input.is_one_frame) {
+    const std::optional<RelativeError> fused = FusedRelative(input, relative, max_gap_ns);
+    ASSIGN_OR_RETURN(rows.emplace_back(), Measure("fused", all, fused, alignment));
+  } else if (input.estimates.size() > 1) {
+    std::fputs("no fused error: --truth-frame shared says that the truths are in one frame\n",
+               stderr);
   }
   if (WantsJson()) {
     PrintResult("", rows);
@@ -134,10 +156,17 @@ void AddEvalCommand(CLI::App& app, Command& chosen) {
   EvaluationFiles& files = arguments->files;
   CLI::App* eval = app.add_subcommand(
       "eval", "Errors of trajectories against the truth, each and all under one alignment");
-  eval->add_option("--truth", files.truth,
+  eval->add_option("--truth", files.truths,
                    "kitti:DIR, tum:DIR, euroc:DIR or sim:WORLD; or a file in TUM's, EuRoC's or "
-                   "KITTI's form, its times in FILE.times or --truth-times")
-      ->required();
+                   "KITTI's form, its times in FILE.times or --truth-times. Of several sequences "
+                   "again, for each trajectory in their order")
+      ->required()
+      ->allow_extra_args(false);
+  eval->add_option("--truth-frame", arguments->truth_frame,
+                   "Of several --truth: own (each has a frame of its own), or shared (one frame, "
+                   "as of recordings of one room: all are aligned at once)")
+      ->check(CLI::IsMember({"own", "shared"}))
+      ->capture_default_str();
   eval->add_option("--truth-times", files.truth_times, "The times.txt of a KITTI file");
   eval->add_option("estimates", files.estimates,
                    "Trajectories in any form that mission export writes")
@@ -158,7 +187,10 @@ void AddEvalCommand(CLI::App& app, Command& chosen) {
       ->capture_default_str();
   eval->add_option("--json", arguments->json,
                    "File to write the table to as JSON, too; - prints JSON instead");
-  eval->callback([arguments, &chosen] { chosen = [arguments] { return Eval(*arguments); }; });
+  eval->callback([arguments, &chosen] {
+    arguments->files.is_truth_shared = arguments->truth_frame == "shared";
+    chosen = [arguments] { return Eval(*arguments); };
+  });
 }
 
 }  // namespace corbslam::services

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "services/client/store/local_map_names.h"
 #include "services/client/store/store_reader.h"
 #include "services/convert/resource_names.h"
 #include "services/tool/commands/recorded_notes.h"
@@ -14,7 +15,6 @@
 #include "services/tool/export/mcap/mission_recording.h"
 #include "services/tool/export/robot_colours.h"
 #include "services/tool/mission/mission_summary.h"
-#include "services/tool/mission/summary_pairs.h"
 #include "services/tool/output/result.h"
 #include "slam/evaluation/pose_header.h"
 #include "slam/util/status_macros.h"
@@ -93,11 +93,32 @@ absl::StatusOr<ToldMap> RecordPast(const MissionArguments& arguments, StoreReade
   return map;
 }
 
+// The frames, by local map and time, that nothing connects with the one before.
+using Gaps = std::set<std::pair<std::string, int64_t>>;
+
+Gaps GapsOf(const ServedTrajectory& served) {
+  Gaps gaps;
+  for (const ServedPose& pose : served) {
+    if (pose.after_gap) gaps.emplace(pose.local_map, pose.timestamp_ns);
+  }
+  return gaps;
+}
+
+// Appends a part's poses, and where its pieces begin.
+void AddPart(const TrajectoryPart& part, const Gaps& gaps, RecordedTrajectory& trajectory) {
+  for (size_t i = 0; i < part.poses.size(); ++i) {
+    const bool begins = i == 0 || gaps.contains({part.local_map, part.poses[i].timestamp_ns});
+    if (begins) trajectory.pieces.push_back(trajectory.poses.size());
+    trajectory.poses.push_back(part.poses[i]);
+  }
+}
+
 // Adds a robot's drives, each island's part of them on its own.
 absl::Status AddDrives(const std::string& robot, const ServedTrajectory& served, const ToldMap& map,
                        const LocalMapNames& names, std::vector<RecordedTrajectory>& trajectories) {
   const std::vector<TrajectoryFile> drives = ShareFiles(PartsOf(served));
   const std::vector<std::string> suffixes = SuffixesOf(drives, names);
+  const Gaps gaps = GapsOf(served);
   for (size_t i = 0; i < drives.size(); ++i) {
     const TrajectoryFile& parts = drives[i];
     std::map<LocalMapId, RecordedTrajectory> by_island;
@@ -112,7 +133,7 @@ absl::Status AddDrives(const std::string& robot, const ServedTrajectory& served,
       trajectory.island = island;
       trajectory.in_global_frame = known != map.islands.end() && known->second.in_global_frame;
       trajectory.drive_begins_ns = parts.front().poses.front().timestamp_ns;
-      trajectory.poses.insert(trajectory.poses.end(), part.poses.begin(), part.poses.end());
+      AddPart(part, gaps, trajectory);
     }
     for (auto& [island, trajectory] : by_island) trajectories.push_back(std::move(trajectory));
   }
@@ -123,7 +144,7 @@ absl::StatusOr<std::vector<RecordedTrajectory>> ReadDrives(const MissionSummary&
                                                            PosesOf poses_of, const ToldMap& map,
                                                            StoreReader& store) {
   std::vector<RecordedTrajectory> trajectories;
-  const LocalMapNames names = ShortNames(summary);
+  const LocalMapNames names = ShortNames(summary.local_maps);
   for (const v1::MissionAgent& agent : summary.agents) {
     const std::string robot = LastSegment(agent.name());
     ASSIGN_OR_RETURN(const ServedTrajectory served,

@@ -9,12 +9,12 @@
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
+#include "services/client/store/local_map_names.h"
 #include "services/client/store/store_reader.h"
 #include "services/convert/resource_names.h"
 #include "services/tool/evaluation/trajectory_files.h"
 #include "services/tool/export/euroc_file.h"
 #include "services/tool/mission/mission_summary.h"
-#include "services/tool/mission/summary_pairs.h"
 #include "services/tool/output/result.h"
 #include "slam/evaluation/pose_header.h"
 #include "slam/evaluation/trajectory_io.h"
@@ -149,7 +149,7 @@ absl::Status ExportTrajectories(const MissionArguments& arguments,
   ASSIGN_OR_RETURN(const PosesOf poses_of,
                    ParsePosesOf(arguments.poses_of.empty() ? "camera" : arguments.poses_of));
   ASSIGN_OR_RETURN(const MissionSummary summary, ReadSummary(channel, arguments.mission));
-  TrajectoryExport exporting(arguments, poses_of, ShortNames(summary), store);
+  TrajectoryExport exporting(arguments, poses_of, ShortNames(summary.local_maps), store);
   if (!arguments.agent.empty()) {
     RETURN_IF_ERROR(CheckNameSegment("--agent", arguments.agent));
     RETURN_IF_ERROR(exporting.Add(arguments.agent, arguments.file));

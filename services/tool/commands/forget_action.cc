@@ -1,10 +1,12 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "absl/time/time.h"
+#include "services/client/store/local_map_names.h"
 #include "services/convert/resource_names.h"
 #include "services/tool/commands/mission_arguments.h"
 #include "services/tool/mission/mission_admin.h"
@@ -56,17 +58,20 @@ absl::Status Forget(const MissionArguments& arguments) {
   ASSIGN_OR_RETURN(const v1::ForgetLocalMapsResponse forgotten, admin.Forget(request));
   nlohmann::ordered_json ids = nlohmann::ordered_json::array();
   for (const std::string& id : forgotten.local_maps()) ids.push_back(id);
-  PrintResult(
-      absl::StrCat(arguments.dry_run ? "would delete " : "deleted ", forgotten.local_maps_size(),
-                   " local maps of ", arguments.agent, " (and ", forgotten.parts(),
-                   " that had become parts of them), with ", forgotten.keyframes(),
-                   " keyframes and ", forgotten.map_points(), " points\n"),
-      {{"dry_run", arguments.dry_run},
-       {"local_maps", ids},
-       {"parts", forgotten.parts()},
-       {"keyframes", forgotten.keyframes()},
-       {"map_points", forgotten.map_points()},
-       {"stored_bytes", forgotten.stored_bytes()}});
+  const std::vector<uint32_t> numbers(forgotten.numbers().begin(), forgotten.numbers().end());
+  const std::string names = DescribeNumbers(arguments.agent, numbers);
+  PrintResult(absl::StrCat(arguments.dry_run ? "would delete " : "deleted ",
+                           forgotten.local_maps_size(), " local maps of ", arguments.agent,
+                           " (and ", forgotten.parts(), " that had become parts of them), with ",
+                           forgotten.keyframes(), " keyframes and ", forgotten.map_points(),
+                           " points", names.empty() ? "" : ": ", names, "\n"),
+              {{"dry_run", arguments.dry_run},
+               {"local_maps", ids},
+               {"numbers", numbers},
+               {"parts", forgotten.parts()},
+               {"keyframes", forgotten.keyframes()},
+               {"map_points", forgotten.map_points()},
+               {"stored_bytes", forgotten.stored_bytes()}});
   return absl::OkStatus();
 }
 

@@ -4,9 +4,9 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/time/time.h"
+#include "services/client/store/local_map_names.h"
 #include "services/convert/resource_names.h"
 #include "services/tool/mission/event_words.h"
-#include "services/tool/mission/summary_pairs.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::services {
@@ -56,7 +56,7 @@ absl::StatusOr<std::vector<RecordedOverlap>> AcceptedOverlaps(const MissionSumma
 }
 
 std::vector<RecordedNote> NotesOfOverlaps(const MissionSummary& summary) {
-  const LocalMapNames names = ShortNames(summary);
+  const LocalMapNames names = ShortNames(summary.local_maps);
   std::vector<RecordedNote> notes;
   for (const v1::Overlap& overlap : summary.overlaps) notes.push_back(NoteOf(overlap, names));
   return notes;
@@ -64,7 +64,7 @@ std::vector<RecordedNote> NotesOfOverlaps(const MissionSummary& summary) {
 
 std::vector<RecordedNote> NotesOfEvents(const std::vector<v1::MissionEvent>& events,
                                         const MissionSummary& summary) {
-  const LocalMapNames names = ShortNames(summary);
+  const LocalMapNames names = ShortNames(summary.local_maps);
   std::vector<RecordedNote> notes;
   for (const v1::MissionEvent& event : events) {
     if (event.missed() > 0) {

@@ -31,6 +31,7 @@ struct RunArguments {
   size_t robots = 0;
   size_t overlap = 20;
   std::string split = "halves";
+  std::string truth_frame = "own";
   std::vector<std::string> perturbations;
 };
 
@@ -45,6 +46,7 @@ absl::StatusOr<std::vector<RobotPlan>> PlanOf(const RunArguments& arguments) {
         absl::StrCat("--robots ", arguments.robots, " with ", arguments.plan.sources.size(),
                      " sources: one source is split, or each robot has a source of its own"));
   }
+  plan.is_truth_shared = arguments.truth_frame == "shared";
   plan.split.robots = arguments.robots == 0 ? 2 : arguments.robots;
   plan.split.overlap = arguments.overlap;
   plan.split.mode = arguments.split == "interleaved" ? SplitMode::kInterleaved : SplitMode::kHalves;
@@ -101,6 +103,12 @@ void AddRunCommand(CLI::App& app, const std::string& command_line, Command& chos
       ->capture_default_str();
   run->add_option("--split", arguments->split, "halves, or interleaved: every n-th frame of a part")
       ->check(CLI::IsMember({"halves", "interleaved"}))
+      ->capture_default_str();
+  run->add_option("--truth-frame", arguments->truth_frame,
+                  "own: each sequence's truth has a frame of its own, if ?truth_frame= does not "
+                  "say otherwise; shared: all are in one, as of recordings of one room, and the "
+                  "fused error is of all")
+      ->check(CLI::IsMember({"own", "shared"}))
       ->capture_default_str();
   run->add_option("--perturb", arguments->perturbations,
                   "What robot N sees differently, as 2:gamma=0.8,noise=4,reverse");

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "services/tool/evaluation/picture.h"
@@ -13,13 +15,21 @@
 namespace corbslam::services {
 namespace {
 
+// Writes the files of one robot at `path` and beside it.
+absl::Status WriteRobotFiles(const std::vector<TrajectoryFile>& files, const std::string& frame,
+                             const LocalMapNames& names, const std::string& path) {
+  return WriteTumFiles(files, PosesOf::kRecordedCamera, frame,
+                       SuffixedPaths(path, SuffixesOf(files, names)), names);
+}
+
 absl::Status WriteTrajectories(const MissionOutcome& outcome, const std::string& folder) {
+  const LocalMapNames& names = outcome.local_map_names;
   for (const RobotPaths& paths : outcome.paths) {
     const std::string stem = absl::StrCat(folder, "/", paths.name);
-    RETURN_IF_ERROR(WriteTumFiles(OwnFiles(PartsOf(paths.local)), PosesOf::kRecordedCamera,
-                                  "in the frame of the local map", stem + ".local.tum"));
-    RETURN_IF_ERROR(WriteTumFiles(ShareFiles(PartsOf(paths.global)), PosesOf::kRecordedCamera,
-                                  "in the mission's global frame", stem + ".global.tum"));
+    RETURN_IF_ERROR(WriteRobotFiles(OwnFiles(PartsOf(paths.local)), "in the frame of the local map",
+                                    names, stem + ".local.tum"));
+    RETURN_IF_ERROR(WriteRobotFiles(ShareFiles(PartsOf(paths.global)),
+                                    "in the mission's global frame", names, stem + ".global.tum"));
     RETURN_IF_ERROR(WriteToldPaths(paths.told, stem + ".told"));
   }
   return absl::OkStatus();

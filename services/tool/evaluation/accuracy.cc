@@ -147,7 +147,7 @@ std::vector<PosePair> PairToTruth(const std::vector<RobotPaths>& robots, const S
 // all its robots' parts.
 std::optional<RelativeError> FusedRelativeError(const std::vector<RobotPaths>& robots,
                                                 const Sequences& sequences) {
-  RelativeError sum;
+  std::vector<RelativeError> errors;
   for (const auto& [key, sequence] : sequences) {
     if (!sequence.truth.has_value()) continue;
     std::vector<Trajectory> parts;
@@ -156,14 +156,9 @@ std::optional<RelativeError> FusedRelativeError(const std::vector<RobotPaths>& r
     }
     const std::optional<RelativeError> error =
         ComputeRelativeError(AssociateByTime(MergeByTime(parts), *sequence.truth), *sequence.truth);
-    if (!error.has_value()) continue;
-    sum.translation_percent += error->segments * error->translation_percent;
-    sum.rotation_deg_per_100m += error->segments * error->rotation_deg_per_100m;
-    sum.segments += error->segments;
+    if (error.has_value()) errors.push_back(*error);
   }
-  if (sum.segments == 0) return std::nullopt;
-  return RelativeError{sum.translation_percent / sum.segments,
-                       sum.rotation_deg_per_100m / sum.segments, sum.segments};
+  return MeanOverSegments(errors);
 }
 
 // Returns the truth of the time in which the robots that went this way were on it.

@@ -53,7 +53,8 @@ struct RobotAccuracy {
 
 struct FusedAccuracy {
   // Error of all robots under one alignment; set only if all local maps are connected to the global
-  // frame and all are of one sequence or of one simulated world.
+  // frame and all truths are in one frame: of one sequence, of one simulated world, or of sequences
+  // that say so (SourceSpec::truth_frame).
   std::optional<AbsoluteError> all;
   std::optional<AbsoluteError> from_frame;
   // The same as `all`, but under one similarity: the error that is left when the map's size does

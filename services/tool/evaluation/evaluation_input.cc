@@ -1,8 +1,10 @@
 #include "services/tool/evaluation/evaluation_input.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <limits>
 #include <memory>
+#include <numeric>
 #include <utility>
 
 #include "absl/strings/match.h"
@@ -78,52 +80,125 @@ absl::StatusOr<int64_t> TimeOfFrame(const SourceSpec& source, size_t frame) {
       absl::StrCat("--from-frame ", frame, ": there are ", frames->frame_count()));
 }
 
-// Returns the time from which errors count.
-absl::StatusOr<int64_t> ReadRecordedTruth(const EvaluationFiles& files, PosesOf poses_of,
-                                          EvaluationInput& input) {
-  ASSIGN_OR_RETURN(const SourceSpec source, ParseSourceSpec(files.truth));
-  ASSIGN_OR_RETURN(const std::optional<GroundTruth> truth, ReadGroundTruth(source));
-  if (!truth.has_value()) {
+struct Truth {
+  Trajectory trajectory;
+  int64_t from_ns = std::numeric_limits<int64_t>::min();  // Errors count from then on.
+};
+
+absl::StatusOr<Truth> ReadRecordedTruth(const std::string& sequence, std::optional<size_t> from,
+                                        PosesOf poses_of, EvaluationInput& input) {
+  ASSIGN_OR_RETURN(const SourceSpec source, ParseSourceSpec(sequence));
+  ASSIGN_OR_RETURN(const std::optional<GroundTruth> recorded, ReadGroundTruth(source));
+  if (!recorded.has_value()) {
     return absl::NotFoundError(absl::StrCat("no ground truth in ", source.directory));
   }
-  AddNotes(truth->notes, input);
-  ASSIGN_OR_RETURN(input.truth, TruthOf(*truth, source, poses_of));
-  if (!files.from_frame.has_value()) return std::numeric_limits<int64_t>::min();
-  return TimeOfFrame(source, *files.from_frame);
+  AddNotes(recorded->notes, input);
+  Truth truth;
+  ASSIGN_OR_RETURN(truth.trajectory, TruthOf(*recorded, source, poses_of));
+  if (from.has_value()) {
+    ASSIGN_OR_RETURN(truth.from_ns, TimeOfFrame(source, *from));
+  }
+  return truth;
 }
 
-absl::StatusOr<int64_t> ReadTruthFile(const EvaluationFiles& files,
-                                      const std::optional<PosesOf>& poses_of,
-                                      EvaluationInput& input) {
-  ASSIGN_OR_RETURN(TrajectoryReading reading, ReadTrajectoryFile(files.truth, files.truth_times));
+absl::StatusOr<Truth> ReadTruthFile(const std::string& file, const EvaluationFiles& files,
+                                    const std::optional<PosesOf>& poses_of,
+                                    EvaluationInput& input) {
+  ASSIGN_OR_RETURN(TrajectoryReading reading, ReadTrajectoryFile(file, files.truth_times));
   AddNotes(reading.notes, input);
   if (reading.trajectory.empty()) {
-    return absl::InvalidArgumentError(absl::StrCat(files.truth, " holds no pose"));
+    return absl::InvalidArgumentError(absl::StrCat(file, " holds no pose"));
   }
   if (reading.poses_of.has_value() && poses_of.has_value() && *reading.poses_of != *poses_of) {
-    return OtherFrame(files.truth, *reading.poses_of,
+    return OtherFrame(file, *reading.poses_of,
                       absl::StrCat("the estimates of ", Describe(*poses_of)));
   }
-  input.truth = std::move(reading.trajectory);
-  if (!files.from_frame.has_value()) return std::numeric_limits<int64_t>::min();
-  if (*files.from_frame < input.truth.size()) return input.truth[*files.from_frame].timestamp_ns;
+  Truth truth = {std::move(reading.trajectory)};
+  if (!files.from_frame.has_value()) return truth;
+  if (*files.from_frame >= truth.trajectory.size()) {
+    return absl::InvalidArgumentError(absl::StrCat("--from-frame ", *files.from_frame,
+                                                   ": the truth has ", truth.trajectory.size()));
+  }
+  truth.from_ns = truth.trajectory[*files.from_frame].timestamp_ns;
+  return truth;
+}
+
+absl::StatusOr<std::vector<Truth>> ReadTruths(const EvaluationFiles& files,
+                                              const std::optional<PosesOf>& poses_of,
+                                              EvaluationInput& input) {
+  std::vector<Truth> truths;
+  for (const std::string& truth : files.truths) {
+    if (IsSequence(truth)) {
+      ASSIGN_OR_RETURN(truths.emplace_back(),
+                       ReadRecordedTruth(truth, files.from_frame,
+                                         poses_of.value_or(PosesOf::kRecordedCamera), input));
+    } else {
+      ASSIGN_OR_RETURN(truths.emplace_back(), ReadTruthFile(truth, files, poses_of, input));
+    }
+  }
+  return truths;
+}
+
+// Checks that the files say which truth is whose.
+absl::Status CheckTruths(const EvaluationFiles& files) {
+  const size_t truths = files.truths.size();
+  if (truths == 1) return absl::OkStatus();
+  if (!files.truth_times.empty()) {
+    return absl::InvalidArgumentError(
+        "--truth-times is of one --truth: put each one's beside it, "
+        "as FILE.times");
+  }
+  if (truths == files.estimates.size()) return absl::OkStatus();
+  if (!files.is_truth_shared) {
+    return absl::InvalidArgumentError(absl::StrCat(
+        "--truth is given ", truths, " times for ", files.estimates.size(),
+        " trajectories: give one for each in their order, or --truth-frame shared if all are in "
+        "one frame and each is of a time of its own"));
+  }
+  if (!files.from_frame.has_value()) return absl::OkStatus();
   return absl::InvalidArgumentError(
-      absl::StrCat("--from-frame ", *files.from_frame, ": the truth has ", input.truth.size()));
+      "--from-frame: which sequence's frame that is only a --truth for each trajectory says");
+}
+
+// Makes one truth of several. INVALID_ARGUMENT if two are of one time.
+absl::StatusOr<Trajectory> JoinInTime(const std::vector<Truth>& truths,
+                                      const std::vector<std::string>& names) {
+  std::vector<size_t> order(truths.size());
+  std::iota(order.begin(), order.end(), size_t{0});
+  const auto begin_ns = [&](size_t i) { return truths[i].trajectory.front().timestamp_ns; };
+  std::sort(order.begin(), order.end(),
+            [&](size_t a, size_t b) { return begin_ns(a) < begin_ns(b); });
+  Trajectory joined;
+  for (size_t i = 0; i < order.size(); ++i) {
+    const Trajectory& next = truths[order[i]].trajectory;
+    if (!joined.empty() && joined.back().timestamp_ns >= next.front().timestamp_ns) {
+      return absl::InvalidArgumentError(
+          absl::StrCat(names[order[i - 1]], " and ", names[order[i]],
+                       " are of one time: give a --truth for each trajectory, in their order"));
+    }
+    joined.insert(joined.end(), next.begin(), next.end());
+  }
+  return joined;
 }
 
 }  // namespace
 
 absl::StatusOr<EvaluationInput> ReadEvaluationInput(const EvaluationFiles& files) {
+  RETURN_IF_ERROR(CheckTruths(files));
   EvaluationInput input;
+  input.is_one_frame = files.truths.size() == 1 || files.is_truth_shared;
   ASSIGN_OR_RETURN(const std::optional<PosesOf> poses_of, ReadEstimates(files, input));
-  int64_t from_ns = 0;
-  if (IsSequence(files.truth)) {
-    ASSIGN_OR_RETURN(from_ns,
-                     ReadRecordedTruth(files, poses_of.value_or(PosesOf::kRecordedCamera), input));
-  } else {
-    ASSIGN_OR_RETURN(from_ns, ReadTruthFile(files, poses_of, input));
+  ASSIGN_OR_RETURN(std::vector<Truth> truths, ReadTruths(files, poses_of, input));
+  const bool is_one_each = truths.size() == input.estimates.size();
+  for (size_t i = 0; i < input.estimates.size(); ++i) {
+    const int64_t from_ns = truths[is_one_each ? i : 0].from_ns;
+    input.estimates[i] = KeepFrom(input.estimates[i], from_ns);
   }
-  for (Trajectory& estimate : input.estimates) estimate = KeepFrom(estimate, from_ns);
+  if (is_one_each || truths.size() == 1) {
+    for (Truth& truth : truths) input.truths.push_back(std::move(truth.trajectory));
+  } else {
+    ASSIGN_OR_RETURN(input.truths.emplace_back(), JoinInTime(truths, files.truths));
+  }
   return input;
 }
 

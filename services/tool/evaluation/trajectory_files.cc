@@ -109,10 +109,6 @@ Trajectory Join(const TrajectoryFile& file) {
   return all;
 }
 
-std::string NumberedPath(const std::string& path, size_t number) {
-  return number == 1 ? path : WithSuffix(path, absl::StrCat("+", number));
-}
-
 std::vector<std::string> SuffixesOf(const std::vector<TrajectoryFile>& files,
                                     const LocalMapNames& names) {
   std::vector<std::string> suffixes;
@@ -156,13 +152,6 @@ absl::Status WriteTumFiles(const std::vector<TrajectoryFile>& files, PosesOf pos
     RETURN_IF_ERROR(WriteLines(TumLines(files[i], header, names), paths[i]));
   }
   return absl::OkStatus();
-}
-
-absl::Status WriteTumFiles(const std::vector<TrajectoryFile>& files, PosesOf poses_of,
-                           const std::string& frame, const std::string& path) {
-  std::vector<std::string> paths;
-  for (size_t i = 0; i < files.size(); ++i) paths.push_back(NumberedPath(path, i + 1));
-  return WriteTumFiles(files, poses_of, frame, paths);
 }
 
 }  // namespace corbslam::services

@@ -3,11 +3,11 @@
 #define CORBSLAM_SERVICES_TOOL_EVALUATION_TRAJECTORY_FILES_H_
 
 #include <cstddef>
-#include <map>
 #include <string>
 #include <vector>
 
 #include "absl/status/status.h"
+#include "services/client/store/local_map_names.h"
 #include "services/client/store/served_mission.h"
 #include "slam/camera/recorded_camera.h"
 #include "slam/evaluation/trajectory.h"
@@ -38,15 +38,9 @@ std::vector<TrajectoryFile> OwnFiles(std::vector<TrajectoryPart> parts);
 // Returns the poses of all parts.
 Trajectory Join(const TrajectoryFile& file);
 
-// Returns "dir/alpha.txt" for number 1, "dir/alpha+2.txt" for 2: no robot's name has a '+'.
-std::string NumberedPath(const std::string& path, size_t number);
-
-// What people call local maps, "alpha/4" by the name of the resource, as `mission show` does.
-using LocalMapNames = std::map<std::string, std::string>;
-
 // Returns what a robot's files, or drives, are called beside its name: the first one "", a further
-// one "+4" if alpha/4 is the earliest of its local maps. Where sessions have become one local map,
-// the next of them is "+4b". Those without such names (runs that only localised) are counted.
+// one "+4" if alpha/4 is the earliest of its local maps. No robot's name has a '+'. Those without
+// such names (runs that only localised) are counted, and where a name is taken it is "+4b".
 std::vector<std::string> SuffixesOf(const std::vector<TrajectoryFile>& files,
                                     const LocalMapNames& names);
 
@@ -61,10 +55,7 @@ std::vector<std::string> DescribeParts(const TrajectoryFile& file, const LocalMa
 // mission's global frame"), and where a local map begins. UNAVAILABLE names the path.
 absl::Status WriteTumFiles(const std::vector<TrajectoryFile>& files, PosesOf poses_of,
                            const std::string& frame, const std::vector<std::string>& paths,
-                           const LocalMapNames& names = {});
-// Writes them at `path`, NumberedPath(path, 2) and so on.
-absl::Status WriteTumFiles(const std::vector<TrajectoryFile>& files, PosesOf poses_of,
-                           const std::string& frame, const std::string& path);
+                           const LocalMapNames& names);
 
 }  // namespace corbslam::services
 

@@ -75,9 +75,9 @@ TEST(TrajectoryFilesTest, NothingIsAnEmptyFile) {
 }
 
 TEST(TrajectoryFilesTest, NumbersStandBeforeTheEnding) {
-  EXPECT_EQ(NumberedPath("out/alpha.txt", 1), "out/alpha.txt");
-  EXPECT_EQ(NumberedPath("out/alpha.local.tum", 2), "out/alpha.local+2.tum");
-  EXPECT_EQ(NumberedPath("out.d/alpha", 3), "out.d/alpha+3");
+  EXPECT_THAT(SuffixedPaths("out/alpha.local.tum", {"", "+2"}),
+              ElementsAre("out/alpha.local.tum", "out/alpha.local+2.tum"));
+  EXPECT_THAT(SuffixedPaths("out.d/alpha", {"+3"}), ElementsAre("out.d/alpha+3"));
 }
 
 // As `mission show` calls them.
@@ -86,8 +86,8 @@ TEST(TrajectoryFilesTest, FilesAreCalledAfterTheirFirstLocalMap) {
   const std::vector<TrajectoryFile> files = {
       {part("a"), part("b")}, {part("e"), part("d")}, {part("x")}, {part("c")}, {part("y")}};
   const LocalMapNames names = {{"a", "alpha/1"}, {"b", "alpha/2"}, {"c", "alpha/3"},
-                               {"d", "alpha/4"}, {"e", "alpha/5"}, {"x", "alpha/4"}};
-  EXPECT_THAT(SuffixesOf(files, names), ElementsAre("", "+4", "+4b", "+3", "+5"));
+                               {"d", "alpha/4"}, {"e", "alpha/6"}, {"x", "alpha/5"}};
+  EXPECT_THAT(SuffixesOf(files, names), ElementsAre("", "+4", "+5", "+3", "+5b"));
   EXPECT_THAT(SuffixedPaths("out/alpha.txt", {"", "+4"}),
               ElementsAre("out/alpha.txt", "out/alpha+4.txt"));
   EXPECT_THAT(DescribeParts({{"d", {{1, {}}}}}, names),
@@ -100,10 +100,11 @@ TEST(TrajectoryFilesTest, FilesSayWhatTheyHold) {
   AddPoses("a", {1, 2}, served);
   AddPoses("b", {1}, served);
   const std::string path = TestPath("poses.tum");
-  ASSERT_TRUE(
-      WriteTumFiles(ShareFiles(PartsOf(served)), PosesOf::kBody, "in some frame", path).ok());
+  const std::vector<TrajectoryFile> files = ShareFiles(PartsOf(served));
+  const std::vector<std::string> paths = SuffixedPaths(path, SuffixesOf(files, {}));
+  ASSERT_TRUE(WriteTumFiles(files, PosesOf::kBody, "in some frame", paths, {}).ok());
   const auto first = ReadTrajectoryFile(path);
-  const auto second = ReadTrajectoryFile(NumberedPath(path, 2));
+  const auto second = ReadTrajectoryFile(paths.at(1));
   ASSERT_TRUE(first.ok() && second.ok()) << first.status() << second.status();
   EXPECT_EQ(first->trajectory.size(), 2u);
   EXPECT_EQ(second->trajectory.size(), 1u);

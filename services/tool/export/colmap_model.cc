@@ -211,20 +211,14 @@ absl::StatusOr<Map> GlobalMapOf(const map_store::MissionState& state) {
 }
 
 ColmapSource ColmapSourceOf(const map_store::MissionState& state, PosesOf poses_of) {
-  std::vector<const map_store::LocalMapState*> in_order;
-  for (const auto& [id, local_map] : state.local_maps) in_order.push_back(&local_map);
-  std::sort(in_order.begin(), in_order.end(),
-            [](const auto* a, const auto* b) { return a->order < b->order; });
   ColmapSource source;
   source.poses_of = poses_of;
-  std::map<std::string, size_t> counts;
-  for (const map_store::LocalMapState* local_map : in_order) {
-    const size_t number = ++counts[local_map->agent];
-    for (const LocalMapId name : local_map->Names()) {
-      source.robots[name] = local_map->agent;
-      source.numbers[name] = number;
-      for (size_t i = 0; i < local_map->cameras.size(); ++i) {
-        const std::optional<RecordedCamera> recorded = local_map->Recorded(i);
+  for (const auto& [id, local_map] : state.local_maps) {
+    for (const LocalMapId name : local_map.Names()) {
+      source.robots[name] = local_map.agent;
+      source.numbers[name] = state.arrivals.NumberOfAgent(name);
+      for (size_t i = 0; i < local_map.cameras.size(); ++i) {
+        const std::optional<RecordedCamera> recorded = local_map.Recorded(i);
         if (recorded.has_value()) source.recorded[{name, static_cast<uint32_t>(i)}] = *recorded;
       }
     }

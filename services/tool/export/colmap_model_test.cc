@@ -172,26 +172,24 @@ TEST_F(ColmapModelTest, GivesEachPictureANameOfItsOwn) {
 // What became a part of another session is the robot's, too, and its camera's.
 TEST_F(ColmapModelTest, PartsOfLocalMapsAreTheRobots) {
   map_store::MissionState state;
-  const auto add = [&state](LocalMapId id, const char* agent, size_t order) {
-    map_store::LocalMapState& local_map = state.local_maps[id];
-    local_map.id = id;
-    local_map.agent = agent;
-    local_map.order = order;
+  const auto add = [&state](LocalMapId id, const char* agent) {
+    map_store::LocalMapState& local_map = map_store::AddLocalMap(state, id, agent);
     local_map.cameras.push_back(std::make_shared<const Camera>());
     local_map.recorded_cameras.push_back(RecordedCamera());
   };
   // Ids are drawn: they say nothing of the order.
-  add(LocalMapId{9}, "alpha", 0);
-  add(LocalMapId{5}, "bravo", 1);
-  add(LocalMapId{3}, "alpha", 2);
+  add(LocalMapId{9}, "alpha");
+  add(LocalMapId{5}, "bravo");
+  add(LocalMapId{3}, "alpha");
   map_store::JoinedLocalMap part;
   part.id = LocalMapId{7};
+  state.arrivals.Add(part.id, "alpha");
   state.local_maps[LocalMapId{3}].AddPart(part);
   const ColmapSource source = ColmapSourceOf(state, PosesOf::kRecordedCamera);
   EXPECT_EQ(source.robots.at(LocalMapId{7}), "alpha");
   EXPECT_EQ(source.numbers.at(LocalMapId{9}), 1u);
   EXPECT_EQ(source.numbers.at(LocalMapId{3}), 2u);
-  EXPECT_EQ(source.numbers.at(LocalMapId{7}), 2u);
+  EXPECT_EQ(source.numbers.at(LocalMapId{7}), 3u) << "a part keeps its number";
   EXPECT_EQ(source.numbers.at(LocalMapId{5}), 1u);
   EXPECT_EQ(source.recorded.count({LocalMapId{7}, 0}), 1u);
 }

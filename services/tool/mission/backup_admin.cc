@@ -56,6 +56,26 @@ absl::StatusOr<v1::StoredBackup> BackupAdmin::Verify(const std::string& backup) 
   return verified;
 }
 
+absl::StatusOr<v1::StoredBackup> BackupAdmin::Find(const std::string& backup) {
+  ASSIGN_OR_RETURN(const BackupPath path, ParseBackupName(backup));
+  ASSIGN_OR_RETURN(const std::vector<v1::StoredBackup> backups, List(path.mission));
+  const auto found = std::ranges::find(backups, backup, &v1::StoredBackup::name);
+  if (found != backups.end()) return *found;
+  return absl::NotFoundError(absl::StrCat("the store lists no backup ", backup));
+}
+
+absl::StatusOr<v1::StoredBackup> BackupAdmin::Delete(const std::string& backup,
+                                                     int64_t created_ns) {
+  grpc::ClientContext context;
+  v1::DeleteStoredBackupRequest request;
+  request.set_backup(backup);
+  request.set_created_ns(created_ns);
+  v1::StoredBackup deleted;
+  RETURN_IF_ERROR(
+      ToStatus(stub_->DeleteStoredBackup(&context, request, &deleted), "DeleteStoredBackup"));
+  return deleted;
+}
+
 absl::StatusOr<v1::StoredBackup> BackupAdmin::Archive(const std::string& mission) {
   grpc::ClientContext context;
   v1::ArchiveMissionRequest request;

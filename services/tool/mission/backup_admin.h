@@ -4,6 +4,7 @@
 
 #include <grpcpp/channel.h>
 
+#include <cstdint>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -26,6 +27,11 @@ class BackupAdmin {
   absl::StatusOr<std::vector<v1::StoredBackup>> List(const std::string& mission);
   // `backup` is missions/{mission}/backups/{number}, here and below.
   absl::StatusOr<v1::StoredBackup> Verify(const std::string& backup);
+  // Returns the one of that name as it is listed; NOT_FOUND also of one whose list of files is
+  // damaged.
+  absl::StatusOr<v1::StoredBackup> Find(const std::string& backup);
+  // Deletes it, if it is the one that was made then (0: whichever it is), and returns what it was.
+  absl::StatusOr<v1::StoredBackup> Delete(const std::string& backup, int64_t created_ns);
   absl::StatusOr<v1::StoredBackup> Archive(const std::string& mission);
   // Makes a mission of it; an empty name is that which it had.
   absl::StatusOr<v1::Mission> Restore(const std::string& backup, const std::string& mission);

@@ -2,15 +2,12 @@
 #ifndef CORBSLAM_SERVICES_TOOL_MISSION_EVENT_WORDS_H_
 #define CORBSLAM_SERVICES_TOOL_MISSION_EVENT_WORDS_H_
 
-#include <map>
 #include <string>
 
 #include "corbslam/v1/events.pb.h"
+#include "services/client/store/local_map_names.h"
 
 namespace corbslam::services {
-
-// Short names of local maps by the names of their resources, as ShortNames returns them.
-using LocalMapNames = std::map<std::string, std::string>;
 
 // Returns words such as "alpha/1 and bravo/1 are one island (340 ms)". A local map without a short
 // name is called by its id.

@@ -1,6 +1,6 @@
-#include <map>
 #include <string>
 
+#include "services/client/store/local_map_names.h"
 #include "services/convert/geometry.h"
 #include "services/tool/mission/mission_json.h"
 #include "services/tool/mission/mission_summary.h"
@@ -51,9 +51,16 @@ Json ToJson(const v1::MissionAgent& agent) {
   return json;
 }
 
-Json ToJson(const v1::LocalMap& local_map, const std::string& short_name) {
+// Returns the short names of those that became parts of it.
+Json PartNames(const v1::LocalMap& local_map, const LocalMapNames& names) {
+  Json parts = Json::array();
+  for (const std::string& part : local_map.joined_local_maps()) parts.push_back(names.at(part));
+  return parts;
+}
+
+Json ToJson(const v1::LocalMap& local_map, const LocalMapNames& names) {
   return {{"name", local_map.name()},
-          {"short_name", short_name},
+          {"short_name", names.at(local_map.name())},
           {"agent", local_map.agent()},
           {"island", local_map.island()},
           {"in_global_frame", local_map.in_global_frame()},
@@ -63,6 +70,7 @@ Json ToJson(const v1::LocalMap& local_map, const std::string& short_name) {
           {"retired_keyframes", local_map.retired_keyframes()},
           {"faded_map_points", local_map.faded_map_points()},
           {"joined_local_maps", local_map.joined_local_maps_size()},
+          {"parts", PartNames(local_map, names)},
           {"tracked_frames", local_map.tracked_frames()},
           {"lost_frames", local_map.lost_frames()}};
 }
@@ -140,7 +148,7 @@ nlohmann::ordered_json ToJson(const v1::Mission& mission) {
 }
 
 nlohmann::ordered_json ToJson(const MissionSummary& summary) {
-  const std::map<std::string, std::string> names = ShortNames(summary);
+  const LocalMapNames names = ShortNames(summary.local_maps);
   Json json = {{"mission", ToJson(summary.mission)},
                {"agents", Json::array()},
                {"local_maps", Json::array()},

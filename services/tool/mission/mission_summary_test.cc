@@ -162,6 +162,26 @@ TEST(MissionSummaryTest, SaysWhichLocalMapsBecameParts) {
   EXPECT_EQ(ToJson(summary)["local_maps"][0]["joined_local_maps"], 2);
 }
 
+// Its files are called so, too: of those that are gone nobody gets the number.
+TEST(MissionSummaryTest, CallsLocalMapsByTheirNumbers) {
+  MissionSummary summary = MakeSummary();
+  summary.local_maps[0].set_number(2);
+  summary.local_maps[1].set_number(1);
+  summary.local_maps[2].set_number(6);
+  for (const uint32_t number : {4u, 3u}) {
+    summary.local_maps[0].add_joined_local_maps(MapName(10 + static_cast<int>(number)));
+    summary.local_maps[0].add_joined_numbers(number);
+  }
+  AddOverlap(13, 2, v1::OVERLAP_VERDICT_ACCEPTED, 52, summary);
+  const std::string text = FormatSummary(summary);
+  EXPECT_THAT(text, AllOf(HasSubstr("\nalpha/2 "), HasSubstr(" alpha/3 to alpha/4\n"),
+                          HasSubstr("\nalpha/6 "), HasSubstr("in the frame of alpha/6"),
+                          HasSubstr("  alpha/2 and bravo/1, fused: 3 accepted")));
+  const nlohmann::ordered_json json = ToJson(summary)["local_maps"];
+  EXPECT_EQ(json[2]["short_name"], "alpha/6");
+  EXPECT_EQ(json[0]["parts"].dump(), R"(["alpha/4","alpha/3"])");
+}
+
 // Overlaps name keyframes, which keep the names of the local maps that they were made in.
 TEST(MissionSummaryTest, CountsOverlapsOfPartsWithTheirWholes) {
   MissionSummary summary = MakeSummary();

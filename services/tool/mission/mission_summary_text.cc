@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -5,6 +6,7 @@
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
 #include "absl/time/time.h"
+#include "services/client/store/local_map_names.h"
 #include "services/convert/geometry.h"
 #include "services/convert/resource_names.h"
 #include "services/tool/mission/mission_settings.h"
@@ -65,8 +67,7 @@ std::string DescribeState(const v1::Mission& mission) {
 
 // Says where the robot was last, as "1.20 0.00 3.40" in the global frame, and whether it was lost
 // since.
-std::string DescribeLastPose(const v1::MissionAgent& agent,
-                             const std::map<std::string, std::string>& names) {
+std::string DescribeLastPose(const v1::MissionAgent& agent, const LocalMapNames& names) {
   if (!agent.has_last_pose()) return "-";
   const v1::LastPose& pose = agent.last_pose();
   const auto camera_from_island = FromProto(pose.camera_from_island());
@@ -135,7 +136,7 @@ FrameColumns CountFrames(const v1::MissionAgent& agent, const v1::LocalMap& sum)
 
 // Writes one line for each robot, with its local maps added up.
 std::string FormatRobots(const MissionSummary& summary) {
-  const std::map<std::string, std::string> names = ShortNames(summary);
+  const LocalMapNames names = ShortNames(summary.local_maps);
   std::string text = absl::StrFormat("\n%-16s %-9s %10s %9s %9s %9s %9s  %-23s %s\n", "robot",
                                      "connected", "local maps", "keyframes", "points", "tracked",
                                      "lost", "doing", "last seen at");
@@ -158,17 +159,33 @@ std::string FormatRobots(const MissionSummary& summary) {
   return text;
 }
 
+// Returns "alpha/1 to alpha/7" of the local maps that became parts of this one; empty if none did.
+// An older store counts them only.
+std::string DescribeParts(const v1::LocalMap& local_map) {
+  if (local_map.joined_numbers().empty()) {
+    return local_map.joined_local_maps().empty()
+               ? ""
+               : Count(static_cast<uint64_t>(local_map.joined_local_maps_size()), "part");
+  }
+  std::vector<uint32_t> numbers(local_map.joined_numbers().begin(),
+                                local_map.joined_numbers().end());
+  std::sort(numbers.begin(), numbers.end());
+  return DescribeNumbers(LastSegment(local_map.agent()), numbers);
+}
+
 std::string FormatLocalMaps(const MissionSummary& summary) {
-  const std::map<std::string, std::string> names = ShortNames(summary);
-  std::string text = absl::StrFormat("\n%-16s %-16s %-16s %-6s %9s %9s %s\n", "local map", "id",
-                                     "island", "global", "keyframes", "points", "closed");
+  const LocalMapNames names = ShortNames(summary.local_maps);
+  std::string text =
+      absl::StrFormat("\n%-16s %-16s %-16s %-6s %9s %9s %-6s %s\n", "local map", "id", "island",
+                      "global", "keyframes", "points", "closed", "parts");
   for (const v1::LocalMap& local_map : summary.local_maps) {
     const auto island = names.find(local_map.island());
-    absl::StrAppendFormat(&text, "%-16s %-16s %-16s %-6s %9d %9d %s\n", names.at(local_map.name()),
-                          LastSegment(local_map.name()),
-                          island == names.end() ? "-" : island->second,
-                          local_map.in_global_frame() ? "yes" : "no", local_map.keyframes(),
-                          local_map.map_points(), local_map.closed() ? "yes" : "no");
+    const std::string parts = DescribeParts(local_map);
+    absl::StrAppendFormat(
+        &text, "%-16s %-16s %-16s %-6s %9d %9d %-6s %s\n", names.at(local_map.name()),
+        LastSegment(local_map.name()), island == names.end() ? "-" : island->second,
+        local_map.in_global_frame() ? "yes" : "no", local_map.keyframes(), local_map.map_points(),
+        local_map.closed() ? "yes" : "no", parts.empty() ? "-" : parts);
   }
   return text;
 }

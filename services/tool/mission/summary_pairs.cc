@@ -3,8 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "absl/strings/str_cat.h"
-#include "services/convert/resource_names.h"
+#include "services/client/store/local_map_names.h"
 
 namespace corbslam::services {
 namespace {
@@ -14,46 +13,35 @@ std::string LocalMapOf(const std::string& keyframe) {
   return keyframe.substr(0, keyframe.find("/keyframes/"));
 }
 
-}  // namespace
-
-std::map<std::string, std::string> ShortNames(const MissionSummary& summary) {
-  std::map<std::string, std::string> names;
-  std::map<std::string, int> counts;
-  for (const v1::LocalMap& local_map : summary.local_maps) {
-    const std::string robot = LastSegment(local_map.agent());
-    const std::string name = absl::StrCat(robot, "/", ++counts[robot]);
-    names[local_map.name()] = name;
-    for (const std::string& part : local_map.joined_local_maps()) names[part] = name;
-  }
-  return names;
-}
-
-namespace {
-
 using Pairs = std::map<std::pair<std::string, std::string>, PairOverlaps>;
 
 // Finds the pair of two local maps by the names of their resources. Returns null if one came after
 // the local maps were listed.
 class PairFinder {
  public:
-  PairFinder(const MissionSummary& summary, Pairs& pairs)
-      : names_(ShortNames(summary)), pairs_(pairs) {
+  PairFinder(const MissionSummary& summary, Pairs& pairs) : pairs_(pairs) {
+    const LocalMapNames names = ShortNames(summary.local_maps);
     for (const v1::LocalMap& local_map : summary.local_maps) {
-      const size_t place = order_.size();
-      order_.emplace(local_map.name(), place);
-      for (const std::string& part : local_map.joined_local_maps()) order_.emplace(part, place);
+      const Whole whole = {wholes_.size(), names.at(local_map.name())};
+      wholes_.emplace(local_map.name(), whole);
+      for (const std::string& part : local_map.joined_local_maps()) wholes_.emplace(part, whole);
     }
   }
 
   PairOverlaps* Find(std::string first, std::string second) {
-    if (!order_.contains(first) || !order_.contains(second)) return nullptr;
-    if (order_.at(first) > order_.at(second)) std::swap(first, second);
-    return &pairs_[{names_.at(first), names_.at(second)}];
+    if (!wholes_.contains(first) || !wholes_.contains(second)) return nullptr;
+    if (wholes_.at(first).place > wholes_.at(second).place) std::swap(first, second);
+    return &pairs_[{wholes_.at(first).name, wholes_.at(second).name}];
   }
 
  private:
-  const std::map<std::string, std::string> names_;
-  std::map<std::string, size_t> order_;
+  // A local map that is listed: where in the list, and what it is called.
+  struct Whole {
+    size_t place = 0;
+    std::string name;
+  };
+
+  std::map<std::string, Whole> wholes_;  // By its resource's name, and by those of its parts.
   Pairs& pairs_;
 };
 

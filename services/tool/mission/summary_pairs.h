@@ -11,9 +11,6 @@
 
 namespace corbslam::services {
 
-// Returns names by the name of the resource; "alpha/1" is the first local map of alpha.
-std::map<std::string, std::string> ShortNames(const MissionSummary& summary);
-
 struct PairOverlaps {
   bool same_island = false;
   uint32_t most_inliers = 0;  // Of an accepted overlap.
@@ -28,9 +25,9 @@ struct PairOverlaps {
   bool is_too_early = false;
 };
 
-// Returns the pairs by the short names of their local maps, the earlier one first: all pairs of
-// different robots, whether anything was compared or not, and the pairs of one robot that were
-// compared.
+// Returns the pairs by the short names of their local maps (ShortNames), the earlier one first: all
+// pairs of different robots, whether anything was compared or not, and the pairs of one robot that
+// were compared.
 std::map<std::pair<std::string, std::string>, PairOverlaps> CountPairs(
     const MissionSummary& summary);
 

@@ -1,6 +1,7 @@
 #include "services/tool/report/report_company.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <optional>
 #include <utility>
@@ -66,24 +67,44 @@ Json RobotToJson(const Pair& robot) {
             {"relocalised", with.shared_relocalised}}}};
 }
 
+// Of the tracked points, how many others made.
+std::string SharePercent(const RobotReport& with) {
+  return absl::StrFormat("%.1f", with.points_matched_percent);
+}
+
 std::vector<std::string> RobotRow(const Pair& robot) {
   const auto& [with, without] = robot;
   return {with.name,
-          CellOfBoth(with.ate_m, without.ate_m),
           CellOfBoth(with.ate_global_m, without.ate_global_m),
           CellOfBoth(with.told_ate_m, without.told_ate_m),
+          CellOfBoth(with.ate_m, without.ate_m),
           CellOfBoth(with.tracked, without.tracked),
           CellOfBoth(with.lost, without.lost),
-          absl::StrFormat("%.1f %%", with.points_matched_percent),
+          SharePercent(with) + " %",
           absl::StrCat(with.keyframes_held),
           absl::StrCat(with.shared_loops_closed),
           absl::StrCat(with.shared_relocalised)};
 }
 
-// Whether anything of what others made came into the robot's own path.
+// Whether anything of what others made came into the robot's own path: of points as much as is
+// printed.
 bool UsedOthers(const RobotReport& with) {
-  return with.points_matched_percent > 0 || with.shared_loops_closed > 0 ||
-         with.shared_relocalised > 0;
+  return SharePercent(with) != "0.0" || with.shared_loops_closed > 0 || with.shared_relocalised > 0;
+}
+
+// What the robot alone has of its own map, which no store has touched.
+std::string SayUnfused(const RobotReport& without) {
+  if (!without.ate_m.has_value() || without.local_maps != 1) return "";
+  return absl::StrFormat(" (%s m in its own map, without any server)",
+                         FormatOr(without.ate_m, kDecimals));
+}
+
+// Returns ", 12 % less", or that nothing was gained.
+std::string SayGain(double with_m, double without_m) {
+  const double percent = 100 * (with_m / without_m - 1);
+  const std::string size = absl::StrFormat("%.0f", std::abs(percent));
+  if (size == "0") return ": company gave no accuracy";
+  return absl::StrCat(", ", size, percent < 0 ? " % less" : " % more: company took accuracy");
 }
 
 // Of a robot that told no global pose, what it told is in its own frame.
@@ -106,20 +127,19 @@ std::string JudgeAccuracy(const Pair& robot, bool is_lockstep) {
   }
   const std::string with_m = FormatOr(with.ate_global_m, kDecimals);
   const std::string without_m = FormatOr(without.ate_global_m, kDecimals);
+  const std::string unfused = SayUnfused(without);
   if (with_m == without_m) {
-    return absl::StrFormat("%s: as accurate alone, %s m in the global frame", with.name, with_m);
+    return absl::StrFormat("%s: as accurate alone, %s m in the global frame%s", with.name, with_m,
+                           unfused);
   }
-  std::string line = absl::StrFormat("%s: %s m in the global frame with company, %s m alone",
-                                     with.name, with_m, without_m);
+  std::string line = absl::StrFormat("%s: %s m in the global frame with company, %s m alone%s",
+                                     with.name, with_m, without_m, unfused);
   if (!UsedOthers(with)) {
     absl::StrAppend(&line, ", though it used nothing that others made");
   } else if (!is_lockstep) {
     absl::StrAppend(&line, ", which one run of each can't tell from chance");
-  } else if (*with.ate_global_m > *without.ate_global_m) {
-    absl::StrAppend(&line, ": company gave no accuracy");
   } else {
-    absl::StrAppend(&line, absl::StrFormat(", %.0f %% less",
-                                           100 * (1 - *with.ate_global_m / *without.ate_global_m)));
+    absl::StrAppend(&line, SayGain(*with.ate_global_m, *without.ate_global_m));
   }
   return line;
 }
@@ -132,9 +152,9 @@ std::string SayFrames(const Pair& robot) {
 
 std::string SayPoints(const RobotReport& with) {
   if (with.keyframes_held == 0) return "; nothing of others came to it";
-  return absl::StrFormat(
-      "; of the map points that it tracked while it held any of others', others made %.0f %%",
-      with.points_matched_percent);
+  return absl::StrCat(
+      "; of the map points that it tracked while it held any of others', others made ",
+      SharePercent(with), " %");
 }
 
 }  // namespace
@@ -151,9 +171,9 @@ nlohmann::ordered_json CompanyToJson(const RunReport& report) {
 ReportTable CompanyTable(const RunReport& report) {
   ReportTable table;
   table.columns = {"with company / alone",
-                   "ATE, m",
                    "global ATE, m",
-                   "global ATE as told, m",
+                   "ATE as told, m",
+                   "ATE of its own map, m",
                    "tracked",
                    "lost",
                    "tracked points that others made",
@@ -163,7 +183,7 @@ ReportTable CompanyTable(const RunReport& report) {
   for (const Pair& robot : PairRobots(report)) table.rows.push_back(RobotRow(robot));
   std::vector<std::string> fused(table.columns.size(), "");
   fused[0] = "all, fused";
-  fused[2] = CellOfBoth(report.fused.ate_m, report.company->fused_ate_alone_m);
+  fused[1] = CellOfBoth(report.fused.ate_m, report.company->fused_ate_alone_m);
   table.rows.push_back(std::move(fused));
   return table;
 }
@@ -176,7 +196,7 @@ std::vector<std::string> CompanyLines(const RunReport& report) {
   }
   lines.push_back(
       report.pace == "step"
-          ? "In lockstep a run repeats to the bit: what differs is what company did."
+          ? "In lockstep a run repeats to the bit: what differs is what company did, in this drive."
           : absl::StrCat("One run each: at pace ", report.pace,
                          " errors of one and the same run differ from time to time, too."));
   return lines;

@@ -80,25 +80,30 @@ TEST(CompanyTableTest, HasARowForEachRobotAndOneForAll) {
   for (const std::vector<std::string>& row : table.rows) {
     EXPECT_EQ(row.size(), table.columns.size());
   }
-  EXPECT_EQ(table.rows[0][1], "0.0100 / 0.0400");
-  EXPECT_EQ(table.rows[0][3], "0.0110 / 0.0130");
+  EXPECT_EQ(table.rows[0][1], "0.0120 / 0.0400");
+  EXPECT_EQ(table.rows[0][2], "0.0110 / 0.0130");
+  EXPECT_EQ(table.rows[0][3], "0.0100 / 0.0400");
   EXPECT_EQ(table.rows[0][6], "45.1 %");
-  EXPECT_EQ(table.rows[2][2], "0.0200 / 0.0500");
+  EXPECT_EQ(table.rows[2][1], "0.0200 / 0.0500");
 }
 
 TEST(CompanyLinesTest, SayPlainlyWhatWasGainedAndWhatWasNot) {
   RunReport report = MakeReport();
   report.pace = "step";
   report.robots[1].points_matched_percent = 12;
+  report.company->alone[0].local_maps = 1;
+  report.company->alone[0].ate_m = 0.0444;
   const std::vector<std::string> lines = CompanyLines(report);
   ASSERT_EQ(lines.size(), 3u);
-  EXPECT_THAT(lines[0], AllOf(HasSubstr("alpha: 0.0120 m in the global frame with company, "
-                                        "0.0400 m alone, 70 % less"),
-                              HasSubstr("as told when each frame came 0.0110 m and 0.0130 m"),
-                              HasSubstr("10 frames more tracked"), HasSubstr("others made 45 %")));
+  EXPECT_THAT(lines[0],
+              AllOf(HasSubstr("alpha: 0.0120 m in the global frame with company, "
+                              "0.0400 m alone (0.0444 m in its own map, without any "
+                              "server), 70 % less"),
+                    HasSubstr("as told when each frame came 0.0110 m and 0.0130 m"),
+                    HasSubstr("10 frames more tracked"), HasSubstr("others made 45.1 %")));
   EXPECT_THAT(lines[1],
               AllOf(HasSubstr("bravo: 0.0300 m in the global frame with company, 0.0200 m "
-                              "alone: company gave no accuracy"),
+                              "alone, 50 % more: company took accuracy"),
                     HasSubstr("nothing of others came to it"), Not(HasSubstr("frames")),
                     Not(HasSubstr("as told"))));
   EXPECT_THAT(lines[2], HasSubstr("repeats to the bit"));
@@ -110,6 +115,20 @@ TEST(CompanyLinesTest, CreditNobodyWithWhatIsNotTheirs) {
                               Not(HasSubstr("% less"))));
   EXPECT_THAT(lines[1], HasSubstr("though it used nothing that others made"));
   EXPECT_THAT(lines[2], HasSubstr("One run each"));
+}
+
+// Less than is printed is nothing.
+TEST(CompanyLinesTest, CreditNobodyWithWhatIsTooLittleToBeSeen) {
+  RunReport report = MakeReport();
+  report.pace = "step";
+  report.robots[0].shared_loops_closed = report.robots[0].shared_relocalised = 0;
+  report.robots[0].points_matched_percent = 0.04;
+  EXPECT_THAT(CompanyLines(report)[0],
+              AllOf(HasSubstr("though it used nothing that others made"), Not(HasSubstr("% less")),
+                    HasSubstr("others made 0.0 %")));
+  report.robots[0].points_matched_percent = 1;
+  report.robots[0].ate_global_m = 0.0399;
+  EXPECT_THAT(CompanyLines(report)[0], HasSubstr("alone: company gave no accuracy"));
 }
 
 TEST(CompanyLinesTest, TellEqualAndUnknownErrors) {

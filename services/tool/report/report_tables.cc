@@ -48,7 +48,7 @@ ReportTable RobotTable(const RunReport& report) {
   ReportTable table;
   table.columns = {"robot",
                    "frames / tracked / dropped / lost",
-                   "ATE, m",
+                   "ATE of its own map, m",
                    absl::StrCat("from frame ", report.from_frame),
                    "as told, m",
                    "jumps told, largest, m",

@@ -24,6 +24,8 @@ absl::Status ReadMission(StoreReader& store, MissionOutcome& outcome) {
   AddStatistics(statistics->mission(), outcome.report);
   ASSIGN_OR_RETURN(outcome.map, store.ReadGlobalMap());
   outcome.report.fused.map_points = outcome.map.points.size();
+  ASSIGN_OR_RETURN(const std::vector<v1::LocalMap> local_maps, store.ListLocalMaps());
+  outcome.local_map_names = ShortNames(local_maps);
   return absl::OkStatus();
 }
 

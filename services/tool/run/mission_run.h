@@ -11,6 +11,7 @@
 #include "absl/status/statusor.h"
 #include "absl/time/time.h"
 #include "client_agent/map/near_map.h"
+#include "services/client/store/local_map_names.h"
 #include "services/client/store/served_mission.h"
 #include "services/client/store/store_reader.h"
 #include "services/security/security_options.h"
@@ -55,6 +56,7 @@ struct MissionOutcome {
   RunReport report;
   std::vector<RobotPaths> paths;  // In the order of the robots.
   ServedMap map;
+  LocalMapNames local_map_names;
   // What each robot held in the end, its own map and what came of others', in its local map's
   // frame; in the order of the robots. Nullopt for one that never had a pose or left nothing.
   std::vector<std::optional<client_agent::NearMap>> held;

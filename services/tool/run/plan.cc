@@ -80,6 +80,13 @@ absl::StatusOr<std::vector<SourceSpec>> SplitSource(const SourceSpec& source,
   return parts;
 }
 
+// Truths of one simulated world are in one frame anyway.
+void ShareTruthFrame(std::vector<SourceSpec>& sources) {
+  for (SourceSpec& source : sources) {
+    if (source.settings == nullptr && source.truth_frame.empty()) source.truth_frame = "shared";
+  }
+}
+
 }  // namespace
 
 std::vector<FrameSelection> SplitFrames(size_t begin, size_t end, const SplitOptions& options) {
@@ -109,6 +116,7 @@ absl::StatusOr<std::vector<RobotPlan>> PlanRobots(const PlanOptions& options) {
     ASSIGN_OR_RETURN(sources, SplitSource(options.sources.front(), options.split));
     if (sources.empty()) return absl::InvalidArgumentError("the source has no frames");
   }
+  if (options.is_truth_shared) ShareTruthFrame(sources);
   std::vector<RobotPlan> robots;
   for (SourceSpec& source : sources) {
     robots.push_back({RobotName(robots.size()), std::move(source)});

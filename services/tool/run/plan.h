@@ -37,6 +37,9 @@ struct RobotPlan {
 struct PlanOptions {
   std::vector<client_agent::SourceSpec> sources;
   SplitOptions split;
+  // True: the truths of recorded sequences are in one frame, as ?truth_frame= says of those of one
+  // name; where a source says it, that stands.
+  bool is_truth_shared = false;
   // Maps a robot's number (the first is 1) to a text as "gamma=0.8,noise=4,reverse".
   std::map<size_t, std::string> perturbations;
 };

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <string>
+#include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "services/simulated_source/simulated_source.h"
@@ -45,6 +46,23 @@ TEST(SplitFramesTest, StaysWithinTheSequence) {
   EXPECT_THAT(Ranges(10, 1, 20), ElementsAre(Range(0, 9)));
   EXPECT_THAT(Ranges(10, 2, 20), ElementsAre(Range(0, 9), Range(0, 9)));
   EXPECT_TRUE(SplitFrames(5, 5, {}).empty());
+}
+
+TEST(PlanRobotsTest, RecordedTruthsMayBeInOneFrame) {
+  PlanOptions options;
+  for (const char* text : {"tum:/desk", "tum:/desk2?truth_frame=hall", "sim:city?seed=7"}) {
+    options.sources.push_back(*ParseSourceSpec(text));
+  }
+  const auto frames = [&options] {
+    std::vector<std::string> names;
+    const auto robots = PlanRobots(options);
+    EXPECT_TRUE(robots.ok()) << robots.status();
+    for (const RobotPlan& robot : *robots) names.push_back(robot.source.truth_frame);
+    return names;
+  };
+  EXPECT_THAT(frames(), ElementsAre("", "hall", ""));
+  options.is_truth_shared = true;
+  EXPECT_THAT(frames(), ElementsAre("shared", "hall", ""));
 }
 
 TEST(SplitFramesTest, InterleavedRobotsShareNoFrame) {

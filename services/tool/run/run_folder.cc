@@ -14,6 +14,7 @@
 
 #include "absl/algorithm/container.h"
 #include "absl/status/status.h"
+#include "absl/strings/ascii.h"
 #include "absl/strings/match.h"
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
@@ -52,7 +53,9 @@ bool IsFileOfRobot(absl::string_view file) {
   if (rest == "map.png" || rest == "near.png" || IsToldPath(rest)) return true;
   const size_t plus = rest.find('+');
   if (plus == absl::string_view::npos) return rest == "local.tum" || rest == "global.tum";
-  const absl::string_view number = rest.substr(plus + 1, rest.rfind('.') - plus - 1);
+  absl::string_view number = rest.substr(plus + 1, rest.rfind('.') - plus - 1);
+  // "+4b" is the second one of that number (trajectory_files.h).
+  if (!number.empty() && absl::ascii_islower(number.back())) number.remove_suffix(1);
   size_t ignored = 0;
   return absl::EndsWith(rest, ".tum") && absl::SimpleAtoi(number, &ignored) &&
          (rest.substr(0, plus) == "local" || rest.substr(0, plus) == "global");

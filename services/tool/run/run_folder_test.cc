@@ -36,9 +36,9 @@ class RunFolderTest : public ::testing::Test {
 TEST_F(RunFolderTest, ASecondRunLeavesNothingOfTheFirst) {
   { ASSERT_TRUE(RunFolder::Take(folder_, "corbslam run --robots 3").ok()); }
   for (const char* file :
-       {"report.json", "map.png", "alpha.local.tum", "alpha.global+12.tum", "charlie.near.png",
-        "logs/charlie.log", "logs/missions/journal/1", "alone/report.html", "alone/logs/bravo.map",
-        "alpha.told.local.tum", "logs/bravo.told.global.tum"}) {
+       {"report.json", "map.png", "alpha.local.tum", "alpha.global+12.tum", "alpha.global+12b.tum",
+        "charlie.near.png", "logs/charlie.log", "logs/missions/journal/1", "alone/report.html",
+        "alone/logs/bravo.map", "alpha.told.local.tum", "logs/bravo.told.global.tum"}) {
     Write(file);
   }
   for (const char* file : {"notes.txt", "alpha.txt", "zebra.local.tum", "alpha.local+x.tum",
@@ -49,9 +49,9 @@ TEST_F(RunFolderTest, ASecondRunLeavesNothingOfTheFirst) {
   const auto taken = RunFolder::Take(folder_, "corbslam run --robots 2");
   ASSERT_TRUE(taken.ok()) << taken.status();
   for (const char* file :
-       {"report.json", "map.png", "alpha.local.tum", "alpha.global+12.tum", "charlie.near.png",
-        "logs/charlie.log", "logs/missions", "alone/report.html", "alone/logs/bravo.map",
-        "alpha.told.local.tum", "logs/bravo.told.global.tum"}) {
+       {"report.json", "map.png", "alpha.local.tum", "alpha.global+12.tum", "alpha.global+12b.tum",
+        "charlie.near.png", "logs/charlie.log", "logs/missions", "alone/report.html",
+        "alone/logs/bravo.map", "alpha.told.local.tum", "logs/bravo.told.global.tum"}) {
     EXPECT_FALSE(Has(file)) << file;
   }
   for (const char* file : {"notes.txt", "alpha.txt", "zebra.local.tum", "alpha.local+x.tum",

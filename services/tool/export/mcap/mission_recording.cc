@@ -58,8 +58,9 @@ MissionRecording::MissionRecording(RecordedMission mission, McapWriter writer)
 absl::Status MissionRecording::BeginDrives(const ToldMap& map,
                                            std::vector<RecordedTrajectory> trajectories) {
   RETURN_IF_ERROR(CheckIslands(map, trajectories));
-  ASSIGN_OR_RETURN(drives_, TrajectoryPlayer::Create(std::move(trajectories),
-                                                     mission_.frame_of_robots, std::nullopt));
+  ASSIGN_OR_RETURN(drives_,
+                   TrajectoryPlayer::Create(std::move(trajectories), mission_.frame_of_robots,
+                                            mission_.colours, std::nullopt));
   if (const auto first_ns = drives_->first_ns(); first_ns.has_value()) now_ns_ = *first_ns;
   // Robots have moved before the first moment.
   return WriteFrames(map);
@@ -145,8 +146,9 @@ absl::Status MissionRecording::End(const ToldMap& map,
     RETURN_IF_ERROR(Note(drive_at_ns_, /*is_warning=*/false,
                          "robots drive again in the map as it is, each by its own clock since its "
                          "first frame"));
-    ASSIGN_OR_RETURN(drives_, TrajectoryPlayer::Create(std::move(trajectories),
-                                                       mission_.frame_of_robots, drive_at_ns_));
+    ASSIGN_OR_RETURN(drives_,
+                     TrajectoryPlayer::Create(std::move(trajectories), mission_.frame_of_robots,
+                                              mission_.colours, drive_at_ns_));
   }
   if (drives_.has_value()) {
     RETURN_IF_ERROR(drives_->PlayUntil(std::numeric_limits<uint64_t>::max(), channels_));

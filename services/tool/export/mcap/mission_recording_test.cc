@@ -152,6 +152,13 @@ TEST(MissionRecordingTest, RobotsDriveBehindThePastByTheirOwnClocks) {
     const auto paths = Decode<foxglove::PosesInFrame>(file, RobotTopic(robot, "trajectory"));
     ASSERT_THAT(paths, SizeIs(1));
     EXPECT_EQ(paths[0].poses_size(), 10);
+    // Nothing is drawn where tracking was lost.
+    const auto ways = Decode<foxglove::SceneUpdate>(file, RobotTopic(robot, "way"));
+    ASSERT_THAT(ways, SizeIs(1));
+    ASSERT_EQ(ways[0].entities_size(), 1);
+    ASSERT_EQ(ways[0].entities(0).lines_size(), 2);
+    EXPECT_EQ(ways[0].entities(0).lines(0).points_size(), 4);
+    EXPECT_EQ(ways[0].entities(0).lines(1).points_size(), 6);
     const auto poses = Decode<foxglove::FrameTransform>(file, RobotTopic(robot, "pose"));
     ASSERT_THAT(poses, SizeIs(10));
     EXPECT_EQ(poses[0].timestamp().seconds(), 4);

@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "foxglove/scene.pb.h"
-#include "services/client/store/driven_way.h"
 #include "services/tool/export/mcap/foxglove_values.h"
 #include "services/tool/export/mcap/frame_names.h"
 #include "slam/util/median.h"
@@ -36,20 +35,31 @@ foxglove::SceneUpdate BeginUpdate(uint64_t time_ns) {
   return update;
 }
 
-// Returns the lines of a new entity in the island's frame.
-foxglove::LinePrimitive* AddLines(LocalMapId island, uint64_t time_ns, double width_px,
-                                  foxglove::SceneUpdate& update) {
+foxglove::SceneEntity* AddEntity(LocalMapId island, uint64_t time_ns,
+                                 foxglove::SceneUpdate& update) {
   foxglove::SceneEntity* entity = update.add_entities();
   ToFoxglove(time_ns, entity->mutable_timestamp());
   entity->set_frame_id(IslandFrame(island));
   entity->set_id(IslandFrame(island));
   entity->set_frame_locked(true);
-  foxglove::LinePrimitive* lines = entity->add_lines();
-  lines->set_type(foxglove::LinePrimitive::LINE_LIST);
+  return entity;
+}
+
+foxglove::LinePrimitive* AddLines(foxglove::LinePrimitive::Type type, double width_px,
+                                  foxglove::SceneEntity& entity) {
+  foxglove::LinePrimitive* lines = entity.add_lines();
+  lines->set_type(type);
   lines->set_thickness(width_px);
   lines->set_scale_invariant(true);
   ToFoxglove(Rigid3d::Identity(), lines->mutable_pose());
   return lines;
+}
+
+// Returns the lines of a new entity in the island's frame.
+foxglove::LinePrimitive* AddLines(LocalMapId island, uint64_t time_ns, double width_px,
+                                  foxglove::SceneUpdate& update) {
+  return AddLines(foxglove::LinePrimitive::LINE_LIST, width_px,
+                  *AddEntity(island, time_ns, update));
 }
 
 void AddFrustum(const Rigid3d& island_from_camera, double depth, foxglove::LinePrimitive& lines) {
@@ -144,6 +154,19 @@ class KeyframeDrawing {
 };
 
 }  // namespace
+
+absl::Status WriteWay(const std::string& topic, LocalMapId island, const DrivenPath& way,
+                      const Colour& colour, uint64_t time_ns, FoxgloveChannels& channels) {
+  foxglove::SceneUpdate update = BeginUpdate(time_ns);
+  foxglove::SceneEntity* entity = AddEntity(island, time_ns, update);
+  for (const std::vector<Eigen::Vector3d>& piece : way) {
+    foxglove::LinePrimitive* line =
+        AddLines(foxglove::LinePrimitive::LINE_STRIP, kLine_px, *entity);
+    ToFoxglove(colour, 1, line->mutable_color());
+    for (const Eigen::Vector3d& place : piece) ToFoxglove(place, line->add_points());
+  }
+  return channels.Write(topic, time_ns, update);
+}
 
 Colour ColourOf(const std::string& robot, const RobotColours& colours) {
   const auto colour = colours.find(robot);

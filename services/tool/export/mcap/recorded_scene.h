@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "absl/status/status.h"
+#include "services/client/store/driven_way.h"
 #include "services/client/store/told_map.h"
 #include "services/tool/export/mcap/foxglove_channels.h"
 #include "services/tool/export/robot_colours.h"
@@ -43,6 +44,9 @@ absl::Status WriteKeyframes(const ToldMap& map, const RobotColours& colours, dou
 // Draws what the map's revision has taken into its graph.
 absl::Status WriteOverlaps(const ToldMap& map, const std::vector<RecordedOverlap>& overlaps,
                            uint64_t time_ns, FoxgloveChannels& channels);
+// Draws the way that a robot drove in an island, cut where nothing connects two frames.
+absl::Status WriteWay(const std::string& topic, LocalMapId island, const DrivenPath& way,
+                      const Colour& colour, uint64_t time_ns, FoxgloveChannels& channels);
 absl::Status WritePoints(const ToldMap& map, const RobotColours& colours, uint64_t time_ns,
                          FoxgloveChannels& channels);
 

@@ -21,16 +21,16 @@ std::string Suffix(const RecordedTrajectory& trajectory) {
                       IslandSuffix(trajectory.island, trajectory.in_global_frame));
 }
 
-absl::Status WritePath(const RecordedTrajectory& trajectory, uint64_t time_ns,
-                       FoxgloveChannels& channels) {
-  foxglove::PosesInFrame path;
-  ToFoxglove(time_ns, path.mutable_timestamp());
-  path.set_frame_id(IslandFrame(trajectory.island));
-  for (const StampedPose& pose : trajectory.poses) {
-    ToFoxglove(pose.world_from_camera, path.add_poses());
+DrivenPath WayOf(const RecordedTrajectory& trajectory) {
+  DrivenPath way;
+  auto next = trajectory.pieces.begin();
+  for (size_t i = 0; i < trajectory.poses.size(); ++i) {
+    const bool begins = next != trajectory.pieces.end() && *next == i;
+    if (begins) ++next;
+    if (begins || way.empty()) way.emplace_back();
+    way.back().push_back(trajectory.poses[i].world_from_camera.translation);
   }
-  const std::string topic = absl::StrCat("trajectory", Suffix(trajectory));
-  return channels.Write(RobotTopic(trajectory.robot, topic), time_ns, path);
+  return way;
 }
 
 }  // namespace
@@ -40,9 +40,9 @@ std::string RobotFrame(const RecordedTrajectory& trajectory, const std::string& 
 }
 
 absl::StatusOr<TrajectoryPlayer> TrajectoryPlayer::Create(
-    std::vector<RecordedTrajectory> trajectories, std::string what,
+    std::vector<RecordedTrajectory> trajectories, std::string what, RobotColours colours,
     std::optional<uint64_t> begin_ns) {
-  TrajectoryPlayer player(std::move(trajectories), std::move(what));
+  TrajectoryPlayer player(std::move(trajectories), std::move(what), std::move(colours));
   RETURN_IF_ERROR(player.Collect(begin_ns));
   return player;
 }
@@ -76,6 +76,21 @@ absl::Status TrajectoryPlayer::Collect(std::optional<uint64_t> begin_ns) {
     return std::tie(a.time_ns, a.trajectory, a.pose) < std::tie(b.time_ns, b.trajectory, b.pose);
   });
   return absl::OkStatus();
+}
+
+absl::Status TrajectoryPlayer::WritePath(const RecordedTrajectory& trajectory, uint64_t time_ns,
+                                         FoxgloveChannels& channels) const {
+  foxglove::PosesInFrame path;
+  ToFoxglove(time_ns, path.mutable_timestamp());
+  path.set_frame_id(IslandFrame(trajectory.island));
+  for (const StampedPose& pose : trajectory.poses) {
+    ToFoxglove(pose.world_from_camera, path.add_poses());
+  }
+  const std::string suffix = Suffix(trajectory);
+  RETURN_IF_ERROR(
+      channels.Write(RobotTopic(trajectory.robot, "trajectory" + suffix), time_ns, path));
+  return WriteWay(RobotTopic(trajectory.robot, "way" + suffix), trajectory.island,
+                  WayOf(trajectory), ColourOf(trajectory.robot, colours_), time_ns, channels);
 }
 
 absl::Status TrajectoryPlayer::PlayUntil(uint64_t time_ns, FoxgloveChannels& channels) {

@@ -12,6 +12,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "services/tool/export/mcap/foxglove_channels.h"
+#include "services/tool/export/mcap/recorded_scene.h"
 #include "slam/evaluation/trajectory.h"
 #include "slam/util/ids.h"
 
@@ -26,6 +27,9 @@ struct RecordedTrajectory {
   bool in_global_frame = false;
   int64_t drive_begins_ns = 0;  // By the robot's clock.
   Trajectory poses;             // Sorted by time; of the island's frame.
+  // Where nothing connects a pose with the one before, ascending, 0 included: tracking was lost, or
+  // another local map began.
+  std::vector<size_t> pieces;
 };
 
 // Returns "camera/alpha", "camera/alpha+4", "camera/alpha+4/00c0ffee00c0ffee"; `what` is "camera".
@@ -38,11 +42,11 @@ class TrajectoryPlayer {
   // clock or, without one, what that clock said. INVALID_ARGUMENT for times that do not ascend from
   // the drive's begin or, by the robot's own clock, lie before 0.
   static absl::StatusOr<TrajectoryPlayer> Create(std::vector<RecordedTrajectory> trajectories,
-                                                 std::string what,
+                                                 std::string what, RobotColours colours,
                                                  std::optional<uint64_t> begin_ns);
 
-  // Writes all poses up to that time; before the first of a trajectory, and at its time, its path.
-  // With `begin_ns` all paths have that time.
+  // Writes all poses up to that time; before the first of a trajectory, and at its time, its path,
+  // as poses and as a line with gaps. With `begin_ns` all paths have that time.
   absl::Status PlayUntil(uint64_t time_ns, FoxgloveChannels& channels);
 
   // Returns the times of the first and the last pose; nullopt if there is none.
@@ -57,13 +61,19 @@ class TrajectoryPlayer {
     size_t pose = 0;
   };
 
-  TrajectoryPlayer(std::vector<RecordedTrajectory> trajectories, std::string what)
-      : trajectories_(std::move(trajectories)), what_(std::move(what)) {}
+  TrajectoryPlayer(std::vector<RecordedTrajectory> trajectories, std::string what,
+                   RobotColours colours)
+      : trajectories_(std::move(trajectories)),
+        what_(std::move(what)),
+        colours_(std::move(colours)) {}
   absl::Status Collect(std::optional<uint64_t> begin_ns);
   absl::Status Play(const Moment& moment, FoxgloveChannels& channels) const;
+  absl::Status WritePath(const RecordedTrajectory& trajectory, uint64_t time_ns,
+                         FoxgloveChannels& channels) const;
 
   std::vector<RecordedTrajectory> trajectories_;
   std::string what_;
+  RobotColours colours_;
   std::vector<Moment> moments_;  // Sorted.
   size_t played_ = 0;
   std::optional<uint64_t> begin_ns_;

@@ -59,18 +59,20 @@ std::string HeldPlots(const ReportDetail& detail) {
 
 std::string CompanyPlots(const RunReport& report) {
   BarPlot plot;
-  plot.title = "Absolute error of each robot, with company and alone";
+  plot.title = "Absolute error of each robot in the global frame, with company and alone";
   plot.x_label = "absolute error (m)";
   const std::vector<RobotReport>& alone = report.company->alone;
   for (size_t i = 0; i < std::min(report.robots.size(), alone.size()); ++i) {
     const std::string& name = report.robots[i].name;
-    AddBar(name + " with company", kSeriesPaints[0], report.robots[i].ate_m, plot);
-    AddBar(name + " alone", kSeriesPaints[2], alone[i].ate_m, plot);
+    AddBar(name + " with company", kSeriesPaints[0], report.robots[i].ate_global_m, plot);
+    AddBar(name + " alone", kSeriesPaints[2], alone[i].ate_global_m, plot);
   }
   if (plot.bars.empty()) return "";
   return absl::StrCat(
       "<div class=\"plots\">\n",
-      Figure("Absolute error with company and alone", "", DrawBarPlot(plot, SvgLook::kInAPage)),
+      Figure("Absolute error in the global frame, with company and alone",
+             "Of robots that are alone the map is fused, too, and nothing of that is told to them.",
+             DrawBarPlot(plot, SvgLook::kInAPage)),
       "</div>\n");
 }
 

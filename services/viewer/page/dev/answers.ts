@@ -187,7 +187,7 @@ export function pulse(mission: SimulatedMission, storeAnswers: boolean): Mission
       ...(mission.isOld ? {} : { leftOnPurpose: i === 2, reportAgeS: 1, report: reportOf(i) }),
     })).concat(mission.hasLocaliser ? [localiser(mission, name('lima')) as never] : []),
     localMaps: mission.robots.map(({ robot, keyframes, isThinned }) => ({
-      name: `localMaps/${hexId(robot.id)}`, agent: name(robot.name), keyframes: BigInt(keyframes.length), lostFrames: 12n,
+      name: `localMaps/${hexId(robot.id)}`, agent: name(robot.name), number: 1, keyframes: BigInt(keyframes.length), lostFrames: 12n,
       ...(isThinned ? { closed: true, retiredKeyframes: BigInt(keyframes.filter((_, k) => !isLeft(k)).length), fadedMapPoints: 411n } : {}),
     })),
     statistics: {

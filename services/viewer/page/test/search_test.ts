@@ -11,7 +11,10 @@ const model = new MapModel();
 model.apply([change({ islands: [{ slot: 1, localMapSlots: [1, 2], keyframes: [keyframe(1, 12, 0), keyframe(2, 12, 5), keyframe(2, 7, 6)] }] })]);
 const names = new MapNames();
 names.learn(create(MissionPulseSchema, {
-  agents: [{ name: 'missions/m/agents/alpha', localMaps: [`l/${HEX_A}`] }, { name: 'missions/m/agents/beta', localMaps: ['l/0000000000000001', `l/${HEX_B}`] }],
+  localMaps: [
+    { name: `l/${HEX_A}`, agent: 'missions/m/agents/alpha', number: 1 },
+    { name: 'l/0000000000000001', agent: 'missions/m/agents/beta', number: 1 }, { name: `l/${HEX_B}`, agent: 'missions/m/agents/beta', number: 2 },
+  ],
 }));
 const overlaps = [{ number: 12n, query: `localMaps/${HEX_A}/keyframes/12`, candidate: `localMaps/${HEX_B}/keyframes/7` }];
 const found = (text: string) => search(text, { robots: ['alpha', 'beta'], model, names, overlaps }).map((one) => `${one.kind}: ${one.text}`);

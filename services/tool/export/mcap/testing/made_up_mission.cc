@@ -47,6 +47,7 @@ RecordedTrajectory MakeTrajectory(const std::string& robot, int64_t first_ns, do
     pose.timestamp_ns = first_ns + i * 100'000'000;
     pose.world_from_camera.translation = {x, 0, 0.6 * i};
   }
+  trajectory.pieces = {0, 4};
   return trajectory;
 }
 

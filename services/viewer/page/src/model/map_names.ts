@@ -1,21 +1,17 @@
 import type { MissionPulse } from '@gen/corbslam/v1/viewer_pb';
 import { lastSegment, parseKeyframeName, shortId } from './ids';
 
-/** What people call local maps: their robot's, in the order in which the store heard of them. */
+/** What people call local maps: their robot's, by the numbers that the store gives them for good. */
 export class MapNames {
   private readonly known = new Map<string, { agent: string; number: number }>();
   /** Grows with each name that came. */
   version = 0;
 
-  learn({ agents, localMaps }: Pick<MissionPulse, 'agents' | 'localMaps'>): void {
-    for (const agent of agents) {
-      agent.localMaps.forEach((name, i) => this.note(lastSegment(name), lastSegment(agent.name), i + 1));
-    }
-    // Sessions that became parts of another one keep the names that they had.
-    for (const { name, agent, joinedLocalMaps } of localMaps) {
-      for (const id of [name, ...joinedLocalMaps].map(lastSegment)) {
-        if (!this.known.has(id)) this.note(id, lastSegment(agent), 0);
-      }
+  learn({ localMaps }: Pick<MissionPulse, 'localMaps'>): void {
+    for (const { name, agent, number, joinedLocalMaps, joinedNumbers } of localMaps) {
+      this.note(lastSegment(name), lastSegment(agent), number);
+      // Sessions that became parts of another one keep the numbers that they had.
+      joinedLocalMaps.forEach((part, i) => this.note(lastSegment(part), lastSegment(agent), joinedNumbers[i] ?? 0));
     }
   }
 
@@ -42,9 +38,7 @@ export class MapNames {
 
   private note(id: string, agent: string, number: number): void {
     const before = this.known.get(id);
-    if (before && before.agent === agent && (before.number === number || number === 0)) return;
-    // A number that was given once stays, though an earlier local map be deleted.
-    if (before?.number && before.agent === agent) return;
+    if (before?.agent === agent && before.number === number) return;
     this.known.set(id, { agent, number });
     this.version++;
   }
