@@ -9,7 +9,6 @@
 #include "map_store/mission/departed_missions.h"
 #include "map_store/mission/fusion_executor.h"
 #include "map_store/mission/memory_budget.h"
-#include "map_store/mission/memory_returner.h"
 #include "map_store/mission/mission.h"
 #include "map_store/mission/mission_directory.h"
 #include "map_store/mission/mission_tender.h"
@@ -20,6 +19,7 @@
 #include "map_store/state/mission_uid.h"
 #include "map_store/view/damage_words.h"
 #include "slam/exchange/session_end.h"
+#include "slam/util/memory_returner.h"
 #include "slam/util/resident_memory.h"
 #include "slam/util/status_macros.h"
 
@@ -46,9 +46,9 @@ MapStore::MapStore(const MapStoreOptions& options, std::shared_ptr<const Vocabul
       clock_(std::move(clock)),
       memory_(std::make_unique<MemoryBudget>(options.memory_budget_bytes, &ResidentBytes, clock_,
                                              &UsedBytes)),
-      memory_returner_(std::make_unique<MemoryReturner>(&GiveBackFreeMemory)),
-      executor_(
-          std::make_unique<FusionExecutor>(worker, absl::Milliseconds(options.retry_ms), clock_)),
+      memory_returner_(std::make_unique<MemoryReturner>()),
+      executor_(std::make_unique<FusionExecutor>(worker, absl::Milliseconds(options.retry_ms),
+                                                 clock_, [this] { memory_returner_->Wake(); })),
       snapshots_(std::make_unique<SnapshotKeeper>(clock_)),
       tender_(std::make_unique<MissionTender>([this] { TendMissions(); })),
       departed_(std::make_unique<DepartedMissions>()) {
@@ -57,11 +57,11 @@ MapStore::MapStore(const MapStoreOptions& options, std::shared_ptr<const Vocabul
         return LoadSleeper(name, sleeper);
       });
   StartSleep();
+  memory_returner_->Start();
   if (options_.deterministic) return;
   const auto list_missions = [this] { return directory_->ListAwake(); };
   executor_->Start(list_missions, options_.fusion_threads);
   snapshots_->Start(list_missions, [this] { memory_returner_->Wake(); });
-  memory_returner_->Start();
   tender_->Start();
 }
 

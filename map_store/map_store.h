@@ -36,6 +36,10 @@
 #include "slam/exchange/uplink.h"
 #include "slam/vocabulary/vocabulary.h"
 
+namespace corbslam {
+class MemoryReturner;
+}  // namespace corbslam
+
 namespace corbslam::map_store {
 
 struct KnownMission;
@@ -45,7 +49,6 @@ struct Sleeper;
 class DepartedMissions;
 class FusionExecutor;
 class MemoryBudget;
-class MemoryReturner;
 class Mission;
 class MissionDirectory;
 class MissionTender;

@@ -1,7 +1,5 @@
 #include "map_store/mission/fusion_executor.h"
 
-#include "slam/util/resident_memory.h"
-
 namespace corbslam::map_store {
 
 void FusionExecutor::Start(ListMissions missions, int threads_per_lane) {
@@ -24,13 +22,6 @@ void FusionExecutor::Stop() {
   threads_.clear();
 }
 
-FusionExecutor::Turn FusionExecutor::RunOne(Mission& mission, FusionLane lane) {
-  const Turn turn = RunJob(mission, lane);
-  // An adjustment works on a copy of its island, which is gone now.
-  if (turn == Turn::kDone && lane == FusionLane::kAdjustment) ReturnFreeMemory();
-  return turn;
-}
-
 FusionExecutor::Turn FusionExecutor::TurnOf(JobEnd end) {
   switch (end) {
     case JobEnd::kTryLater:
@@ -43,7 +34,7 @@ FusionExecutor::Turn FusionExecutor::TurnOf(JobEnd end) {
   return Turn::kDone;
 }
 
-FusionExecutor::Turn FusionExecutor::RunJob(Mission& mission, FusionLane lane) {
+FusionExecutor::Turn FusionExecutor::RunOne(Mission& mission, FusionLane lane) {
   if (const auto retried = mission.fusion().RetryCommit(lane)) return TurnOf(*retried);
   std::optional<FusionJob> job = mission.fusion().StartJob(lane);
   if (!job.has_value()) return Turn::kNothingToDo;
@@ -78,7 +69,10 @@ void FusionExecutor::RunLane(FusionLane lane) {
     // The journal of one mission that takes nothing keeps no other mission waiting.
     most = refused ? retry_after_ : absl::InfiniteDuration();
     // The other lane may have something to do now, and this one again.
-    if (did_something) signal_.Wake();
+    if (did_something) {
+      when_done_();
+      signal_.Wake();
+    }
     if (!try_later) continue;
     // While the worker is away, new work does not shorten the pause.
     if (!signal_.WaitFor(retry_after_)) return;
@@ -92,6 +86,7 @@ void FusionExecutor::RunUntilIdle(Mission& mission) {
          RunOne(mission, FusionLane::kAdjustment) == Turn::kDone || mission.retiring().RunOne() ||
          mission.joining().RunOne()) {
   }
+  when_done_();
 }
 
 }  // namespace corbslam::map_store

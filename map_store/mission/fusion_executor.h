@@ -25,10 +25,14 @@ class FusionExecutor {
   // Lists missions for one round, which does not keep them in memory.
   using ListMissions = std::function<std::vector<std::weak_ptr<Mission>>()>;
 
-  // `worker` (not owned, may be null) must outlive it.
+  // `worker` (not owned, may be null) must outlive it. `when_done` is called, on any thread, when
+  // something was done: what was copied for it is freed.
   FusionExecutor(FusionWorker* worker, absl::Duration retry_after,
-                 std::function<absl::Time()> clock)
-      : worker_(worker), retry_after_(retry_after), watch_(std::move(clock)) {}
+                 std::function<absl::Time()> clock, std::function<void()> when_done)
+      : worker_(worker),
+        retry_after_(retry_after),
+        when_done_(std::move(when_done)),
+        watch_(std::move(clock)) {}
   ~FusionExecutor() { Stop(); }
 
   // Starts `threads_per_lane` threads for each lane; none without a worker.
@@ -52,11 +56,11 @@ class FusionExecutor {
 
   static Turn TurnOf(JobEnd end);
   Turn RunOne(Mission& mission, FusionLane lane);
-  Turn RunJob(Mission& mission, FusionLane lane);
   void RunLane(FusionLane lane);
 
   FusionWorker* const worker_;
   const absl::Duration retry_after_;
+  const std::function<void()> when_done_;
   WorkerWatch watch_;
   ListMissions missions_;
   WorkSignal signal_;

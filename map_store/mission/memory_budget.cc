@@ -1,11 +1,10 @@
 #include "map_store/mission/memory_budget.h"
 
-#include <malloc.h>
-
 #include <algorithm>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "slam/util/resident_memory.h"
 
 namespace corbslam::map_store {
 namespace {
@@ -46,7 +45,7 @@ bool MemoryBudget::MakeRoomFor(uint64_t bytes) {
   absl::MutexLock lock(&making_room_);
   while (!Fits(bytes)) {
     if (!make_room_()) return false;
-    malloc_trim(0);
+    ReturnFreeMemoryAbove(0);
   }
   return true;
 }
@@ -79,7 +78,7 @@ void MemoryBudget::Trim() {
     if (now < next_trim_) return;
     next_trim_ = now + kBetweenTrims;
   }
-  malloc_trim(0);
+  ReturnFreeMemoryAbove(0);
 }
 
 }  // namespace corbslam::map_store

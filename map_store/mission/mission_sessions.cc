@@ -6,6 +6,7 @@
 #include "absl/strings/str_cat.h"
 #include "map_store/ingest/parked_references.h"
 #include "map_store/mission/pausing_read.h"
+#include "map_store/sharing/share_memory.h"
 #include "map_store/sharing/sharing.h"
 #include "slam/exchange/session_end.h"
 #include "slam/util/status_macros.h"
@@ -165,6 +166,7 @@ void MissionSessions::Leave(uint64_t session_id, const std::string& agent, bool 
 void MissionSessions::Close(uint64_t session_id, const std::string& agent, bool on_purpose) {
   Leave(session_id, agent, /*has_joined=*/true, on_purpose);
   listeners_.SetOfSession(session_id, nullptr);
+  if (on_purpose) ForgetTold(agent);
   strand_.environment().wake_fusion();
 }
 
@@ -250,8 +252,21 @@ absl::StatusOr<std::optional<SharedUpdate>> MissionSessions::Look(uint64_t sessi
   std::optional<SharedUpdate> update =
       TakeSharedUpdate(strand_.state(), strand_.options(), byte_budget,
                        strand_.state().agents.at(agent), share, read);
+  strand_.state().told.Set(agent, EstimateMemory(share));
   RETURN_IF_ERROR(check());
   return update;
+}
+
+void MissionSessions::ForgetTold(const std::string& agent) {
+  Told* told = FindTold(agent);
+  if (told == nullptr) return;
+  absl::MutexLock telling(&told->mutex);
+  absl::ReaderMutexLock lock(&strand_.mutex());
+  // A session that has begun since is told, or finds nothing that it could go on from.
+  const auto here = strand_.state().agents.find(agent);
+  if (here != strand_.state().agents.end() && here->second.session != 0) return;
+  EndSharing(told->share);
+  strand_.state().told.Set(agent, 0);
 }
 
 MissionSessions::Told* MissionSessions::FindTold(const std::string& agent) {

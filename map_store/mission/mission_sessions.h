@@ -91,6 +91,8 @@ class MissionSessions {
   // said to have joined.
   void Leave(uint64_t session_id, const std::string& agent, bool has_joined, bool on_purpose)
       ABSL_LOCKS_EXCLUDED(coming_);
+  // Forgets what an agent was told that has ended, unless it has come again since.
+  void ForgetTold(const std::string& agent);
   // Returns null if the agent never opened a session.
   Told* FindTold(const std::string& agent);
   // Returns the next update after one look at the state; nullopt: share.unfinished says whether to

@@ -126,6 +126,8 @@ std::optional<SharedUpdate> TakeSharedUpdate(const MissionState& state,
 
 void ForgetLastUpdate(ShareState& share) { share.last_revision = 0; }
 
+void EndSharing(ShareState& share) { ForgetAll(share); }
+
 namespace {
 
 // The agent keeps what it has. What the new scope takes in is found by a look at all there is; that

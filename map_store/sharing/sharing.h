@@ -41,6 +41,10 @@ std::optional<SharedUpdate> TakeSharedUpdate(const MissionState& state,
 // of it was taken: the agent is told all again when it opens its next session.
 void ForgetLastUpdate(ShareState& share);
 
+// The caller says that the agent has ended: what it was sent is forgotten. Should it come again, it
+// is told all again.
+void EndSharing(ShareState& share);
+
 // The caller says that the agent opened a session, and up to which revision it has applied what it
 // was sent. Sharing goes on from there if that is certain, else it starts again. `scope` is what it
 // wants from now on: what it was sent stays and, unless it wants nothing, is kept up to date.

@@ -222,6 +222,36 @@ TEST_F(SharingTest, AResumedSessionGoesOnOrStartsAgain) {
   EXPECT_FALSE((*update)->keyframes.empty());
 }
 
+TEST_F(SharingTest, WhatAnAgentWasToldTakesMemoryUntilItEndsItself) {
+  TestAgent a(store_, kMission, "a", map_a_);
+  TestAgent b(store_, kMission, "b", map_b_);
+  ASSERT_TRUE(a.Stream().ok());
+  ASSERT_TRUE(b.Stream().ok());
+  Fuse();
+  const auto memory = [this] { return store_.GetMission(kMission)->memory_bytes; };
+  const uint64_t before = memory();
+  ASSERT_TRUE(b.TakeShared(100 << 20).ok());
+  const uint64_t told = memory();
+  const uint64_t least = b.mirror().keyframes.size() * sizeof(SentKeyframe) +
+                         b.mirror().points.size() * sizeof(MapPointId);
+  EXPECT_GT(told, before + least);
+  store_.CloseSession(b.session());
+  EXPECT_EQ(memory(), told) << "its line broke: it comes again, and goes on";
+  SessionRequest request;
+  request.mission = kMission;
+  request.agent = "b";
+  request.last_revision = b.mirror().revision;
+  const auto back = store_.OpenSession(request);
+  EXPECT_FALSE(store_.NextShared(back->session_id, 1 << 20)->has_value());
+  store_.CloseSession(back->session_id, /*on_purpose=*/true);
+  EXPECT_LT(memory() + least, told);
+  const auto again = store_.OpenSession(request);
+  const auto update = store_.NextShared(again->session_id, 1 << 20);
+  ASSERT_TRUE(update->has_value());
+  EXPECT_TRUE((*update)->restart) << "nobody knows any more what it holds";
+  EXPECT_FALSE((*update)->keyframes.empty());
+}
+
 // The point that stands for a replaced one may take the next one off the list of what the agent
 // holds.
 TEST_F(SharingTest, ReplacedPointsGoOnAsTheirLandmarks) {

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "slam/util/heap_bytes.h"
+
 namespace corbslam::map_store {
 namespace {
 
@@ -20,11 +22,20 @@ void SortEachOnce(std::vector<Id>& ids) {
   ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
 }
 
+// They are kept as they are, for long.
+void ShrinkToFit(ItemChanges& changes) {
+  changes.keyframes.shrink_to_fit();
+  changes.sights.shrink_to_fit();
+  changes.points.shrink_to_fit();
+  changes.landmarks.shrink_to_fit();
+}
+
 }  // namespace
 
 void ChangeLog::Close(uint64_t version) {
   if (open_.size() == 0) return;
   entries_.push_back({version, std::exchange(open_, {})});
+  ShrinkToFit(entries_.back().changes);
   items_ += entries_.back().changes.size();
   while (items_ > kMaxItems) {
     items_ -= entries_.front().changes.size();
@@ -52,6 +63,12 @@ std::optional<ItemChanges> ChangeLog::Since(uint64_t version) const {
   SortEachOnce(changes.points);
   SortEachOnce(changes.landmarks);
   return changes;
+}
+
+uint64_t ChangeLog::HeapBytes() const {
+  constexpr uint64_t kListsOfAnEntry = 4;
+  return entries_.size() * (sizeof(Entry) + kListsOfAnEntry * HeapBlockBytes(1)) +
+         items_ * sizeof(KeyframeId);
 }
 
 }  // namespace corbslam::map_store

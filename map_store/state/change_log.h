@@ -43,6 +43,9 @@ class ChangeLog {
   // any more.
   std::optional<ItemChanges> Since(uint64_t version) const;
 
+  // Returns about how much of the heap it takes.
+  uint64_t HeapBytes() const;
+
  private:
   struct Entry {
     uint64_t version = 0;

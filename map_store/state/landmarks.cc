@@ -3,11 +3,18 @@
 #include <algorithm>
 #include <utility>
 
+#include "slam/util/heap_bytes.h"
+
 namespace corbslam::map_store {
 
 MapPointId Landmarks::Survivor(MapPointId point) const {
   const auto it = survivor_of_.find(point);
   return it == survivor_of_.end() ? point : it->second;
+}
+
+uint64_t Landmarks::HeapBytes() const {
+  return TreeBytes<Sets::value_type>(members_.size()) + TreeBytes<MapPointId>(survivor_of_.size()) +
+         HashTableBytes<decltype(survivor_of_)::value_type>(survivor_of_.size());
 }
 
 MapPointId Landmarks::Merge(MapPointId survivor, MapPointId member) {

@@ -2,6 +2,7 @@
 #ifndef CORBSLAM_MAP_STORE_STATE_LANDMARKS_H_
 #define CORBSLAM_MAP_STORE_STATE_LANDMARKS_H_
 
+#include <cstdint>
 #include <map>
 #include <set>
 
@@ -19,6 +20,8 @@ class Landmarks {
   // Returns each survivor's other members, of which there is at least one.
   const Sets& sets() const { return members_; }
   MapPointId Survivor(MapPointId point) const;
+  // Returns about how much of the heap it takes.
+  uint64_t HeapBytes() const;
 
   // Joins the sets of both points. The survivor of `survivor`'s set stays and is returned.
   MapPointId Merge(MapPointId survivor, MapPointId member);

@@ -30,6 +30,7 @@
 #include "map_store/state/pose_table.h"
 #include "map_store/state/query_queue.h"
 #include "map_store/state/sights_table.h"
+#include "map_store/state/told_memory.h"
 #include "map_store/state/waiting_table.h"
 #include "slam/exchange/map_update.h"
 #include "slam/exchange/overlap.h"
@@ -287,6 +288,7 @@ struct MissionState {
   PointIndex points;  // Of the local maps' foreign observations and replacements, and of the heirs.
   PoseTables poses;   // The tables that were asked for lately (view/placement.h).
   SightsTable sights;  // What agents were told that keyframes see.
+  ToldMemory told;
   QueryQueue queries;
   // How many queries were given up, by the local maps of query and candidates. Not recorded.
   std::map<std::pair<LocalMapId, LocalMapId>, uint64_t> failed_queries;

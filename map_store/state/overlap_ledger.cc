@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "slam/util/heap_bytes.h"
+
 namespace corbslam::map_store {
 namespace {
 
@@ -45,7 +47,15 @@ void OverlapLedger::Change(uint64_t id, absl::FunctionRef<void(OverlapEntry&)> c
   ForgetOldest();
 }
 
+uint64_t OverlapLedger::HeapBytes() const {
+  return TreeBytes<Entries::value_type>(entries_.size()) + entries_.size() * HeapBlockBytes(1) +
+         inliers_ * sizeof(PointPair) +
+         TreeBytes<uint64_t>(entries_.size() + waiting_.size() + in_graph_.size()) +
+         TreeBytes<decltype(live_between_)::value_type>(live_between_.size());
+}
+
 void OverlapLedger::Index(const OverlapEntry& entry) {
+  inliers_ += entry.overlap.inliers.size();
   if (!IsLive(entry.state)) {
     history_.insert(entry.id);
     return;
@@ -55,6 +65,7 @@ void OverlapLedger::Index(const OverlapEntry& entry) {
 }
 
 void OverlapLedger::Unindex(const OverlapEntry& entry) {
+  inliers_ -= entry.overlap.inliers.size();
   waiting_.erase(entry.id);
   in_graph_.erase(entry.id);
   history_.erase(entry.id);
@@ -66,8 +77,9 @@ void OverlapLedger::Unindex(const OverlapEntry& entry) {
 
 void OverlapLedger::ForgetOldest() {
   while (history_.size() > kMaxHistory) {
-    entries_.erase(*history_.begin());
-    history_.erase(history_.begin());
+    const auto oldest = entries_.find(*history_.begin());
+    Unindex(oldest->second);
+    entries_.erase(oldest);
   }
 }
 

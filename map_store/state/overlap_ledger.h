@@ -61,6 +61,9 @@ class OverlapLedger {
   // Returns the live entries between keyframes of these two local maps, in either order.
   const Ids& LiveBetween(LocalMapId a, LocalMapId b) const;
 
+  // Returns about how much of the heap it takes.
+  uint64_t HeapBytes() const;
+
   // Adds an entry. Its id must be new, and the largest.
   void Add(OverlapEntry entry);
   // Changes an entry that is there; `change` may change all of it but its id and its keyframes.
@@ -79,6 +82,7 @@ class OverlapLedger {
   Ids in_graph_;
   Ids history_;  // The entries that are not live.
   std::map<Pair, Ids> live_between_;
+  uint64_t inliers_ = 0;  // Of all entries.
 };
 
 }  // namespace corbslam::map_store

@@ -1,11 +1,14 @@
 #include "map_store/state/point_index.h"
 
+#include <utility>
+
 #include "absl/container/flat_hash_set.h"
+#include "slam/util/heap_bytes.h"
 
 namespace corbslam::map_store {
 
 void PointIndex::AddViewer(MapPointId point, KeyframeId keyframe, uint32_t keypoint) {
-  viewers_[point].try_emplace(keyframe, keypoint);
+  sights_ += viewers_[point].try_emplace(keyframe, keypoint).second ? 1 : 0;
 }
 
 void PointIndex::RemoveViewer(MapPointId point, KeyframeId keyframe, uint32_t keypoint) {
@@ -14,6 +17,7 @@ void PointIndex::RemoveViewer(MapPointId point, KeyframeId keyframe, uint32_t ke
   const auto viewer = it->second.find(keyframe);
   if (viewer == it->second.end() || viewer->second != keypoint) return;
   it->second.erase(viewer);
+  --sights_;
   if (it->second.empty()) viewers_.erase(it);
 }
 
@@ -48,6 +52,17 @@ std::vector<MapPointId> PointIndex::NamesOf(MapPointId point) const {
     }
   }
   return names;
+}
+
+uint64_t PointIndex::HeapBytes() const {
+  using Viewers = decltype(viewers_)::value_type;
+  using Viewer = decltype(viewers_)::mapped_type::value_type;
+  using Replaced = decltype(replaced_by_)::value_type;
+  const uint64_t points = viewers_.size();
+  const uint64_t viewers_each = points == 0 ? 0 : (sights_ + points / 2) / points;
+  return HashTableBytes<Viewers>(points) + points * BtreeBytes<Viewer>(viewers_each) +
+         HashTableBytes<Replaced>(replaced_by_.size()) +
+         replaced_by_.size() * HeapBlockBytes(sizeof(MapPointId));
 }
 
 }  // namespace corbslam::map_store

@@ -32,9 +32,13 @@ class PointIndex {
   // Returns the point, and all points that were replaced by it, directly or one after the other.
   std::vector<MapPointId> NamesOf(MapPointId point) const;
 
+  // Returns about how much of the heap it takes.
+  uint64_t HeapBytes() const;
+
  private:
   absl::flat_hash_map<MapPointId, absl::btree_map<KeyframeId, uint32_t>> viewers_;
   absl::flat_hash_map<MapPointId, std::vector<MapPointId>> replaced_by_;
+  uint64_t sights_ = 0;  // Entries of `viewers_`, of all points.
 };
 
 }  // namespace corbslam::map_store

@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "slam/util/heap_bytes.h"
+
 namespace corbslam::map_store {
 
 PoseTables& PoseTables::operator=(const PoseTables& other) {
@@ -24,6 +26,16 @@ void PoseTables::Add(LocalMapId local_map, std::shared_ptr<const PoseTable> tabl
   absl::MutexLock lock(&mutex_);
   // The old table is freed outside the lock, by whoever still reads it or by the caller.
   std::swap(tables_[local_map], table);
+}
+
+uint64_t PoseTables::HeapBytes() const {
+  absl::MutexLock lock(&mutex_);
+  uint64_t bytes = TreeBytes<decltype(tables_)::value_type>(tables_.size());
+  for (const auto& [id, table] : tables_) {
+    bytes += HeapBlockBytes(sizeof(PoseTable)) + VectorBytes(table->standings) +
+             TreeBytes<IslandPoses::value_type>(table->poses.size());
+  }
+  return bytes;
 }
 
 void PoseTables::Clear() {

@@ -45,6 +45,8 @@ class PoseTables {
   // Returns the table that was added last, of whatever version; null if none was.
   std::shared_ptr<const PoseTable> Find(LocalMapId local_map) const;
   void Add(LocalMapId local_map, std::shared_ptr<const PoseTable> table) const;
+  // Returns about how much of the heap the tables take.
+  uint64_t HeapBytes() const;
 
  private:
   void Clear();

@@ -1,5 +1,7 @@
 #include "map_store/state/sights_table.h"
 
+#include "slam/util/heap_bytes.h"
+
 namespace corbslam::map_store {
 
 std::shared_ptr<const Sights> SightsTable::Share(KeyframeId keyframe, Sights sights) const {
@@ -15,6 +17,11 @@ std::shared_ptr<const Sights> SightsTable::Share(KeyframeId keyframe, Sights sig
   std::shared_ptr<const Sights> shared(new Sights(std::move(sights)));
   newest = shared;
   return shared;
+}
+
+uint64_t SightsTable::HeapBytes() const {
+  absl::MutexLock lock(&mutex_);
+  return HashTableBytes<decltype(newest_)::value_type>(newest_.size());
 }
 
 }  // namespace corbslam::map_store

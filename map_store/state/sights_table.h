@@ -33,6 +33,8 @@ class SightsTable {
   // Returns `sights`, or the ones that were shared last for the keyframe if they are the same and
   // somebody still has them.
   std::shared_ptr<const Sights> Share(KeyframeId keyframe, Sights sights) const;
+  // Returns about how much of the heap it takes, without the sights, which others have of it.
+  uint64_t HeapBytes() const;
 
  private:
   mutable absl::Mutex mutex_;

@@ -7,7 +7,7 @@ grpc::ServerBidiReactor<v1::AdjustBundleRequest, v1::AdjustBundleResponse>*
 FusionWorkerService::AdjustBundle(grpc::CallbackServerContext*) {
   using Reactor = WorkReactor<AdjustBundleRequestReader, AdjustBundleResult,
                               v1::AdjustBundleRequest, v1::AdjustBundleResponse>;
-  return new Reactor(pool_, requests_, options_.max_requests,
+  return new Reactor(pool_, requests_, options_,
                      [this](const AdjustBundleRequest& request, const ProgressCallback& progress) {
                        return worker_.AdjustBundle(request, progress);
                      });

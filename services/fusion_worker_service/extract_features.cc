@@ -22,7 +22,10 @@ grpc::ServerUnaryReactor* FusionWorkerService::ExtractFeatures(
     return reactor;
   }
   // The place is free once nothing holds this any more, also where nobody waits for the answer.
-  const std::shared_ptr<void> place(nullptr, [this](void*) { --requests_; });
+  const std::shared_ptr<void> place(nullptr, [this](void*) {
+    --requests_;
+    if (options_.when_done != nullptr) options_.when_done();
+  });
   return AnswerOn(pool_, context, [this, place, request, response]() -> absl::Status {
     ASSIGN_OR_RETURN(ExtractFeaturesRequest work, FromProto(request->picture()));
     if (request->features() > 0) {

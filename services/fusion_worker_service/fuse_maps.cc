@@ -7,7 +7,7 @@ grpc::ServerBidiReactor<v1::FuseMapsRequest, v1::FuseMapsResponse>* FusionWorker
     grpc::CallbackServerContext*) {
   using Reactor =
       WorkReactor<FuseMapsRequestReader, FuseMapsResult, v1::FuseMapsRequest, v1::FuseMapsResponse>;
-  return new Reactor(pool_, requests_, options_.max_requests,
+  return new Reactor(pool_, requests_, options_,
                      [this](const FuseMapsRequest& request, const ProgressCallback& progress) {
                        return worker_.FuseMaps(request, progress);
                      });

@@ -5,6 +5,7 @@
 
 #include <atomic>
 #include <cstddef>
+#include <functional>
 
 #include "corbslam/v1/fusion_worker_service.grpc.pb.h"
 #include "services/server/task_pool.h"
@@ -18,6 +19,8 @@ struct FusionWorkerServiceOptions {
   // Most requests that are received, worked on or wait; further ones get UNAVAILABLE, so that the
   // caller asks another worker.
   int max_requests = 16;
+  // Called, on any thread, when a request has ended and what it took is freed; null: nobody cares.
+  std::function<void()> when_done = nullptr;
 };
 
 // Receives requests and lets the worker do them. `worker` is not owned and must outlive it; the

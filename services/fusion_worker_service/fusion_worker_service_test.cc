@@ -98,7 +98,9 @@ class FusionWorkerServiceTest : public ::testing::Test {
   }
 
   FakeFusionWorker worker_;
-  FusionWorkerService service_{&worker_, {.threads = 1, .max_requests = 2}};
+  std::atomic<int> done_{0};
+  FusionWorkerService service_{&worker_,
+                               {.threads = 1, .max_requests = 2, .when_done = [this] { ++done_; }}};
   std::unique_ptr<Server> server_;
   std::shared_ptr<grpc::Channel> channel_;
   std::unique_ptr<FusionWorker> remote_;
@@ -116,6 +118,23 @@ TEST_F(FusionWorkerServiceTest, ARequestGoesThereAndItsResultComesBack) {
   EXPECT_EQ(result->overlaps[1].candidate, (KeyframeId{kOtherMap, 3}));
   EXPECT_EQ(result->overlaps[1].inliers.size(), 2u);
   EXPECT_THAT(progress, ElementsAre(0, 0.5));
+}
+
+// Whoever gives free memory back hears of it however a request ended.
+TEST_F(FusionWorkerServiceTest, SaysWhenARequestHasGone) {
+  const auto wait_for = [this](int count) {
+    const absl::Time deadline = absl::Now() + absl::Seconds(20);
+    while (done_ < count && absl::Now() < deadline) absl::SleepFor(absl::Milliseconds(1));
+    return done_.load();
+  };
+  ASSERT_TRUE(remote_->VerifyOverlap(MakeVerification(), GoOn).ok());
+  EXPECT_EQ(wait_for(1), 1);
+  ASSERT_FALSE(remote_->FuseMaps(FuseMapsRequest(), GoOn).ok());
+  EXPECT_EQ(wait_for(2), 2);
+  remote_->AdjustBundle(MakeAdjustment(), [](double fraction) { return fraction < 0.1; })
+      .status()
+      .IgnoreError();
+  EXPECT_EQ(wait_for(3), 3);
 }
 
 TEST_F(FusionWorkerServiceTest, ErrorsComeBackAsTheyAre) {

@@ -7,7 +7,7 @@ grpc::ServerBidiReactor<v1::LocateFrameRequest, v1::LocateFrameResponse>*
 FusionWorkerService::LocateFrame(grpc::CallbackServerContext*) {
   using Reactor = WorkReactor<LocateFrameRequestReader, LocateFrameResult, v1::LocateFrameRequest,
                               v1::LocateFrameResponse>;
-  return new Reactor(pool_, requests_, options_.max_requests,
+  return new Reactor(pool_, requests_, options_,
                      [this](const LocateFrameRequest& request, const ProgressCallback& progress) {
                        return worker_.LocateFrame(request, progress);
                      });

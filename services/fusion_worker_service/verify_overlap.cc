@@ -7,7 +7,7 @@ grpc::ServerBidiReactor<v1::VerifyOverlapRequest, v1::VerifyOverlapResponse>*
 FusionWorkerService::VerifyOverlap(grpc::CallbackServerContext*) {
   using Reactor = WorkReactor<VerifyOverlapRequestReader, VerifyOverlapResult,
                               v1::VerifyOverlapRequest, v1::VerifyOverlapResponse>;
-  return new Reactor(pool_, requests_, options_.max_requests,
+  return new Reactor(pool_, requests_, options_,
                      [this](const VerifyOverlapRequest& request, const ProgressCallback& progress) {
                        return worker_.VerifyOverlap(request, progress);
                      });

@@ -15,6 +15,7 @@
 #include "absl/synchronization/mutex.h"
 #include "services/convert/status.h"
 #include "services/convert/work/work.h"
+#include "services/fusion_worker_service/fusion_worker_service.h"
 #include "services/server/task_pool.h"
 #include "slam/util/status_macros.h"
 
@@ -29,14 +30,15 @@ class WorkReactor : public grpc::ServerBidiReactor<RequestMessage, ResponseMessa
   using Request = typename decltype(std::declval<RequestReader>().Finish())::value_type;
   using Compute = std::function<absl::StatusOr<Result>(const Request&, const ProgressCallback&)>;
 
-  // `requests` counts the requests under way.
-  WorkReactor(TaskPool& pool, std::atomic<int>& requests, int max_requests, Compute compute)
-      : pool_(pool), requests_(requests), compute_(std::move(compute)) {
-    if (++requests_ <= max_requests) {
+  // `requests` counts the requests under way. All references must outlive it.
+  WorkReactor(TaskPool& pool, std::atomic<int>& requests, const FusionWorkerServiceOptions& options,
+              Compute compute)
+      : pool_(pool), requests_(requests), options_(options), compute_(std::move(compute)) {
+    if (++requests_ <= options_.max_requests) {
       this->StartRead(&message_);
     } else {
       End(absl::UnavailableError(
-          absl::StrCat("this worker has ", max_requests, " requests already")));
+          absl::StrCat("this worker has ", options_.max_requests, " requests already")));
     }
   }
 
@@ -72,7 +74,11 @@ class WorkReactor : public grpc::ServerBidiReactor<RequestMessage, ResponseMessa
     LeavePlace();
   }
 
-  void OnDone() override { delete this; }
+  void OnDone() override {
+    const FusionWorkerServiceOptions& options = options_;
+    delete this;
+    if (options.when_done != nullptr) options.when_done();
+  }
 
  private:
   void Work() {
@@ -159,6 +165,7 @@ class WorkReactor : public grpc::ServerBidiReactor<RequestMessage, ResponseMessa
 
   TaskPool& pool_;
   std::atomic<int>& requests_;
+  const FusionWorkerServiceOptions& options_;
   const Compute compute_;
   std::atomic<bool> cancelled_{false};
   RequestMessage message_;

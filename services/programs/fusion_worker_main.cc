@@ -19,6 +19,7 @@
 #include "services/security/flags.h"
 #include "services/server/self_watch.h"
 #include "services/server/server.h"
+#include "slam/util/memory_returner.h"
 #include "slam/util/status_macros.h"
 #include "slam/util/thread_priority.h"
 
@@ -68,7 +69,7 @@ absl::StatusOr<std::unique_ptr<FusionWorker>> Keep(const std::string& folder,
   return MakeKeepingFusionWorker(worker, folder);
 }
 
-absl::Status Run(const Flags& flags) {
+absl::Status Run(Flags flags) {
   // The priority counts for this thread and all threads that it will start.
   RETURN_IF_ERROR(LowerThreadPriority(flags.niceness));
   ASSIGN_OR_RETURN(ServerSecurity security, MakeServerSecurity(flags.security));
@@ -78,6 +79,9 @@ absl::Status Run(const Flags& flags) {
   ASSIGN_OR_RETURN(const std::unique_ptr<FusionWorker> keeping,
                    Keep(flags.keep_adjustments, local.get()));
   FusionWorker* const worker = keeping != nullptr ? keeping.get() : local.get();
+  MemoryReturner returner;
+  returner.Start();
+  flags.service.when_done = [&returner] { returner.Wake(); };
   FusionWorkerService service(observers.Watch(worker), flags.service);
   ASSIGN_OR_RETURN(const auto metrics, observers.Serve(service));
   security.server.rpc_observer = observers.OfCalls();

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "slam/util/heap_bytes.h"
+
 namespace corbslam {
 namespace {
 
@@ -32,6 +34,19 @@ uint32_t KeyframeDatabase::TakeSlot() {
   return slot;
 }
 
+uint64_t KeyframeDatabase::OuterPlaces(const Postings& postings) {
+  return postings.capacity() > Postings().capacity() ? postings.capacity() : 0;
+}
+
+uint32_t KeyframeDatabase::AddPosting(uint32_t word, const Posting& posting) {
+  Postings& postings = postings_[word];
+  outer_places_ -= OuterPlaces(postings);
+  postings.push_back(posting);
+  outer_places_ += OuterPlaces(postings);
+  ++posting_count_;
+  return static_cast<uint32_t>(postings.size() - 1);
+}
+
 void KeyframeDatabase::Add(KeyframeId id, std::shared_ptr<const Words> words) {
   Remove(id);
   const uint32_t slot = TakeSlot();
@@ -42,9 +57,7 @@ void KeyframeDatabase::Add(KeyframeId id, std::shared_ptr<const Words> words) {
   if (entry.words) {
     entry.positions.reserve(entry.words->bag.size());
     for (const WordWeight& word : entry.words->bag) {
-      std::vector<Posting>& postings = postings_[word.word];
-      entry.positions.push_back(static_cast<uint32_t>(postings.size()));
-      postings.push_back({slot, word.weight});
+      entry.positions.push_back(AddPosting(word.word, {slot, word.weight}));
     }
   }
   entries_[slot] = std::move(entry);
@@ -52,7 +65,7 @@ void KeyframeDatabase::Add(KeyframeId id, std::shared_ptr<const Words> words) {
 
 void KeyframeDatabase::RemovePosting(uint32_t word, uint32_t position) {
   const auto found = postings_.find(word);
-  std::vector<Posting>& postings = found->second;
+  Postings& postings = found->second;
   if (position + 1 < postings.size()) {
     const Posting moved = postings[position] = postings.back();
     Entry& owner = entries_[moved.slot];
@@ -63,7 +76,18 @@ void KeyframeDatabase::RemovePosting(uint32_t word, uint32_t position) {
     owner.positions[static_cast<size_t>(of_word - bag.begin())] = position;
   }
   postings.pop_back();
-  if (postings.empty()) postings_.erase(found);
+  --posting_count_;
+  if (!postings.empty()) return;
+  outer_places_ -= OuterPlaces(postings);
+  postings_.erase(found);
+}
+
+uint64_t KeyframeDatabase::HeapBytes() const {
+  return HashTableBytes<std::pair<const KeyframeId, uint32_t>>(slots_.size()) +
+         VectorBytes(entries_) + VectorBytes(free_slots_) + entries_.size() * HeapBlockBytes(1) +
+         posting_count_ * sizeof(uint32_t) +
+         HashTableBytes<std::pair<const uint32_t, Postings>>(postings_.size()) +
+         outer_places_ * sizeof(Posting);
 }
 
 bool KeyframeDatabase::Remove(KeyframeId id) {

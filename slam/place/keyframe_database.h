@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "absl/container/flat_hash_map.h"
+#include "absl/container/inlined_vector.h"
 #include "slam/util/ids.h"
 #include "slam/vocabulary/words.h"
 
@@ -41,6 +42,8 @@ class KeyframeDatabase {
   bool Remove(KeyframeId id);
   bool Contains(KeyframeId id) const { return slots_.contains(id); }
   size_t size() const { return slots_.size(); }
+  // Returns about how much of the heap it takes, without the words, which others have, too.
+  uint64_t HeapBytes() const;
 
   // Returns the best first, ties by id. A query costs as much as the postings that it touches,
   // whatever the map's size.
@@ -54,6 +57,8 @@ class KeyframeDatabase {
     uint32_t slot = 0;
     float weight = 0;
   };
+  // Of most words one keyframe knows, or two: their postings lie in the table itself.
+  using Postings = absl::InlinedVector<Posting, 2>;
   struct Entry {
     KeyframeId id;
     std::shared_ptr<const Words> words;
@@ -68,10 +73,13 @@ class KeyframeDatabase {
   };
   struct QueryWord {
     float weight = 0;
-    const std::vector<Posting>* postings = nullptr;
+    const Postings* postings = nullptr;
   };
 
   uint32_t TakeSlot();
+  static uint64_t OuterPlaces(const Postings& postings);
+  // Returns its position.
+  uint32_t AddPosting(uint32_t word, const Posting& posting);
   // The last posting of the word takes the place of the removed one.
   void RemovePosting(uint32_t word, uint32_t position);
   // Finds those of the query's words that any keyframe has.
@@ -85,7 +93,10 @@ class KeyframeDatabase {
   absl::flat_hash_map<KeyframeId, uint32_t> slots_;
   std::vector<Entry> entries_;
   std::vector<uint32_t> free_slots_;
-  absl::flat_hash_map<uint32_t, std::vector<Posting>> postings_;
+  absl::flat_hash_map<uint32_t, Postings> postings_;
+  uint64_t posting_count_ = 0;
+  // Places for postings outside of the table.
+  uint64_t outer_places_ = 0;
 };
 
 }  // namespace corbslam

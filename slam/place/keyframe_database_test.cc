@@ -154,5 +154,20 @@ TEST(GroupByCovisibility, NeighboursOutweighALonelyCandidate) {
   EXPECT_TRUE(GroupByCovisibility(map, {}, 3).empty());
 }
 
+TEST(KeyframeDatabase, WhatItTakesGoesWithItsKeyframes) {
+  constexpr uint32_t kKeyframes = 100;
+  std::mt19937_64 random(5);
+  Content content;
+  for (uint32_t i = 0; i < kKeyframes; ++i) content[Id(i)] = RandomWords(random);
+  KeyframeDatabase database;
+  for (const auto& [id, words] : content) database.Add(id, words);
+  const uint64_t full = database.HeapBytes();
+  EXPECT_GT(full, kKeyframes * 30 * 12) << "a posting and its position, of each word";
+  for (const auto& [id, words] : content) database.Remove(id);
+  EXPECT_LT(database.HeapBytes(), full / 4);
+  for (const auto& [id, words] : content) database.Add(id, words);
+  EXPECT_NEAR(static_cast<double>(database.HeapBytes()), static_cast<double>(full), 1000);
+}
+
 }  // namespace
 }  // namespace corbslam

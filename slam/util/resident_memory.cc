@@ -41,6 +41,26 @@ uint64_t UsedBytes() {
 #endif
 }
 
+uint64_t KeptBytes() {
+#ifdef __GLIBC__
+  const Resident resident = ReadResident();
+  const struct mallinfo2 allocated = mallinfo2();
+  const uint64_t used = resident.files_bytes + allocated.uordblks + allocated.hblkhd;
+  return resident.all_bytes > used ? resident.all_bytes - used : 0;
+#else
+  return 0;
+#endif
+}
+
+bool KeptMemory::GiveBack() {
+  const uint64_t kept = KeptBytes();
+  left_bytes_ = std::min(left_bytes_, kept);
+  if (kept - left_bytes_ < least_bytes_) return false;
+  ReturnFreeMemoryAbove(0);
+  left_bytes_ = KeptBytes();
+  return true;
+}
+
 void ReturnFreeMemory() {
   // Giving less back is not worth holding up those who allocate meanwhile.
   constexpr uint64_t kLeast = uint64_t{128} << 20;
@@ -49,9 +69,7 @@ void ReturnFreeMemory() {
 
 void ReturnFreeMemoryAbove(uint64_t least_bytes) {
 #ifdef __GLIBC__
-  const struct mallinfo2 allocated = mallinfo2();
-  const uint64_t used = allocated.uordblks + allocated.hblkhd;
-  if (ResidentBytes() > used + least_bytes) malloc_trim(0);
+  if (KeptBytes() > least_bytes) malloc_trim(0);
 #else
   static_cast<void>(least_bytes);
 #endif

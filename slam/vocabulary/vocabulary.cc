@@ -36,6 +36,8 @@ BagOfWords MakeBag(const VocabularyTreeView& tree, const std::vector<TreePath>& 
     sum += bag.back().weight;
   }
   for (WordWeight& word : bag) word.weight = static_cast<float>(word.weight / sum);
+  // Keyframes keep it.
+  bag.shrink_to_fit();
   return bag;
 }
 
@@ -46,10 +48,14 @@ std::vector<NodeFeatures> MakeDirectIndex(const std::vector<TreePath>& paths) {
   std::sort(features.begin(), features.end());
 
   std::vector<NodeFeatures> index;
-  for (const auto& [node, feature] : features) {
-    if (index.empty() || index.back().node != node) index.push_back({node, {}});
-    index.back().features.push_back(feature);
+  for (size_t begin = 0, end = 0; begin < features.size(); begin = end) {
+    const uint32_t node = features[begin].first;
+    while (end < features.size() && features[end].first == node) ++end;
+    index.push_back({node, {}});
+    index.back().features.reserve(end - begin);
+    for (size_t i = begin; i < end; ++i) index.back().features.push_back(features[i].second);
   }
+  index.shrink_to_fit();
   return index;
 }
 

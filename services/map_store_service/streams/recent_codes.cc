@@ -2,17 +2,35 @@
 
 namespace corbslam::services {
 
-void RecentCodes::OnApplied(const SessionAgent& /*who*/, const MapUpdateBatch& batch,
+void RecentCodes::OnOpened(const SessionAgent& who) {
+  absl::MutexLock lock(&mutex_);
+  ++sessions_[who.mission];
+}
+
+void RecentCodes::OnClosed(const SessionAgent& who, const absl::Status& /*status*/) {
+  absl::MutexLock lock(&mutex_);
+  const auto sessions = sessions_.find(who.mission);
+  if (sessions == sessions_.end() || --sessions->second > 0) return;
+  sessions_.erase(sessions);
+  std::erase_if(codes_, [&](const Code& code) {
+    if (code.mission != who.mission) return false;
+    bytes_ -= code.bytes->size();
+    return true;
+  });
+}
+
+void RecentCodes::OnApplied(const SessionAgent& who, const MapUpdateBatch& batch,
                             absl::Duration /*took*/, const absl::Status& status) {
   if (!status.ok()) return;
+  const absl::Time now = clock_();
   absl::MutexLock lock(&mutex_);
   for (const FullKeyframe& keyframe : batch.full_keyframes) {
     if (keyframe.code == nullptr) continue;
     bytes_ += keyframe.code->size();
-    codes_.push_back(keyframe.code);
+    codes_.push_back({who.mission, now, keyframe.code});
   }
-  while (bytes_ > max_bytes_) {
-    bytes_ -= codes_.front()->size();
+  while (!codes_.empty() && (bytes_ > max_bytes_ || now - codes_.front().came > kMaxAge)) {
+    bytes_ -= codes_.front().bytes->size();
     codes_.pop_front();
   }
 }
