@@ -13,52 +13,45 @@ namespace {
 // overlaps that were accepted among 12 local maps, 311 were with one of the best two that had none
 // close by (docs/lab/2026-11-28-look-ups.md).
 constexpr size_t kMostAlike = 2;
+// A place that is linked to so many other local maps of its island is known.
+constexpr size_t kEnoughLinks = 2;
 
 struct Prospect {
   LocalMapId local_map;
   size_t place_in_queue = 0;
   double likeness = 0;
   bool is_seam = false;
-  bool is_joined = false;  // With the query's local map, in one island.
+  bool is_joined = false;     // With the query's local map, in one island, or it is that one.
+  bool is_of_island = false;  // It is another one that is joined.
 };
 
 bool AreJoined(const MissionState& state, LocalMapId a, LocalMapId b) {
   return state.FindIslandOf(a) == state.FindIslandOf(b);
 }
 
-// Returns the local maps that may hold something new of the query's place. Once others of its
-// island are tied to it close by, the rest of the island, which is tied to these, is not: else each
-// visit would be looked up in all visits before it.
-std::vector<LocalMapId> ListOpenQuestions(const MissionState& state,
-                                          const MapStoreOptions& options) {
-  const KeyframeId query = state.queries.front().query;
-  const LocalMapId own = state.OwnerOf(query.local_map);
-  std::vector<LocalMapId> against = state.queries.AgainstOfFront();
-  if (state.FindKeyframe(query) == nullptr) return {};
-  const auto is_of_others = [&](LocalMapId id) {
-    return state.FindLocalMap(id) != nullptr && state.OwnerOf(id) != own &&
-           AreJoined(state, query.local_map, id);
-  };
-  const auto ties = static_cast<size_t>(std::ranges::count_if(against, [&](LocalMapId id) {
-    return is_of_others(id) && HasOverlapNearby(state, {query, id, 0}, options);
-  }));
-  if (ties >= kMostAlike) std::erase_if(against, is_of_others);
-  return against;
-}
-
-// Lists the local maps in which something is to be verified, the most alike first.
+// Lists the local maps in which something is to be verified, the most alike first. Once a place is
+// linked to others of its island, the rest of the island, which is linked to these, has nothing
+// new: else each visit would be looked up in all visits before it.
 absl::StatusOr<std::vector<Prospect>> ListProspects(const MissionState& state,
                                                     const MapStoreOptions& options,
                                                     LongRead& read) {
   const KeyframeId query = state.queries.front().query;
-  const std::vector<LocalMapId> against = ListOpenQuestions(state, options);
+  const LocalMapId own = state.OwnerOf(query.local_map);
+  const std::vector<LocalMapId> against = state.queries.AgainstOfFront();
   std::vector<Prospect> prospects;
+  size_t links = 0;
   for (size_t i = 0; i < against.size(); ++i) {
     RETURN_IF_ERROR(read.Pause());
     const FoundPlaces found = FindCandidates(state, {query, against[i], 0}, options);
-    if (found.candidates.empty()) continue;
     const bool is_joined = AreJoined(state, query.local_map, against[i]);
-    prospects.push_back({against[i], i, found.likeness, found.is_seam, is_joined});
+    const bool is_own = state.OwnerOf(against[i]) == own;
+    links += found.are_linked && is_joined && !is_own;
+    if (found.candidates.empty()) continue;
+    prospects.push_back(
+        {against[i], i, found.likeness, found.is_seam, is_joined, is_joined && !is_own});
+  }
+  if (links >= kEnoughLinks) {
+    std::erase_if(prospects, [](const Prospect& prospect) { return prospect.is_of_island; });
   }
   std::ranges::sort(prospects, {}, [](const Prospect& prospect) {
     return std::make_tuple(-prospect.likeness, prospect.place_in_queue);

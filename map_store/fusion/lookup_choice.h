@@ -20,7 +20,7 @@ LocalMapId ChooseNextToLookUp(const MissionState& state);
 // Returns, of the local maps that the queue's first keyframe has still to be looked up in, those
 // that are worth a worker's time, in the queue's order: the two that hold what looks most like it;
 // the one of an island it is not joined with that does, if those two are of its own; and the one
-// that ended where its own local map begins. Of a place that is tied to as many others of its
+// that ended where its own local map begins. Of a place that is linked to two others of its
 // island already, its own local map and other islands alone are left. So a keyframe costs at most
 // four look-ups, however many local maps there are (docs/adr/0038-look-ups-by-keyframe.md). Of an
 // empty queue there are none: a mission that is deleted meanwhile has one. ABORTED: as `read` says.

@@ -24,6 +24,25 @@ size_t Gap(const LocalMapState& local_map, KeyframeId a, KeyframeId b) {
   return first > second ? first - second : second - first;
 }
 
+// Returns whether there is an accepted overlap, in the graph or waiting for it, of the query
+// itself, or of a keyframe within `spacing` of it, with `task.against`.
+bool HasOverlapNearby(const MissionState& state, const QueryTask& task, size_t spacing) {
+  const LocalMapState& own = *state.FindLocalMap(task.query.local_map);
+  const LocalMapState& against = *state.FindLocalMap(task.against);
+  const auto is_near = [&](KeyframeId near, KeyframeId far) {
+    return state.OwnerOf(near.local_map) == own.id && state.OwnerOf(far.local_map) == against.id &&
+           Gap(own, near, task.query) < spacing;
+  };
+  const OverlapLedger& overlaps = state.global.overlaps;
+  // What stands next to the query was sent under the same name.
+  return std::ranges::any_of(against.Names(), [&](LocalMapId name) {
+    return std::ranges::any_of(overlaps.LiveBetween(task.query.local_map, name), [&](uint64_t id) {
+      const Overlap& overlap = overlaps.at(id).overlap;
+      return is_near(overlap.query, overlap.candidate) || is_near(overlap.candidate, overlap.query);
+    });
+  });
+}
+
 std::vector<PlaceCandidate> FindSharingWords(const MissionState& state, const QueryTask& task,
                                              const Keyframe& query,
                                              const MapStoreOptions& options) {
@@ -120,30 +139,12 @@ bool BothMetric(const LocalMapState& a, const LocalMapState& b) {
          std::all_of(b.cameras.begin(), b.cameras.end(), is_metric);
 }
 
-bool HasOverlapNearby(const MissionState& state, const QueryTask& task,
-                      const MapStoreOptions& options) {
-  const LocalMapState& own = *state.FindLocalMap(task.query.local_map);
-  const LocalMapState& against = *state.FindLocalMap(task.against);
-  const auto is_near = [&](KeyframeId near, KeyframeId far) {
-    return state.OwnerOf(near.local_map) == own.id && state.OwnerOf(far.local_map) == against.id &&
-           Gap(own, near, task.query) < options.overlap_spacing;
-  };
-  const OverlapLedger& overlaps = state.global.overlaps;
-  // What stands next to the query was sent under the same name.
-  return std::ranges::any_of(against.Names(), [&](LocalMapId name) {
-    return std::ranges::any_of(overlaps.LiveBetween(task.query.local_map, name), [&](uint64_t id) {
-      const Overlap& overlap = overlaps.at(id).overlap;
-      return is_near(overlap.query, overlap.candidate) || is_near(overlap.candidate, overlap.query);
-    });
-  });
-}
-
 FoundPlaces FindCandidates(const MissionState& state, const QueryTask& task,
                            const MapStoreOptions& options) {
   const Keyframe* query = state.FindKeyframe(task.query);
   const LocalMapState* against = state.FindLocalMap(task.against);
   if (query == nullptr || query->words == nullptr || against == nullptr) return {};
-  if (HasOverlapNearby(state, task, options)) return {};
+  if (HasOverlapNearby(state, task, options.overlap_spacing)) return {.are_linked = true};
   const std::vector<PlaceCandidate> found = FindSharingWords(state, task, *query, options);
   FoundPlaces places;
   std::vector<Candidate>& candidates = places.candidates;
@@ -153,7 +154,7 @@ FoundPlaces FindCandidates(const MissionState& state, const QueryTask& task,
     const KeyframeId best = group.best.id;
     if (AreLinked(state, task.query, best, options)) {
       // The best of all is linked already, so that there is no news to be had here.
-      if (candidates.empty()) return {};
+      if (candidates.empty()) return {.are_linked = true};
       continue;
     }
     candidates.push_back({best, group.best.shared_words});

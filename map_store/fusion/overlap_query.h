@@ -21,20 +21,16 @@ struct FoundPlaces {
   std::vector<VerifyOverlapRequest::Candidate> candidates;  // Best first.
   double likeness = 0;   // Of the keyframe that looks most like the query: 0 to 1, by words.
   bool is_seam = false;  // True: the robot may go on here where its local map before ended.
+  // True: the two are linked already, by an accepted overlap close by, or by landmarks that both
+  // see where the global layer has them.
+  bool are_linked = false;
 };
-
-// Returns whether there is an accepted overlap, in the graph or waiting for it, of the query
-// itself, or of a keyframe within `options.overlap_spacing` of it, with `task.against`. Both local
-// maps must be there.
-bool HasOverlapNearby(const MissionState& state, const QueryTask& task,
-                      const MapStoreOptions& options);
 
 // Finds keyframes of `task.against` that may show the query's place, best first: settled ones
 // that share enough words, the best of each of the best groups of covisible keyframes; first of
 // all, for the first keyframes of a robot's local map, the last one of its local map before. There
-// are none where the two are linked already (an accepted overlap close by, or landmarks that both
-// see where the global layer has them), or where nobody would call it a loop (near the query in its
-// own local map).
+// are none where the two are linked already, or where nobody would call it a loop (near the query
+// in its own local map).
 FoundPlaces FindCandidates(const MissionState& state, const QueryTask& task,
                            const MapStoreOptions& options);
 
