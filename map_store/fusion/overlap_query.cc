@@ -115,6 +115,12 @@ void AddWithNeighbours(const MissionState& state, KeyframeId id, int neighbours,
   }
 }
 
+FoundPlaces AlreadyLinked() {
+  FoundPlaces places;
+  places.are_linked = true;
+  return places;
+}
+
 }  // namespace
 
 absl::StatusOr<std::shared_ptr<const Map>> QueryViews::ViewAround(
@@ -144,7 +150,7 @@ FoundPlaces FindCandidates(const MissionState& state, const QueryTask& task,
   const Keyframe* query = state.FindKeyframe(task.query);
   const LocalMapState* against = state.FindLocalMap(task.against);
   if (query == nullptr || query->words == nullptr || against == nullptr) return {};
-  if (HasOverlapNearby(state, task, options.overlap_spacing)) return {.are_linked = true};
+  if (HasOverlapNearby(state, task, options.overlap_spacing)) return AlreadyLinked();
   const std::vector<PlaceCandidate> found = FindSharingWords(state, task, *query, options);
   FoundPlaces places;
   std::vector<Candidate>& candidates = places.candidates;
@@ -154,7 +160,7 @@ FoundPlaces FindCandidates(const MissionState& state, const QueryTask& task,
     const KeyframeId best = group.best.id;
     if (AreLinked(state, task.query, best, options)) {
       // The best of all is linked already, so that there is no news to be had here.
-      if (candidates.empty()) return {.are_linked = true};
+      if (candidates.empty()) return AlreadyLinked();
       continue;
     }
     candidates.push_back({best, group.best.shared_words});

@@ -156,7 +156,7 @@ nlohmann::ordered_json ToJson(const MissionSummary& summary) {
                {"pairs", Json::array()}};
   for (const v1::MissionAgent& agent : summary.agents) json["agents"].push_back(ToJson(agent));
   for (const v1::LocalMap& local_map : summary.local_maps) {
-    json["local_maps"].push_back(ToJson(local_map, names.at(local_map.name())));
+    json["local_maps"].push_back(ToJson(local_map, names));
   }
   for (const auto& [pair_names, pair] : CountPairs(summary)) {
     json["pairs"].push_back(ToJson(pair_names, pair));
