@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "absl/container/flat_hash_set.h"
+#include "slam/map/own_sight.h"
 
 namespace corbslam::client_agent {
 namespace {
@@ -70,9 +71,9 @@ void ApplyFuseProposals(KeyframeId keyframe_id, absl::Span<const FuseProposal> p
     if (existing->id.local_map != own && point->id.local_map != own) continue;
     const MapPointId existing_id = existing->id;
     if (ShouldSurvive(*existing, *point, own)) {
-      map.ReplacePoint(proposal.point, existing_id);
+      ReplaceWithSight(own, proposal.point, existing_id, map);
     } else {
-      map.ReplacePoint(existing_id, proposal.point);
+      ReplaceWithSight(own, existing_id, proposal.point, map);
     }
   }
 }
