@@ -179,7 +179,8 @@ TEST(ToHtmlTest, ShowsWhatCompanyGave) {
   EXPECT_EQ(FindFault(html), "");
   EXPECT_THAT(html, HasSubstr("<h2 id=\"h-company\">What company gave</h2>"));
   EXPECT_THAT(html, HasSubstr("alpha: 0.0125 m in the global frame with company, 0.0500 m alone"));
-  const std::string plot = html.substr(html.find("Absolute error in the global frame, with"));
+  const size_t figure = html.find("Absolute error in the global frame, with");
+  const std::string plot = html.substr(figure, html.find("</svg>", figure) - figure);
   EXPECT_THAT(plot,
               AllOf(HasSubstr(">0.0125<"), HasSubstr(">0.0500<"), Not(HasSubstr(">0.0333<"))));
   EXPECT_THAT(html, Not(HasSubstr("<img")));
