@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "map_store/state/share_state.h"
 #include "map_store/testing/sharing_mission.h"
 
 namespace corbslam::map_store {

@@ -26,6 +26,7 @@ void PoseTables::Add(LocalMapId local_map, std::shared_ptr<const PoseTable> tabl
   absl::MutexLock lock(&mutex_);
   // The old table is freed outside the lock, by whoever still reads it or by the caller.
   std::swap(tables_[local_map], table);
+  if (tables_[local_map] == nullptr) tables_.erase(local_map);
 }
 
 uint64_t PoseTables::HeapBytes() const {

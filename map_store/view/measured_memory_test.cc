@@ -121,9 +121,9 @@ void Join(MissionState& state) {
   }
 }
 
-class MeasuredMemoryTest : public ::testing::TestWithParam<size_t> {};
+class MeasuredMissionTest : public ::testing::TestWithParam<size_t> {};
 
-TEST_P(MeasuredMemoryTest, WhatIsSaidIsWhatTheAllocatorGave) {
+TEST_P(MeasuredMissionTest, WhatIsSaidIsWhatTheAllocatorGave) {
   constexpr size_t kKeyframes = 120;
   const uint64_t before = Allocated();
   auto state = std::make_unique<MissionState>();
@@ -138,7 +138,17 @@ TEST_P(MeasuredMemoryTest, WhatIsSaidIsWhatTheAllocatorGave) {
   EXPECT_NEAR(said / taken, 1, 0.1) << said << " for " << taken;
 }
 
-INSTANTIATE_TEST_SUITE_P(Features, MeasuredMemoryTest, ::testing::Values(300, 1000, 2000));
+TEST(MeasuredMemoryTest, ALocalMapThatHasGoneHasNoPoses) {
+  MissionState state;
+  Drive(kLocalMap, 100, state).Add(20);
+  Place(state);
+  const uint64_t with = EstimateMemory(state);
+  state.poses.Add(kLocalMap, nullptr);
+  EXPECT_EQ(state.poses.Find(kLocalMap), nullptr);
+  EXPECT_LE(EstimateMemory(state), with - 20 * sizeof(PoseTable::Standing));
+}
+
+INSTANTIATE_TEST_SUITE_P(Features, MeasuredMissionTest, ::testing::Values(300, 1000, 2000));
 
 }  // namespace
 }  // namespace corbslam::map_store
