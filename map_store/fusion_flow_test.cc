@@ -149,17 +149,6 @@ TEST_F(FusionFlowTest, ProvisionalKeyframesAreNeitherQueriedNorPlaced) {
   EXPECT_TRUE(store_.GetKeyframe(kMission, b_.Id(13))->placed);
 }
 
-// The origin does not move any more: nothing is to be waited for.
-TEST_F(FusionFlowTest, ARobotThatBeginsOnKnownGroundIsJoinedByItsFirstKeyframe) {
-  ASSERT_TRUE(a_.Stream().ok());
-  ASSERT_TRUE(b_.Stream(1).ok());
-  Fuse();
-  EXPECT_EQ(Statistics().islands, 1u);
-  EXPECT_TRUE(store_.GetKeyframe(kMission, b_.Id(0))->placed);
-  ASSERT_TRUE(b_.TakeShared().ok());
-  EXPECT_FALSE(b_.mirror().keyframes.empty()) << "the ground it begins on";
-}
-
 TEST_F(FusionFlowTest, AfterTheStreamsAnAdjustmentMayTakeLonger) {
   StreamBoth();
   Fuse();

@@ -5,8 +5,7 @@ namespace corbslam::map_store {
 void SettleKeyframes(size_t settle_after, MissionState& state, LocalMapState& local_map) {
   const size_t arrived = local_map.arrived.size();
   const size_t provisional = local_map.closed ? 0 : settle_after;
-  const auto is_settled = [&](size_t place) { return place == 0 || place + provisional < arrived; };
-  for (; local_map.settled < arrived && is_settled(local_map.settled); ++local_map.settled) {
+  for (; local_map.settled + provisional < arrived; ++local_map.settled) {
     const KeyframeId id = local_map.arrived[local_map.settled];
     if (local_map.map.FindKeyframe(id) == nullptr) continue;
     ++state.statistics.overlaps_queried;

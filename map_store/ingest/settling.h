@@ -6,12 +6,11 @@
 
 namespace corbslam::map_store {
 
-// Settles all but the newest `settle_after` keyframes that ever arrived, and the first one of all,
-// which is the origin and does not move: where a robot begins on known ground it is told so at
-// once. Of a closed local map all settle. Each that becomes settled, and still is there, is queued
-// to be queried once against every other local map, and its own, as it is then: of two keyframes
-// the one that settles later asks, so no pair is asked twice, and none is missed as long as workers
-// keep up (QueryQueue::kMostOfLocalMap).
+// Settles all but the newest `settle_after` keyframes that ever arrived; all keyframes of a closed
+// local map. Each that becomes settled, and still is there, is queued to be queried once against
+// every other local map, and its own, as it is then: of two keyframes the one that settles later
+// asks, so no pair is asked twice, and none is missed as long as workers keep up
+// (QueryQueue::kMostOfLocalMap).
 void SettleKeyframes(size_t settle_after, MissionState& state, LocalMapState& local_map);
 
 }  // namespace corbslam::map_store

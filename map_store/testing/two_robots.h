@@ -44,8 +44,7 @@ class TwoRobots : public ::testing::Test {
 
   SyntheticMap map_a_ = MakeRingMap(0xa, 0, 14);
   SyntheticMap map_b_ = MakeRingMap(0xb, 32, 14);
-  SyntheticMap map_elsewhere_ = MakeRingMap(0xc, 180, 5);
-  TruthfulWorker worker_{{&map_a_, &map_b_, &map_elsewhere_}};
+  TruthfulWorker worker_{{&map_a_, &map_b_}};
   map_store::MapStore store_{DeterministicOptions(), TheWorld().vocabulary,
                              std::make_unique<map_store::InMemoryJournal>(), &worker_};
   TestAgent a_{store_, kMission, "a", map_a_};
