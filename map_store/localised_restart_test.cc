@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "map_store/archive/archive.h"
 #include "map_store/archive/mission_archive.h"
 #include "map_store/archive/state_archive.h"
 #include "map_store/testing/sleeping_store.h"
@@ -133,10 +134,12 @@ TEST_F(LocalisedRestartTest, AStateFromBeforeHasNoTrajectories) {
   EXPECT_EQ(CountFrames(state.agents.at("guest").track), 2u);
   for (auto& [name, agent] : state.agents) agent.track = {};
   std::string bytes = map_store::EncodeState(state);
-  // Of each agent two numbers say that there is none; behind them stands when local maps arrived,
-  // and a uid, which takes eight bytes more than it has digits.
+  // Of each agent two numbers say that there is none; behind them stands when local maps arrived, a
+  // uid, which takes eight bytes more than it has digits, and whose local maps these are.
+  ArchiveWriter whose;
+  whose(state.arrivals.of_agents());
   bytes.resize(bytes.size() - 16 * state.agents.size() - 16 - 16 * state.order.size() - 8 -
-               state.uid.size());
+               state.uid.size() - whose.Take().size());
   EXPECT_FALSE(map_store::DecodeState(bytes, nullptr).ok());
   const uint32_t format = 8;
   std::memcpy(bytes.data(), &format, sizeof(format));

@@ -317,6 +317,7 @@ TEST_F(MissionArchiveTest, AStateFromBeforeSettingsIsReadAndHasNone) {
   std::memcpy(bytes.data(), &format, sizeof(format));
   ArchiveWriter newer;
   map_store::NewerFields(newer, state.profile);
+  newer(state.arrivals.of_agents());
   // That no local map was deleted takes eight bytes, and that none is a part as many for each; that
   // an agent has no trajectory of its own takes sixteen; when local maps arrived takes sixteen, and
   // as many for each. A uid takes eight more than it has digits.
