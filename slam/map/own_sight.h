@@ -8,7 +8,7 @@
 
 namespace corbslam {
 
-// Returns whether two keyframes of `local_map` see the point: from where it is in their pictures
+// Returns whether the point is located by `local_map`: two of its keyframes see it, from which
 // follows where it is, whatever anybody else says. Costs a search among its observations.
 inline bool IsLocatedBy(LocalMapId local_map, const MapPoint& point) {
   const auto first = point.observations.lower_bound({local_map, 0});
