@@ -12,7 +12,7 @@ void RecentCodes::OnClosed(const SessionAgent& who, const absl::Status& /*status
   const auto sessions = sessions_.find(who.mission);
   if (sessions == sessions_.end() || --sessions->second > 0) return;
   sessions_.erase(sessions);
-  std::erase_if(codes_, [&](const Code& code) {
+  std::erase_if(codes_, [&](const Code& code) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
     if (code.mission != who.mission) return false;
     bytes_ -= code.bytes->size();
     return true;
