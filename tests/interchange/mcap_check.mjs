@@ -113,9 +113,9 @@ function checkScene(scene) {
   expect(ids.size === scene.entities.length, "two entities of a scene have one id");
   for (const entity of scene.entities) {
     for (const lines of entity.lines) {
-      expect(lines.type === 2, "lines are no list");
+      expect(lines.type === 2 || lines.type === 0, "lines are neither a list nor one line");
       const points = lines.indices.length > 0 ? lines.indices.length : lines.points.length;
-      expect(points % 2 === 0, "a line has one end");
+      expect(lines.type === 0 || points % 2 === 0, "a line has one end");
       for (const index of lines.indices) expect(index < lines.points.length, "an index is too large");
     }
   }
