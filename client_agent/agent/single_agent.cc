@@ -8,7 +8,6 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
-#include "client_agent/agent/others_words.h"
 #include "client_agent/agent/resuming.h"
 #include "client_agent/agent/trajectory_log.h"
 #include "client_agent/upload/held_items.h"
@@ -266,7 +265,6 @@ absl::StatusOr<TrackingResult> SingleAgent::Track(const SensorImages& images) {
   UseAnswer();
   TrackingResult result = current().tracker().Track(images.timestamp_ns, std::move(features));
   smooth_pose_.Add(result);
-  HearOfOthers();
   if (result.made_keyframe && pictures_ != nullptr && link_->WantsPictures()) {
     pictures_->Add(result.reference, images.grey);
   }
@@ -366,16 +364,6 @@ void SingleAgent::Watch(const Features& features) {
   LOG(WARNING) << options_.name << ": " << finding->text << " [" << finding->code << "]";
   absl::MutexLock lock(&mutex_);
   status_.input_findings.push_back(*std::move(finding));
-}
-
-void SingleAgent::HearOfOthers() {
-  for (const OthersNews& news : current().tracker().TakeOthersNews()) {
-    SourceFinding finding = DescribeOthers(news);
-    LOG(WARNING) << options_.name << ": " << finding.text << " [" << finding.code << "]";
-    if (!news.contradicts || !contradicting_.insert(news.local_map).second) continue;
-    absl::MutexLock lock(&mutex_);
-    status_.input_findings.push_back(std::move(finding));
-  }
 }
 
 void SingleAgent::Record(const TrackingResult& result, double tracking_ms, bool is_placed) {

@@ -5,7 +5,6 @@
 #include <memory>
 #include <optional>
 #include <random>
-#include <set>
 #include <string>
 #include <vector>
 
@@ -66,9 +65,6 @@ class SingleAgent : public Agent {
   void FollowOrders();
   void Follow(const ChangedLimits& limits);
   void Watch(const Features& features);
-  // Says what tracking finds of others' local maps: in the log, and the first time of each in the
-  // status.
-  void HearOfOthers();
   // Asks where the frame was that was tracked last, if it is lost or its map is in no place.
   // `is_placed`: the link says where the map lies.
   void AskForPlace(const TrackingResult& result, bool is_placed);
@@ -107,7 +103,6 @@ class SingleAgent : public Agent {
   const absl::Time created_;
   const std::unique_ptr<Sensor> sensor_;
   InputWatch input_watch_;
-  std::set<LocalMapId> contradicting_;  // Others' local maps that did, ever.
   const std::shared_ptr<const Camera> camera_;
   const std::shared_ptr<const Vocabulary> vocabulary_;
   std::mt19937_64 random_;

@@ -2,10 +2,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <functional>
 #include <memory>
-#include <vector>
 
 #include "client_agent/map/provisional_keyframes.h"
 #include "client_agent/mapping/culling.h"
@@ -14,7 +12,6 @@
 #include "client_agent/mapping/nearest_keypoints.h"
 #include "client_agent/mapping/point_creation.h"
 #include "client_agent/mapping/point_fusion.h"
-#include "slam/map/own_sight.h"
 #include "slam/optimisation/testing/synthetic_scene.h"
 
 namespace corbslam::client_agent {
@@ -318,39 +315,6 @@ TEST_F(MappingTest, OfDuplicatesTheForeignPointSurvives) {
     ApplyFuseProposals(keyframe, {{foreign.id, keypoint, own}}, kOwn, map);
     EXPECT_EQ(map.FindPoint(own), nullptr);
     EXPECT_EQ(map.FindKeyframe(keyframe)->points[keypoint], foreign.id);
-  });
-}
-
-// Returns the number of a keypoint of the keyframe that sees no point.
-uint32_t FreeKeypoint(const Keyframe& keyframe) {
-  const auto free = std::ranges::find_if(keyframe.points, [](auto id) { return !id.IsValid(); });
-  return static_cast<uint32_t>(free - keyframe.points.begin());
-}
-
-TEST_F(MappingTest, AForeignPointTakesThePlaceThatOwnSightGaveTheOneItReplaces) {
-  InsertKeyframe(Handed(0), map_);
-  InsertKeyframe(Handed(1), map_);
-  map_.Write([&](Map& map) {
-    const KeyframeId first{kOwn, 0};
-    const KeyframeId second{kOwn, 1};
-    std::vector<MapPointId> seen;
-    for (const MapPointId id : map.FindKeyframe(first)->points) {
-      if (id.IsValid() && !map.FindPoint(id)->observations.contains(second)) seen.push_back(id);
-    }
-    ASSERT_GE(seen.size(), 2u);
-    const uint32_t keypoint = FreeKeypoint(*map.FindKeyframe(second));
-    ASSERT_TRUE(map.AddObservation(seen[0], second, keypoint));
-    const Eigen::Vector3d by_own_sight = map.FindPoint(seen[0])->position_in_map;
-    for (uint32_t i = 0; i < 2; ++i) {
-      MapPoint foreign;
-      foreign.id = {LocalMapId{99}, i};
-      foreign.position_in_map = {1, 2, 30};
-      map.AddPoint(foreign);
-      ASSERT_TRUE(ReplaceWithSight(kOwn, seen[i], foreign.id, map));
-    }
-    EXPECT_EQ(map.FindPoint({LocalMapId{99}, 0})->position_in_map, by_own_sight);
-    // One own keyframe does not locate a point.
-    EXPECT_EQ(map.FindPoint({LocalMapId{99}, 1})->position_in_map, Eigen::Vector3d(1, 2, 30));
   });
 }
 

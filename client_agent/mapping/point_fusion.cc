@@ -4,7 +4,6 @@
 #include <vector>
 
 #include "absl/container/flat_hash_set.h"
-#include "slam/map/own_sight.h"
 
 namespace corbslam::client_agent {
 namespace {
@@ -71,9 +70,9 @@ void ApplyFuseProposals(KeyframeId keyframe_id, absl::Span<const FuseProposal> p
     if (existing->id.local_map != own && point->id.local_map != own) continue;
     const MapPointId existing_id = existing->id;
     if (ShouldSurvive(*existing, *point, own)) {
-      ReplaceWithSight(own, proposal.point, existing_id, map);
+      map.ReplacePoint(proposal.point, existing_id);
     } else {
-      ReplaceWithSight(own, existing_id, proposal.point, map);
+      map.ReplacePoint(existing_id, proposal.point);
     }
   }
 }

@@ -1,7 +1,5 @@
 #include "client_agent/shared/placement_planner.h"
 
-#include "slam/map/own_sight.h"
-
 namespace corbslam::client_agent {
 namespace {
 
@@ -113,12 +111,8 @@ void PlacementPlanner::PlanPoint(const SharedMapPoint& shared, const Map& map,
                                  const SharedContent& content, PlacementPlan& plan) {
   if (content.Representative(map, shared.id) != shared.id) return;
   const Rigid3d local_from_global = PlacingOf(shared, content);
-  const MapPoint* placed = map.FindPoint(shared.id);
-  const bool is_located = placed != nullptr && IsLocatedBy(own_, *placed);
-  plan.points.push_back(
-      {&shared,
-       is_located ? placed->position_in_map : local_from_global * shared.position_in_global,
-       local_from_global.rotation * shared.normal_in_global});
+  plan.points.push_back({&shared, local_from_global * shared.position_in_global,
+                         local_from_global.rotation * shared.normal_in_global});
 }
 
 Rigid3d PlacementPlanner::PlacingOf(const SharedMapPoint& point, const SharedContent& content) {

@@ -41,9 +41,8 @@ class PlacementPlanner {
   // Makes a plan for content with own keyframes that fusion has placed. A foreign keyframe that the
   // robot's own sight holds stays; every other one is placed by the nearest anchor: an own keyframe
   // that fusion has placed, or a foreign one that stays. Points go with the keyframe that they
-  // refer to, but for those that own keyframes locate (IsLocatedBy), which stay. The plan is to be
-  // carried out. Where fusion has placed no own keyframe, `local_from_global` says where all of the
-  // robot's frame lies.
+  // refer to. The plan is to be carried out. Where fusion has placed no own keyframe,
+  // `local_from_global` says where all of the robot's frame lies.
   PlacementPlan Plan(const Map& map, const SharedContent& content,
                      const std::optional<Rigid3d>& local_from_global = std::nullopt);
 

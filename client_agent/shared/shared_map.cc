@@ -2,8 +2,6 @@
 
 #include <utility>
 
-#include "slam/map/own_sight.h"
-
 namespace corbslam::client_agent {
 
 void SharedMap::Apply(const ArrivedUpdate& arrived) {
@@ -34,21 +32,6 @@ void SharedMap::Correct(const OwnCorrection& correction, Map& map) {
     planner_.Move(id, after_from_before);
     MoveWithPoints(id, after_from_before, map);
   }
-  MoveLocated(correction, map);
-}
-
-void SharedMap::MoveLocated(const OwnCorrection& correction, Map& map) const {
-  std::vector<std::pair<MapPointId, Eigen::Vector3d>> positions;
-  for (const auto& [id, point] : map.points()) {
-    if (id.local_map == own_ || !IsLocatedBy(own_, point)) continue;
-    const SharedMapPoint* shared = content_.FindPoint(id);
-    if (shared != nullptr && correction.held.contains(content_.HolderOf(*shared))) continue;
-    const KeyframeId viewer = point.observations.lower_bound({own_, 0})->first;
-    const auto motion = correction.motions.find(viewer);
-    if (motion == correction.motions.end()) continue;
-    positions.emplace_back(id, motion->second.AfterFromBefore() * point.position_in_map);
-  }
-  for (const auto& [id, position] : positions) map.SetPosition(id, position);
 }
 
 void SharedMap::MoveWithPoints(KeyframeId id, const Rigid3d& after_from_before, Map& map) const {
@@ -56,7 +39,7 @@ void SharedMap::MoveWithPoints(KeyframeId id, const Rigid3d& after_from_before, 
   std::vector<std::pair<MapPointId, Eigen::Vector3d>> positions;
   for (const MapPointId& seen : keyframe.points) {
     const MapPoint* point = seen.IsValid() ? map.FindPoint(seen) : nullptr;
-    if (point == nullptr || seen.local_map == own_ || IsLocatedBy(own_, *point)) continue;
+    if (point == nullptr || seen.local_map == own_) continue;
     const SharedMapPoint* shared = content_.FindPoint(seen);
     if (shared == nullptr || content_.HolderOf(*shared) != id) continue;
     positions.emplace_back(seen, after_from_before * point->position_in_map);
@@ -156,7 +139,7 @@ void SharedMap::DropPoints(const SourceNews& news, Map& map) const {
     if (map.FindPoint(id) == nullptr) continue;
     const MapPointId representative = content_.Representative(map, id);
     if (representative == id && content_.FindPoint(id) != nullptr) continue;
-    if (!ReplaceWithSight(own_, id, representative, map)) map.RemovePoint(id);
+    if (!map.ReplacePoint(id, representative)) map.RemovePoint(id);
   }
 }
 

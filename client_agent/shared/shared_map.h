@@ -1,5 +1,5 @@
 // Keeps the robot's copy of what others made, and gives it its place in the robot's own map
-// (CORB-SLAM, section 2.3), where the robot's own sight does not say it.
+// (CORB-SLAM, section 2.3: others' data is used and held fixed).
 #ifndef CORBSLAM_CLIENT_AGENT_SHARED_SHARED_MAP_H_
 #define CORBSLAM_CLIENT_AGENT_SHARED_SHARED_MAP_H_
 
@@ -31,8 +31,7 @@ class SharedMap {
   // Follows a correction by which the robot moved its own map as a whole, as `map` shows: foreign
   // keyframes that own ones held before go with them, but for those that the own map was fitted to.
   // (What they see in common only since then, in the very loop that was closed, is no reason to
-  // go.) Foreign points that own keyframes locate go with these, whatever keyframe they refer to.
-  // The caller calls Plan and Place afterwards.
+  // go.) The caller calls Plan and Place afterwards.
   void Correct(const OwnCorrection& correction, Map& map);
 
   // Plans how to bring `map` in line with what was applied. Costs as much as there is news or lies
@@ -62,10 +61,6 @@ class SharedMap {
   void PlaceKeyframe(const PlacementPlan::PlacedKeyframe& placed, Map& map,
                      PlacementChange& change);
   void PlacePoint(const PlacementPlan::PlacedPoint& placed, Map& map);
-  // Moves foreign points that own keyframes locate with the oldest of these, but for points of
-  // keyframes that the own map was fitted to.
-  void MoveLocated(const OwnCorrection& correction, Map& map) const;
-  // Moves the keyframe with the points that it places.
   void MoveWithPoints(KeyframeId id, const Rigid3d& after_from_before, Map& map) const;
   // Takes out points that are gone, or that another one stands for.
   void DropPoints(const SourceNews& news, Map& map) const;

@@ -196,47 +196,6 @@ TEST_F(SharedMapTest, PlacesEachKeyframeByTheOwnOneNearestToItWhateverTheDriftEl
   EXPECT_NEAR(map_.FindPoint({kForeign, 7})->position_in_map.x(), 0.7 + 0.5, 1e-9);
 }
 
-// What the robot itself located, and has elsewhere than the store.
-class LocatedPointTest : public SharedMapTest {
- protected:
-  LocatedPointTest() {
-    Share(FirstUpdate());
-    for (uint32_t k = 0; k < 2; ++k) map_.AddObservation(kLocated, {kOwn, k}, 15);
-    map_.AddObservation(kHearsay, {kOwn, 0}, 16);
-    map_.SetPosition(kLocated, by_own_sight_);
-  }
-
-  Eigen::Vector3d PositionOf(MapPointId id) const { return map_.FindPoint(id)->position_in_map; }
-
-  static constexpr MapPointId kLocated{kForeign, 7};
-  static constexpr MapPointId kHearsay{kForeign, 8};  // One own keyframe sees it.
-  const Eigen::Vector3d by_own_sight_{0.7, 0.6, 6};
-};
-
-TEST_F(LocatedPointTest, StaysWhereTheRobotSeesItWhateverTheStoreSays) {
-  SharedUpdate moves;
-  for (const MapPointId id : {kLocated, kHearsay}) {
-    moves.moved_points.push_back({id, kGlobalFromLocal * Eigen::Vector3d(0, 0, 9)});
-  }
-  Share(moves);
-  EXPECT_EQ(PositionOf(kLocated), by_own_sight_);
-  EXPECT_LT((PositionOf(kHearsay) - Eigen::Vector3d(0, 0, 9)).norm(), 1e-9);
-  // Seen by one own keyframe alone it is others' word again.
-  map_.RemoveObservation(kLocated, {kOwn, 1});
-  Share(moves);
-  EXPECT_LT((PositionOf(kLocated) - Eigen::Vector3d(0, 0, 9)).norm(), 1e-9);
-}
-
-TEST_F(LocatedPointTest, GoesAlongWithTheOwnKeyframesThatLocateIt) {
-  Correct(0.5);
-  EXPECT_LT((PositionOf(kLocated) - by_own_sight_ - Eigen::Vector3d(0.5, 0, 0)).norm(), 1e-9);
-}
-
-TEST_F(LocatedPointTest, StaysWhereTheOwnMapWasFittedToTheKeyframeThatPlacesIt) {
-  Correct(0.5, {{kForeign, 0}});
-  EXPECT_EQ(PositionOf(kLocated), by_own_sight_);
-}
-
 TEST_F(SharedMapTest, WhatTheRobotAdjustsDoesNotMoveWhatItIsAdjustedTo) {
   Share(FirstUpdate());
   for (uint32_t k = 0; k < 3; ++k) map_.SetPose({kOwn, k}, CameraAt(k + 0.1));

@@ -1,11 +1,9 @@
 #include "client_agent/tracking/frame.h"
 
-#include <limits>
 #include <utility>
 
 #include "client_agent/mapping/nearest_keypoints.h"
 #include "slam/optimisation/pose_covariance.h"
-#include "slam/optimisation/reprojection.h"
 
 namespace corbslam::client_agent {
 namespace {
@@ -21,37 +19,11 @@ FrameObservations NumberedObservationsOf(const Frame& frame) {
   for (size_t i = 0; i < frame.associations.size(); ++i) {
     if (frame.associations[i].kind == Association::Kind::kNone) continue;
     const Keypoint& keypoint = frame.keypoints()[i];
-    of.observations.push_back(
-        {frame.associations[i].position_in_map, keypoint.Pixel(), keypoint.disparity_px,
-         frame.associations[i].variance * ScalePyramid::Variance_px2(keypoint.octave)});
+    of.observations.push_back({frame.associations[i].position_in_map, keypoint.Pixel(),
+                               keypoint.disparity_px, ScalePyramid::Variance_px2(keypoint.octave)});
     of.keypoint_of.push_back(i);
   }
   return of;
-}
-
-// Medians of chi2 with two and three degrees of freedom.
-constexpr double kMedianChi2Mono = 1.386;
-constexpr double kMedianChi2Stereo = 2.366;
-
-PixelMeasurement MeasurementOf(const Keypoint& keypoint) {
-  return MakeMeasurement(keypoint.Pixel(), keypoint.disparity_px,
-                         ScalePyramid::Variance_px2(keypoint.octave));
-}
-
-// Returns the squared error over the keypoint's variance; infinite behind the camera.
-double Chi2(const Frame& frame, size_t keypoint, const PixelMeasurement& measured,
-            const Rigid3d& camera_from_map) {
-  const Eigen::Vector3d x = camera_from_map * frame.associations[keypoint].position_in_map;
-  if (!(x.z() > kMinDepth)) return std::numeric_limits<double>::infinity();
-  return ReprojectionResidual(frame.camera(), x, measured).squaredNorm() *
-         measured.inverse_variance;
-}
-
-// Returns whether an inlier by its own variance is one by what its octave has, too.
-bool FitsItsPoint(const Frame& frame, size_t keypoint) {
-  if (frame.associations[keypoint].variance == 1) return true;
-  const PixelMeasurement measured = MeasurementOf(frame.keypoints()[keypoint]);
-  return Chi2(frame, keypoint, measured, frame.camera_from_map) <= measured.MaxChi2();
 }
 
 }  // namespace
@@ -79,19 +51,11 @@ void Refresh(const Map& map, const MapHistory& history, Frame& frame) {
     }
     id = history.CurrentPoint(id);
     if (const MapPoint* point = map.FindPoint(id)) {
-      association.kind = Association::Kind::kMapPoint;
-      association.id = id;
-      association.position_in_map = point->position_in_map;
+      association = {Association::Kind::kMapPoint, id, point->position_in_map};
     } else {
       association = {};
     }
   }
-}
-
-double NormalisedError2(const Frame& frame, size_t keypoint, const Rigid3d& camera_from_map) {
-  const PixelMeasurement measured = MeasurementOf(frame.keypoints()[keypoint]);
-  const double median = measured.has_depth ? kMedianChi2Stereo : kMedianChi2Mono;
-  return Chi2(frame, keypoint, measured, camera_from_map) / median;
 }
 
 InlierCount OptimiseFramePose(const Rigid3d& initial_camera_from_map, LocalMapId own,
@@ -102,7 +66,7 @@ InlierCount OptimiseFramePose(const Rigid3d& initial_camera_from_map, LocalMapId
   InlierCount count;
   for (size_t k = 0; k < keypoint_of.size(); ++k) {
     Association& association = frame.associations[keypoint_of[k]];
-    if (!estimate.is_inlier[k] || !FitsItsPoint(frame, keypoint_of[k])) {
+    if (!estimate.is_inlier[k]) {
       association = {};
     } else if (association.kind == Association::Kind::kTemporary) {
       ++count.temporary;

@@ -30,9 +30,6 @@ struct Association {
   Kind kind = Kind::kNone;
   MapPointId id;  // Id of a map point.
   Eigen::Vector3d position_in_map = Eigen::Vector3d::Zero();
-  // Of the keypoint's error against the point, in units of its octave's; more than 1 where the
-  // point is hearsay (OthersTrust::Weigh).
-  double variance = 1;
 };
 
 struct Frame {
@@ -70,13 +67,8 @@ struct InlierCount {
   int total() const { return map_points + temporary; }
 };
 
-// Returns the squared error of a keypoint that is associated, at the pose, in units of the median
-// that chi2 has of its coordinates; infinite behind the camera.
-double NormalisedError2(const Frame& frame, size_t keypoint, const Rigid3d& camera_from_map);
-
-// Finds the pose that fits the frame's associations best, from `initial`, each weighed by its
-// variance, and drops those that disagree with it: a point that is not well known draws less, and
-// must fit as well.
+// Finds the pose that fits the frame's associations best, from `initial`, and drops those that
+// disagree with it.
 InlierCount OptimiseFramePose(const Rigid3d& initial_camera_from_map, LocalMapId own, Frame& frame);
 
 // Returns the covariance of the pose that OptimiseFramePose found, in the map's axes (InMapAxes);

@@ -6,7 +6,6 @@
 #include "absl/container/flat_hash_map.h"
 #include "absl/container/flat_hash_set.h"
 #include "client_agent/tracking/point_set.h"
-#include "slam/map/own_sight.h"
 
 namespace corbslam::client_agent {
 namespace {
@@ -104,18 +103,6 @@ std::vector<PointInView> CollectPoints(const Map& map, LocalMapId own,
   return points;
 }
 
-// Fills `view.hearsay`, once the view has its points.
-void CollectHearsay(const Map& map, LocalMapId own, const std::vector<MapPointId>& seen,
-                    LocalMapView& view) {
-  const auto consider = [&](MapPointId id) {
-    if (id.local_map == own) return;
-    const MapPoint* point = map.FindPoint(id);
-    if (point != nullptr && !IsLocatedBy(own, *point)) view.hearsay.insert(id);
-  };
-  for (const MapPointId id : seen) consider(id);
-  for (const PointInView& in_view : view.points) consider(in_view.point.id);
-}
-
 }  // namespace
 
 LocalMapView GatherLocalMap(const Map& map, LocalMapId own, const std::vector<MapPointId>& seen,
@@ -134,7 +121,6 @@ LocalMapView GatherLocalMap(const Map& map, LocalMapId own, const std::vector<Ma
   if (!view.reference.IsValid() && map.FindKeyframe(fallback) != nullptr) view.reference = fallback;
   AddNeighbours(map, list);
   view.points = CollectPoints(map, own, list.ids(), camera, camera_from_map);
-  CollectHearsay(map, own, seen, view);
   if (const Keyframe* reference = map.FindKeyframe(view.reference)) {
     view.reference_from_map = reference->camera_from_map;
     view.reference_points = CountReferencePoints(map, *reference);

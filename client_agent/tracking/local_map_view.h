@@ -4,7 +4,6 @@
 
 #include <vector>
 
-#include "absl/container/flat_hash_set.h"
 #include "slam/map/map.h"
 #include "slam/matching/match_point.h"
 
@@ -18,9 +17,6 @@ struct PointInView {
 struct LocalMapView {
   // Points of all robots, as far as the frame's pose has them in view.
   std::vector<PointInView> points;
-  // Those of them, and of the points that the frame sees already, of which others alone say where
-  // they are: own keyframes do not locate them (IsLocatedBy).
-  absl::flat_hash_set<MapPointId> hearsay;
   // The own keyframe that shares most points with the frame; invalid when there is none.
   KeyframeId reference;
   Rigid3d reference_from_map;

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <iterator>
 #include <utility>
 
 #include "client_agent/tracking/frame_evidence.h"
@@ -133,9 +132,6 @@ void Tracker::Accept(Solution solution, Frame& frame) {
   inliers_ = solution.inliers;
   points_in_view_ = static_cast<int>(solution.visible.size());
   corrections_ = solution.corrections;
-  if (solution.innovations.has_value()) {
-    std::ranges::copy(others_trust_.Add(*solution.innovations), std::back_inserter(others_news_));
-  }
   parts_.statistics->Count(solution.visible, SeenPoints(frame));
 }
 
@@ -298,19 +294,10 @@ bool Tracker::TrackLocalMap(Solution& solution) const {
   const bool on_probation = is_lost || frames_since_relocalisation_ < kProbation;
   MatchLocalPoints(solution.local_map.points, is_fresh ? 5 : options_.local_map_widening, frame,
                    solution.visible);
-  WeighOthers(solution);
   solution.inliers = OptimiseFramePose(frame.camera_from_map, own, frame);
   const int least = on_probation ? options_.min_local_map_inliers_after_relocalisation
                                  : options_.min_local_map_inliers;
   return Support(solution) >= least;
-}
-
-// A robot that only localises has no sight of its own to weigh others' by.
-void Tracker::WeighOthers(Solution& solution) const {
-  if (options_.localise_only) return;
-  const auto& hearsay = solution.local_map.hearsay;
-  solution.innovations = MeasureInnovations(solution.frame, hearsay);
-  others_trust_.Weigh(hearsay, solution.innovations.has_value(), solution.frame);
 }
 
 void Tracker::SetReference(Frame& frame) const {

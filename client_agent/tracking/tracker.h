@@ -6,7 +6,6 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
-#include <utility>
 #include <vector>
 
 #include "client_agent/map/guarded_map.h"
@@ -17,7 +16,6 @@
 #include "client_agent/tracking/frame.h"
 #include "client_agent/tracking/keyframe_policy.h"
 #include "client_agent/tracking/local_map_view.h"
-#include "client_agent/tracking/others_trust.h"
 #include "client_agent/tracking/relocalisation.h"
 #include "client_agent/tracking/tracking_result.h"
 #include "slam/vocabulary/vocabulary.h"
@@ -97,10 +95,6 @@ class Tracker {
 
   // Returns what the last frame showed; null before the first.
   std::shared_ptr<const KeyframePayload> last_payload() const { return last_payload_; }
-  // Returns which of others' local maps began to contradict the robot's own sight, or fit it again,
-  // since it was asked last. What contradicts is not tracked in where own points are enough.
-  std::vector<OthersNews> TakeOthersNews() { return std::exchange(others_news_, {}); }
-
   // While the camera is lost, looks at the map where somebody else says that an earlier lost frame
   // was. Returns whether the map agrees: tracking goes on from there.
   bool ResumeAt(std::shared_ptr<const KeyframePayload> payload, const Rigid3d& camera_from_map);
@@ -121,7 +115,6 @@ class Tracker {
     InlierCount inliers;
     std::vector<MapPointId> visible;
     uint64_t corrections = 0;
-    std::optional<std::vector<Innovation>> innovations;
   };
   using FirstPose = bool (Tracker::*)(Frame&) const;
 
@@ -135,7 +128,6 @@ class Tracker {
   bool Relocalise(Frame& frame) const;
   bool TrackPreviousFrame(const Rigid3d& predicted, double radius_px, Frame& frame) const;
   bool TrackLocalMap(Solution& solution) const;
-  void WeighOthers(Solution& solution) const;
   // Returns how many of the inliers count: before mapping has inserted the first keyframe there are
   // only temporary points.
   static int Support(const Solution& solution);
@@ -174,8 +166,6 @@ class Tracker {
   uint64_t corrections_ = 0;
   bool mapping_paused_ = false;
   CameraDoubt camera_doubt_;
-  OthersTrust others_trust_;
-  std::vector<OthersNews> others_news_;
   KeyframeId last_keyframe_;
   int64_t last_keyframe_ns_ = 0;
   bool was_anothers_camera_ = false;  // In the newest frame.

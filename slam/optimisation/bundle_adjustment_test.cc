@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <memory>
 #include <set>
 #include <string>
 #include <utility>
@@ -260,81 +259,6 @@ TEST(LocalBundleScopeTest, HoldsRootAndDistantObserversAndForeignItems) {
   EXPECT_TRUE(foreign.free_points.empty());
   EXPECT_TRUE(LocalBundleScope(scene.map, {options.local_map, 999}, options.local_map)
                   .free_keyframes.empty());
-}
-
-constexpr LocalMapId kOthers{0xf00};
-
-// Returns the scene's map where others made every second point, and have those `error` beside where
-// they are.
-Map WithOthersPoints(const SyntheticScene& scene, const Eigen::Vector3d& error) {
-  Map map;
-  for (const auto& [id, keyframe] : scene.map.keyframes()) {
-    Keyframe copy;
-    copy.payload = keyframe.payload;
-    copy.camera_from_map = keyframe.camera_from_map;
-    copy.parent = keyframe.parent;
-    map.AddKeyframe(std::move(copy));
-  }
-  for (const auto& [id, point] : scene.map.points()) {
-    const bool is_others = id.index % 2 == 1;
-    MapPoint copy;
-    copy.id = is_others ? MapPointId{kOthers, id.index} : id;
-    copy.position_in_map = point.position_in_map;
-    if (is_others) copy.position_in_map += error;
-    map.AddPoint(copy);
-    for (const auto& [keyframe, keypoint] : point.observations) {
-      map.AddObservation(copy.id, keyframe, keypoint);
-    }
-  }
-  return map;
-}
-
-TEST(LocalBundleScopeTest, WhatOthersSayDoesNotBendWhatOwnKeyframesMeasure) {
-  SyntheticSceneOptions options;
-  options.keyframes = 12;
-  const SyntheticScene scene = MakeSyntheticScene(options);
-  const Map map = WithOthersPoints(scene, {0.05, 0, 0.3});
-  const BundleScope scope = LocalBundleScope(map, {options.local_map, 6}, options.local_map);
-  ASSERT_FALSE(scope.free_keyframes.empty());
-  EXPECT_TRUE(scope.fixed_points.empty());
-  EXPECT_TRUE(std::ranges::any_of(scope.free_points,
-                                  [](MapPointId id) { return id.local_map == kOthers; }));
-  const auto result = AdjustBundle(map, scope, {});
-  ASSERT_TRUE(result.ok()) << result.status();
-  EXPECT_LT(WorstPoseError(scene, *result), 1e-3);
-  for (const PositionUpdate& update : result->positions) {
-    const MapPointId id{options.local_map, update.id.index};
-    EXPECT_LT((update.position_in_map - scene.true_position_in_map.at(id)).norm(), 0.05);
-  }
-}
-
-TEST(LocalBundleScopeTest, WhatOthersAloneSayAndTheirKeyframesTakeNoPart) {
-  SyntheticSceneOptions options;
-  options.keyframes = 12;
-  const SyntheticScene scene = MakeSyntheticScene(options);
-  Map map = WithOthersPoints(scene, Eigen::Vector3d::Zero());
-  const KeyframeId centre{options.local_map, 6};
-  const BundleScope before = LocalBundleScope(map, centre, options.local_map);
-  const auto is_others = [](MapPointId id) { return id.local_map == kOthers; };
-  const MapPointId told = *std::ranges::find_if(before.free_points, is_others);
-  const auto observations = map.FindPoint(told)->observations;
-  for (const auto& [keyframe, keypoint] : observations) {
-    if (keyframe != observations.begin()->first) map.RemoveObservation(told, keyframe);
-  }
-  Keyframe theirs;
-  theirs.payload = map.FindKeyframe(centre)->payload;
-  KeyframePayload payload = *theirs.payload;
-  payload.id = {kOthers, 0};
-  theirs.payload = std::make_shared<const KeyframePayload>(std::move(payload));
-  theirs.camera_from_map = map.FindKeyframe(centre)->camera_from_map;
-  map.AddKeyframe(std::move(theirs));
-  map.AddObservations({kOthers, 0}, map.FindKeyframe(centre)->points);
-
-  const BundleScope scope = LocalBundleScope(map, centre, options.local_map);
-  EXPECT_FALSE(std::ranges::binary_search(scope.free_points, told));
-  EXPECT_TRUE(scope.fixed_points.empty());
-  EXPECT_EQ(scope.free_keyframes, before.free_keyframes);
-  EXPECT_EQ(scope.fixed_keyframes, before.fixed_keyframes);
 }
 
 TEST(GlobalBundleScopeTest, HoldsWhatIsAskedElseTheRoot) {

@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "absl/container/btree_set.h"
-#include "slam/map/own_sight.h"
 
 namespace corbslam {
 namespace {
@@ -19,38 +18,33 @@ KeyframeId RootOf(const Map& map) {
 
 bool IsRoot(const Keyframe& keyframe) { return !keyframe.parent.IsValid(); }
 
-// Returns the keyframes of `own` among `centre` and its covisible ones.
-absl::btree_set<KeyframeId> OwnAround(const Map& map, KeyframeId centre, LocalMapId own) {
-  absl::btree_set<KeyframeId> near;
-  if (centre.local_map == own) near.insert(centre);
-  for (const CovisibleKeyframe& neighbour : map.Covisible(centre, kMinCovisibility)) {
-    if (neighbour.id.local_map == own) near.insert(neighbour.id);
-  }
-  return near;
-}
-
 }  // namespace
 
 BundleScope LocalBundleScope(const Map& map, KeyframeId centre, LocalMapId own) {
   if (map.FindKeyframe(centre) == nullptr) return {};
-  const absl::btree_set<KeyframeId> near = OwnAround(map, centre, own);
+  absl::btree_set<KeyframeId> near = {centre};
+  for (const CovisibleKeyframe& neighbour : map.Covisible(centre, kMinCovisibility)) {
+    near.insert(neighbour.id);
+  }
   absl::btree_set<KeyframeId> free;
   absl::btree_set<KeyframeId> fixed;
+  for (const KeyframeId id : near) {
+    const bool moves = id.local_map == own && !IsRoot(*map.FindKeyframe(id));
+    (moves ? free : fixed).insert(id);
+  }
   absl::btree_set<MapPointId> seen;
   for (const KeyframeId id : near) {
-    const Keyframe& keyframe = *map.FindKeyframe(id);
-    (IsRoot(keyframe) ? fixed : free).insert(id);
-    for (const MapPointId point : keyframe.points) {
+    if (id.local_map != own) continue;
+    for (const MapPointId point : map.FindKeyframe(id)->points) {
       if (point.IsValid()) seen.insert(point);
     }
   }
   BundleScope scope;
   for (const MapPointId id : seen) {
-    const MapPoint& point = *map.FindPoint(id);
-    if (id.local_map != own && !IsLocatedBy(own, point)) continue;
-    scope.free_points.push_back(id);
-    for (const auto& [observer, keypoint] : point.observations) {
-      if (observer.local_map == own && !free.contains(observer)) fixed.insert(observer);
+    (id.local_map == own ? scope.free_points : scope.fixed_points).push_back(id);
+    if (id.local_map != own) continue;
+    for (const auto& [observer, keypoint] : map.FindPoint(id)->observations) {
+      if (!free.contains(observer)) fixed.insert(observer);
     }
   }
   if (fixed.empty() && !free.empty()) fixed.insert(free.extract(free.begin()).value());

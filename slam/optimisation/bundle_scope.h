@@ -17,12 +17,10 @@ struct BundleScope {
   std::vector<MapPointId> fixed_points;
 };
 
-// Returns the scope around `centre`, of what the keyframes of the local map `own` measure by
-// themselves. Free are `centre` and its covisible keyframes (15 points or more) of `own`, and the
-// points that they see: own ones, and of others' those that own keyframes locate (IsLocatedBy).
-// Fixed are the other own observers of those points, and the map's root. Others' keyframes, and
-// points of which they alone say where these are, take no part. Sorted by id; empty where `centre`
-// is unknown. Where nothing else would be fixed, the oldest free keyframe is.
+// Returns the scope around `centre`: free are `centre` and its covisible keyframes (15 points or
+// more) of the local map `own`, and `own` points that they see. Fixed are the other observers of
+// those points, every keyframe and point of another local map, and the map's root. Sorted by id;
+// empty where `centre` is unknown. Where nothing else would be fixed, the oldest free keyframe is.
 BundleScope LocalBundleScope(const Map& map, KeyframeId centre, LocalMapId own);
 
 // Returns a scope of all keyframes and points. `fixed` are held (those unknown to the map are
