@@ -28,7 +28,7 @@ uint64_t Allocated() {
 // given without being counted.
 template <typename Container, typename Fill>
 double Measure(Fill fill) {
-  constexpr int kContainers = 50;
+  constexpr int kContainers = 200;
   std::vector<std::unique_ptr<Container>> containers(kContainers);
   for (auto& container : containers) container = std::make_unique<Container>();
   const uint64_t before = Allocated();
