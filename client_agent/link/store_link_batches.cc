@@ -107,6 +107,8 @@ bool StoreLink::TakeBatchOf(Recording& recording) {
       allowance = budget_.Allow(options_.max_keyframes_per_batch, options_.clock());
     }
     closing = recording.closing;
+    // Frames may have come since this round began: the last batch has them all.
+    if (closing) DeliverFrames();
     if (closing && !std::exchange(recording.asked_for_exact_places, true)) {
       recording.recorder->AskForExactPlaces();
     }
