@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <functional>
 #include <memory>
 #include <string>
 
@@ -26,6 +27,21 @@ using testing::OneRobotsStore;
 using testing::TestAgent;
 using testing::TheWorld;
 
+// Checks stores that begin with the store's journal, and with its snapshot, without a worker.
+void ForEachRestart(OneRobotsStore& joined, const std::function<void(MapStore&)>& check) {
+  for (const bool from_snapshot : {false, true}) {
+    if (from_snapshot) {
+      joined.bytes()->wants_snapshot = true;
+      ASSERT_TRUE(joined.store().RunFusionUntilIdle("m").ok());
+    }
+    MapStore again(OneRobotsStore::Options(true), TheWorld().vocabulary,
+                   std::make_unique<ByteJournal>(joined.bytes()), nullptr);
+    const absl::Status recovered = testing::RecoverWhole(again);
+    ASSERT_TRUE(recovered.ok()) << recovered;
+    check(again);
+  }
+}
+
 TEST(JoiningTest, OldSessionsBecomeOneAndFusionGoesOn) {
   OneRobotsStore joined(true);
   joined.StartAll();
@@ -46,18 +62,10 @@ TEST(JoiningTest, ARestartGivesTheSame) {
   joined.StartAll();
   const std::string local = testing::DumpLocal("m", joined.store());
   const std::string global = testing::DumpGlobal("m", joined.store());
-  for (const bool from_snapshot : {false, true}) {
-    if (from_snapshot) {
-      joined.bytes()->wants_snapshot = true;
-      ASSERT_TRUE(joined.store().RunFusionUntilIdle("m").ok());
-    }
-    MapStore again(OneRobotsStore::Options(true), TheWorld().vocabulary,
-                   std::make_unique<ByteJournal>(joined.bytes()), nullptr);
-    const absl::Status recovered = testing::RecoverWhole(again);
-    ASSERT_TRUE(recovered.ok()) << recovered;
+  ForEachRestart(joined, [&](MapStore& again) {
     EXPECT_EQ(testing::FirstDifference(testing::DumpLocal("m", again), local), "");
     EXPECT_EQ(testing::FirstDifference(testing::DumpGlobal("m", again), global), "");
-  }
+  });
 }
 
 void Follow(const MapStore& store, MapWatcher watcher, testing::MapMirror& mirror) {
@@ -275,18 +283,11 @@ TEST(JoiningTest, NumbersStayWhateverBecomesOfTheSessions) {
   request.keep = 0;
   ASSERT_TRUE(joined.store().ForgetLocalMaps("m", request).ok());
   const testing::SyntheticMap drive = testing::MakeRingMap(5, 5, 2);
-  for (const bool from_snapshot : {false, true}) {
-    if (from_snapshot) {
-      joined.bytes()->wants_snapshot = true;
-      ASSERT_TRUE(joined.store().RunFusionUntilIdle("m").ok());
-    }
-    MapStore again(OneRobotsStore::Options(true), TheWorld().vocabulary,
-                   std::make_unique<ByteJournal>(joined.bytes()), nullptr);
-    ASSERT_TRUE(testing::RecoverWhole(again).ok());
+  ForEachRestart(joined, [&](MapStore& again) {
     TestAgent next(again, "m", kOneRobot, drive);
     ASSERT_TRUE(next.Send(next.NextBatch(1)).ok());
     EXPECT_EQ(again.GetLocalMap("m", {5})->number, 5u) << "none is given twice";
-  }
+  });
 }
 
 }  // namespace

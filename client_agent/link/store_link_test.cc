@@ -526,5 +526,24 @@ TEST_F(StoreLinkTest, ThreadedModeSendsAndStops) {
   EXPECT_EQ(uplink_.stored[kOwn].size(), 2U);
 }
 
+// A robot tracks its last frame and ends while the link's thread is about to take batches.
+TEST_F(StoreLinkTest, TheLastBatchHasFramesThatComeWhileItIsTaken) {
+  AddKeyframe({kOwn, 0});
+  bool has_ended = false;
+  uplink_.when_asked = [&] {
+    if (std::exchange(has_ended, true)) return;
+    manager_->AddTrackedFrame({7, {kOwn, 0}, Rigid3d::Identity()});
+    EXPECT_TRUE(absl::IsDeadlineExceeded(manager_->Finish(absl::ZeroDuration())));
+  };
+  manager_->Start();
+  EXPECT_TRUE(manager_->Finish(absl::Seconds(10)).ok());
+  manager_.reset();
+  EXPECT_TRUE(has_ended);
+  size_t frames = 0;
+  for (const auto& batch : uplink_.stored[kOwn]) frames += batch.tracked_frames.size();
+  EXPECT_EQ(frames, 1U);
+  EXPECT_TRUE(uplink_.stored[kOwn].back().closes_local_map);
+}
+
 }  // namespace
 }  // namespace corbslam::client_agent

@@ -27,40 +27,62 @@ using testing::TruthfulWorker;
 constexpr char kMission[] = "m";
 constexpr int kKeyframes = 9;
 
+struct Drives {
+  size_t robots = 0;
+  double apart_degrees = 0;  // Along the ring, from the begin of one to that of the next.
+  bool one_robot = false;    // True: all are sessions of one.
+};
+
 struct Row {
   size_t look_ups = 0;
+  size_t of_the_last = 0;  // Those of the last drive's keyframes.
   size_t most_of_a_keyframe = 0;
   size_t islands = 0;
 };
 
-// So many robots drive a part of the ring each, one after the other; each part overlaps with those
-// before and behind it, by some keyframes. Words tell nothing apart.
-Row FuseRow(size_t robots, bool one_robot) {
+// The drives follow one another; fusion comes to rest after each.
+Row Fuse(const Drives& drives, const MapStoreOptions& options) {
   std::vector<SyntheticMap> maps;
   std::vector<const SyntheticMap*> pointers;
-  for (size_t i = 0; i < robots; ++i) {
-    maps.push_back(MakeRingMap(0xa + i, 28.0 * static_cast<double>(i), kKeyframes));
+  for (size_t i = 0; i < drives.robots; ++i) {
+    maps.push_back(MakeRingMap(0xa + i, drives.apart_degrees * static_cast<double>(i), kKeyframes));
   }
   for (const SyntheticMap& map : maps) pointers.push_back(&map);
   TruthfulWorker worker(pointers);
-  MapStoreOptions options = DeterministicOptions();
-  options.min_shared_words = 1;
-  options.min_shared_words_ratio = 0;
   MapStore store(options, TheWorld().vocabulary, std::make_unique<InMemoryJournal>(), &worker);
-  for (size_t i = 0; i < robots; ++i) {
-    TestAgent agent(store, kMission, one_robot ? "r" : std::to_string(i), maps[i]);
+  for (size_t i = 0; i < drives.robots; ++i) {
+    TestAgent agent(store, kMission, drives.one_robot ? "r" : std::to_string(i), maps[i]);
     EXPECT_TRUE(agent.Stream().ok());
     EXPECT_TRUE(agent.Close().ok());
     EXPECT_TRUE(store.RunFusionUntilIdle(kMission).ok());
   }
   Row row;
   std::map<KeyframeId, size_t> of_keyframe;
+  const LocalMapId last = {0xa + drives.robots - 1};
   for (const TruthfulWorker::Asked& asked : worker.asked()) {
     ++row.look_ups;
+    row.of_the_last += asked.query.local_map == last;
     row.most_of_a_keyframe = std::max(row.most_of_a_keyframe, ++of_keyframe[asked.query]);
   }
   row.islands = store.GlobalMapView(kMission)->size();
   return row;
+}
+
+// Each drives a part of the ring that overlaps with those before and behind it, by some keyframes.
+// Words tell nothing apart.
+Row FuseRow(size_t robots, bool one_robot) {
+  MapStoreOptions options = DeterministicOptions();
+  options.min_shared_words = 1;
+  options.min_shared_words_ratio = 0;
+  return Fuse({robots, 28.0, one_robot}, options);
+}
+
+// All drive the same part of the ring, and no landmarks say that a place is known.
+Row FuseVisits(size_t robots) {
+  MapStoreOptions options = DeterministicOptions();
+  options.overlap_spacing = 2;
+  options.min_shared_landmarks = 100000;
+  return Fuse({robots, 0.3, false}, options);
 }
 
 TEST(LookupChoiceTest, LookUpsGrowWithKeyframesNotWithLocalMaps) {
@@ -81,38 +103,14 @@ TEST(LookupChoiceTest, ARobotsNextLocalMapIsHeldAgainstItsLastBesideTheBest) {
   EXPECT_LE(twelve.most_of_a_keyframe, 4u);
 }
 
-// So many robots drive the same part of the ring, one after the other. Returns how many look-ups
-// the last one's keyframes cost.
-size_t LookUpsOfTheLast(size_t robots) {
-  std::vector<SyntheticMap> maps;
-  std::vector<const SyntheticMap*> pointers;
-  for (size_t i = 0; i < robots; ++i) {
-    maps.push_back(MakeRingMap(0xa + i, 0.3 * static_cast<double>(i), kKeyframes));
-  }
-  for (const SyntheticMap& map : maps) pointers.push_back(&map);
-  TruthfulWorker worker(pointers);
-  MapStoreOptions options = DeterministicOptions();
-  options.overlap_spacing = 2;
-  options.min_shared_landmarks = 100000;  // No landmarks say that a place is known.
-  MapStore store(options, TheWorld().vocabulary, std::make_unique<InMemoryJournal>(), &worker);
-  for (size_t i = 0; i < robots; ++i) {
-    TestAgent agent(store, kMission, std::to_string(i), maps[i]);
-    EXPECT_TRUE(agent.Stream().ok());
-    EXPECT_TRUE(agent.Close().ok());
-    EXPECT_TRUE(store.RunFusionUntilIdle(kMission).ok());
-  }
-  EXPECT_EQ(store.GlobalMapView(kMission)->size(), 1u);
-  const std::vector<TruthfulWorker::Asked> asked = worker.asked();
-  const LocalMapId last = {0xa + robots - 1};
-  return static_cast<size_t>(
-      std::ranges::count_if(asked, [&](const auto& one) { return one.query.local_map == last; }));
-}
-
 // Where two others hold a place already, eight more visits of it are not asked, too.
 TEST(LookupChoiceTest, KnownGroundCostsTheSameHoweverOftenItWasVisited) {
-  const size_t fourth = LookUpsOfTheLast(4);
-  EXPECT_GT(fourth, 0u);
-  EXPECT_LE(LookUpsOfTheLast(12), fourth);
+  const Row four = FuseVisits(4);
+  const Row twelve = FuseVisits(12);
+  EXPECT_EQ(four.islands, 1u);
+  EXPECT_EQ(twelve.islands, 1u);
+  EXPECT_GT(four.of_the_last, 0u);
+  EXPECT_LE(twelve.of_the_last, four.of_the_last);
 }
 
 class NextToLookUpTest : public ::testing::Test {

@@ -298,22 +298,21 @@ FusionRequestCounts FusionCoordinator::CountWaiting() const {
   return counts;
 }
 
-bool FusionCoordinator::RestsButForLookUps() const {
-  absl::ReaderMutexLock lock(&strand_.mutex());
-  return std::ranges::all_of(kFusionLanes,
-                             [this](FusionLane lane) ABSL_SHARED_LOCKS_REQUIRED(strand_.mutex()) {
-                               if (lanes_.IsBusy(lane)) return false;
-                               const std::optional<FusionAction> next = NextAction(lane);
-                               return !next.has_value() || next->kind == FusionAction::Kind::kQuery;
-                             });
+bool FusionCoordinator::RestsLocked(bool but_for_look_ups) const {
+  return std::ranges::all_of(
+      kFusionLanes, [&](FusionLane lane) ABSL_SHARED_LOCKS_REQUIRED(strand_.mutex()) {
+        if (lanes_.IsBusy(lane)) return false;
+        const std::optional<FusionAction> next = NextAction(lane);
+        return !next.has_value() || (but_for_look_ups && next->kind == FusionAction::Kind::kQuery);
+      });
 }
 
-bool FusionCoordinator::IsIdleLocked() const {
-  return std::ranges::all_of(kFusionLanes,
-                             [this](FusionLane lane) ABSL_SHARED_LOCKS_REQUIRED(strand_.mutex()) {
-                               return !lanes_.IsBusy(lane) && !NextAction(lane).has_value();
-                             });
+bool FusionCoordinator::RestsButForLookUps() const {
+  absl::ReaderMutexLock lock(&strand_.mutex());
+  return RestsLocked(/*but_for_look_ups=*/true);
 }
+
+bool FusionCoordinator::IsIdleLocked() const { return RestsLocked(/*but_for_look_ups=*/false); }
 
 bool FusionCoordinator::IsIdle() const {
   absl::ReaderMutexLock lock(&strand_.mutex());

@@ -104,6 +104,8 @@ class FusionCoordinator {
   FusionSummary Summarise() const ABSL_SHARED_LOCKS_REQUIRED(strand_.mutex());
   std::optional<FusionAction> NextAction(FusionLane lane) const
       ABSL_SHARED_LOCKS_REQUIRED(strand_.mutex());
+  // Returns whether nothing runs and nothing waits, or nothing but look-ups.
+  bool RestsLocked(bool but_for_look_ups) const ABSL_SHARED_LOCKS_REQUIRED(strand_.mutex());
   bool IsIdleLocked() const ABSL_SHARED_LOCKS_REQUIRED(strand_.mutex());
   Started TryStart(FusionLane lane);
   // Takes the lane for the caller until ReleaseLane. Returns nullopt if the lane has nothing to do.

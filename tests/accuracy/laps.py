@@ -58,15 +58,12 @@ def distance(a, b):
 def repeat(lap, laps, folder):
     """Links the lap's pictures into a recording that goes round so often."""
     times = lap.joinpath("times.txt").read_text().split()
-    truth = next(iter(sorted(lap.glob("poses*")) + sorted(lap.parent.glob("poses/*.txt"))))
-    poses = truth.read_text().splitlines()
+    poses = lap.joinpath("poses.txt").read_text().splitlines()
     end = min(range(3 * len(poses) // 4, len(poses)), key=lambda i: distance(poses[i], poses[0]))
     rounds = folder / f"laps{laps}"
     shutil.rmtree(rounds, ignore_errors=True)
     rounds.mkdir()
-    for one in lap.iterdir():
-        if one.is_file() and one.name not in ("times.txt", truth.name):
-            shutil.copy(one, rounds)
+    shutil.copy(lap / "calib.txt", rounds)
     for name in ("image_0", "image_1"):
         pictures = sorted((lap / name).iterdir())
         (rounds / name).mkdir()
@@ -75,7 +72,7 @@ def repeat(lap, laps, folder):
     step = float(times[1]) - float(times[0])
     rounds.joinpath("times.txt").write_text(
         "".join(f"{i * step:e}\n" for i in range(laps * end)))
-    rounds.joinpath(truth.name).write_text("\n".join(poses[:end] * laps) + "\n")
+    rounds.joinpath("poses.txt").write_text("\n".join(poses[:end] * laps) + "\n")
     return rounds, end
 
 

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <functional>
 #include <map>
 #include <string>
 #include <utility>
@@ -62,7 +63,10 @@ class FakeUplink : public Uplink {
   void PauseReading() override { paused = true; }
   void ResumeReading() override { paused = false; }
   uint64_t bytes_up() const override { return bytes; }
-  uint64_t bytes_waiting() const override { return waiting; }
+  uint64_t bytes_waiting() const override {
+    if (when_asked != nullptr) when_asked();
+    return waiting;
+  }
   uint64_t bytes_down() const override { return 0; }
 
   std::atomic<bool> reachable = true;
@@ -80,6 +84,8 @@ class FakeUplink : public Uplink {
   double wire_factor = 1;
   std::atomic<uint64_t> bytes = 0;
   std::atomic<uint64_t> waiting = 0;
+  // Called when the link asks what waits, as it does before it takes batches; null: nobody is.
+  std::function<void()> when_asked;
   bool open = false;
   // True: the link does not read, so that a store would share nothing now.
   bool paused = false;
