@@ -13,6 +13,7 @@
 #include "map_store/mission/mission_directory.h"
 #include "map_store/mission/mission_tender.h"
 #include "map_store/mission/mission_waker.h"
+#include "map_store/mission/promised_uids.h"
 #include "map_store/mission/sleepers.h"
 #include "map_store/mission/snapshot_keeper.h"
 #include "map_store/records/restored_state.h"
@@ -51,7 +52,8 @@ MapStore::MapStore(const MapStoreOptions& options, std::shared_ptr<const Vocabul
                                                  clock_, [this] { memory_returner_->Wake(); })),
       snapshots_(std::make_unique<SnapshotKeeper>(clock_)),
       tender_(std::make_unique<MissionTender>([this] { TendMissions(); })),
-      departed_(std::make_unique<DepartedMissions>()) {
+      departed_(std::make_unique<DepartedMissions>()),
+      promised_uids_(std::make_unique<PromisedUids>(*journal_)) {
   directory_ = std::make_unique<MissionDirectory>(
       clock_, [this](const std::string& name, const Sleeper& sleeper) {
         return LoadSleeper(name, sleeper);
@@ -85,7 +87,10 @@ absl::StatusOr<std::shared_ptr<Mission>> MapStore::FindMission(absl::string_view
 }
 
 absl::Status MapStore::Recover() {
-  for (DeletedMission& deleted : journal_->ListDeleted()) departed_->Note(std::move(deleted), {});
+  for (MissionIdentity& deleted : journal_->ReadList(MissionList::kDeleted)) {
+    departed_->Note(std::move(deleted), {});
+  }
+  promised_uids_->Recover();
   ASSIGN_OR_RETURN(const std::vector<std::string> names, journal_->ListMissions());
   for (const std::string& name : names) {
     if (AddSleeper(name)) continue;
@@ -153,7 +158,7 @@ void MapStore::LeaveMission(uint64_t session_id) {
 
 std::shared_ptr<Mission> MapStore::BeginMission(const std::string& name, const std::string& uid) {
   std::shared_ptr<Mission> mission = MakeMission(name);
-  mission->BeginAs(uid.empty() ? DrawMissionUid(name) : uid);
+  mission->BeginAs(uid.empty() ? UidToBegin(name) : uid);
   return mission;
 }
 
@@ -166,6 +171,7 @@ std::shared_ptr<Mission> MapStore::MakeMission(const std::string& name) {
   environment.wake_fusion = [this] { Wake(); };
   environment.has_worker = executor_->has_worker();
   environment.note_uid = uid_listener_;
+  environment.promised_uids = promised_uids_.get();
   environment.memory = memory_.get();
   // What it took is free only when the last one who has it lets it go.
   return {new Mission(name, std::move(environment)), [this](Mission* mission) {

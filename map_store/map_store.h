@@ -53,6 +53,7 @@ class Mission;
 class MissionDirectory;
 class MissionTender;
 class MissionWaker;
+class PromisedUids;
 class Sleepers;
 class SnapshotKeeper;
 
@@ -365,6 +366,9 @@ class MapStore {
   absl::Status CheckNotDeparted(const SessionRequest& request) const;
   // Returns FAILED_PRECONDITION if the mission has another uid than this one, unless it is empty.
   absl::Status CheckUid(absl::string_view name, absl::string_view uid) const;
+  // Returns the uid of a mission that is about to be made: the one that was promised of the name,
+  // if that mission was not deleted, else a new one.
+  std::string UidToBegin(const std::string& name) const;
   // Remembers who was in a mission that is about to go, before its name is free.
   void NoteDeparture(absl::string_view name);
   // Forgets the session, and the mission if nothing was ever written of it and nobody is in it.
@@ -372,7 +376,8 @@ class MapStore {
   // Wakes the fusion threads and the snapshot keeper, which may have work now.
   void Wake();
   std::shared_ptr<Mission> MakeMission(const std::string& name);
-  // Makes a mission of which nothing was written; an empty uid: a new one is drawn.
+  // Makes a mission of which nothing was written; an empty uid: the one that was promised of the
+  // name, else a new one.
   std::shared_ptr<Mission> BeginMission(const std::string& name, const std::string& uid);
   // Describes a mission that could not be read.
   MissionInfo InfoOfUnreadable(const std::string& name, const absl::Status& damage) const;
@@ -403,6 +408,7 @@ class MapStore {
   // Holds all missions.
   std::unique_ptr<MissionDirectory> directory_;
   const std::unique_ptr<DepartedMissions> departed_;
+  const std::unique_ptr<PromisedUids> promised_uids_;
   std::unique_ptr<Sleepers> sleepers_;
   std::unique_ptr<MissionWaker> waker_;
   std::atomic<uint64_t> woken_ = 0;

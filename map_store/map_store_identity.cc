@@ -10,6 +10,7 @@
 #include "map_store/mission/departed_missions.h"
 #include "map_store/mission/mission.h"
 #include "map_store/mission/mission_directory.h"
+#include "map_store/mission/promised_uids.h"
 #include "map_store/state/mission_uid.h"
 #include "slam/exchange/session_end.h"
 #include "slam/util/status_macros.h"
@@ -62,14 +63,20 @@ absl::Status MapStore::CheckUid(absl::string_view name, absl::string_view uid) c
                    " is meant: that one is not there any more, or has another name"));
 }
 
+std::string MapStore::UidToBegin(const std::string& name) const {
+  const std::string promised = promised_uids_->Find(name);
+  const bool still_holds = IsUidOf(name, promised) && !departed_->Has(name, promised);
+  return still_holds ? promised : DrawMissionUid(name);
+}
+
 void MapStore::NoteDeparture(absl::string_view name) {
   const absl::StatusOr<KnownMission> known = directory_->Look(name);
   if (!known.ok()) return;
-  const DeletedMission departed{known->name, UidOf(*known)};
+  const MissionIdentity departed{known->name, UidOf(*known)};
   DepartedMissions::Processes processes;
   if (known->mission != nullptr) processes = ProcessesOf(*known->mission);
   departed_->Note(departed, std::move(processes));
-  const absl::Status noted = journal_->NoteDeleted(departed);
+  const absl::Status noted = journal_->NoteInList(MissionList::kDeleted, departed);
   LOG_IF(WARNING, !noted.ok()) << "mission " << name << " is deleted, and a robot of it that comes "
                                << "back after the next start will make it anew: " << noted;
   LOG(INFO) << "mission " << name << " with uid "

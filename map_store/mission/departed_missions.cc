@@ -4,7 +4,7 @@
 
 namespace corbslam::map_store {
 
-void DepartedMissions::Note(DeletedMission mission, Processes processes) {
+void DepartedMissions::Note(MissionIdentity mission, Processes processes) {
   // An agent that says nothing of its process can't be told from another one of its name.
   std::erase_if(processes, [](const auto& process) { return process.second == 0; });
   absl::MutexLock lock(&mutex_);
@@ -25,7 +25,7 @@ void DepartedMissions::Note(DeletedMission mission, Processes processes) {
 bool DepartedMissions::Has(absl::string_view name, absl::string_view uid) const {
   absl::MutexLock lock(&mutex_);
   return std::ranges::any_of(departed_, [&](const Departed& departed) {
-    const DeletedMission& mission = departed.mission;
+    const MissionIdentity& mission = departed.mission;
     return mission.name == name && (mission.uid == uid || mission.uid.empty());
   });
 }

@@ -21,14 +21,14 @@ namespace corbslam::map_store {
 class DepartedMissions {
  public:
   // Of so many missions the uids are remembered, as many as a journal keeps, ...
-  static constexpr size_t kMaxMissions = Journal::kMaxDeleted;
+  static constexpr size_t kMaxMissions = Journal::kMaxListed;
   // ... and of so many agents their processes.
   static constexpr size_t kMaxProcesses = 100'000;
   // SessionRequest::instance by the agent's name.
   using Processes = std::map<std::string, uint64_t>;
 
   // An empty uid: nobody knows it, and it is taken for any.
-  void Note(DeletedMission mission, Processes processes) ABSL_LOCKS_EXCLUDED(mutex_);
+  void Note(MissionIdentity mission, Processes processes) ABSL_LOCKS_EXCLUDED(mutex_);
   // Returns whether a mission of this name and uid was deleted.
   bool Has(absl::string_view name, absl::string_view uid) const ABSL_LOCKS_EXCLUDED(mutex_);
   // Returns whether this process of the agent was in a mission of this name that was deleted, and
@@ -38,7 +38,7 @@ class DepartedMissions {
 
  private:
   struct Departed {
-    DeletedMission mission;
+    MissionIdentity mission;
     Processes processes;
   };
 

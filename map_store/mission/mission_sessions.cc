@@ -111,8 +111,10 @@ absl::StatusOr<SessionGrant> MissionSessions::Open(uint64_t session_id,
     opened.told->updates = 0;
     opened.told->complete_at_version = opened.told->share.complete_at_version;
   }
-  // The acknowledged batches must be durable, as the robot forgets them.
-  if (const absl::Status durable = strand_.Sync(); !durable.ok()) {
+  // The robot comes back by the uid, and forgets the acknowledged batches: both must be durable.
+  absl::Status durable = strand_.PromiseUid();
+  if (durable.ok()) durable = strand_.Sync();
+  if (!durable.ok()) {
     Leave(session_id, request.agent, /*has_joined=*/opened.fenced != 0, /*on_purpose=*/false);
     return durable;
   }

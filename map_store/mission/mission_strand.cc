@@ -102,6 +102,12 @@ void MissionStrand::BeginAs(std::string uid) {
   state_.uid = std::move(uid);
 }
 
+absl::Status MissionStrand::PromiseUid() {
+  if (uid_is_recorded_ || environment_.promised_uids == nullptr) return absl::OkStatus();
+  return environment_.promised_uids->Promise(
+      {name_, WithState([](const MissionState& state) { return state.uid; })});
+}
+
 void MissionStrand::EnsureUid() {
   absl::MutexLock turn(&turn_);
   if (!state_in_turn().uid.empty()) return;

@@ -15,6 +15,7 @@
 #include "absl/synchronization/mutex.h"
 #include "absl/time/time.h"
 #include "map_store/mission/memory_budget.h"
+#include "map_store/mission/promised_uids.h"
 #include "map_store/options.h"
 #include "map_store/records/journal.h"
 #include "map_store/records/journal_records.h"
@@ -34,6 +35,7 @@ struct MissionEnvironment {
   bool has_worker = false;
   // Is told, with a mission's turn taken, when a mission's uid is in the journal; may be null.
   std::function<void(const std::string& mission, const std::string& uid)> note_uid;
+  PromisedUids* promised_uids = nullptr;
   MemoryBudget* memory = nullptr;
 };
 
@@ -61,6 +63,9 @@ class MissionStrand {
   void BeginAs(std::string uid) ABSL_LOCKS_EXCLUDED(mutex_);
   // Gives a mission that was read, and is older than uids, its own.
   void EnsureUid() ABSL_LOCKS_EXCLUDED(turn_, mutex_);
+  // Sees to it that the mission keeps its uid: a robot is about to be told of it, and nothing may
+  // ever have been written of the mission. Returns the errors of PromisedUids::Promise.
+  absl::Status PromiseUid() ABSL_LOCKS_EXCLUDED(mutex_);
   // Takes over a state from elsewhere, which the journal has already; called before anything else.
   void Restore(MissionState state) ABSL_LOCKS_EXCLUDED(mutex_);
   // Returns what the mission was after the record at `position`, from the journal, without

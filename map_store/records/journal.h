@@ -30,11 +30,17 @@ struct JournalSnapshot {
   std::vector<KeyframeId> keyframes;
 };
 
-// A mission that was deleted; an empty uid: nobody knows it.
-struct DeletedMission {
+// One of the missions that had a name; an empty uid: nobody knows it.
+struct MissionIdentity {
   std::string name;
   std::string uid;
-  friend bool operator==(const DeletedMission&, const DeletedMission&) = default;
+  friend bool operator==(const MissionIdentity&, const MissionIdentity&) = default;
+};
+
+// What a journal remembers of missions besides what they are.
+enum class MissionList {
+  kDeleted,
+  kPromised,  // A robot was told its uid, maybe before anything was written of it.
 };
 
 // Returns the keyframes that an owner's batch removes; none for other records.
@@ -96,12 +102,12 @@ class Journal {
   // The deletion is durable when this returns.
   virtual absl::Status DeleteMission(absl::string_view mission) = 0;
 
-  // Of so many missions that were deleted last is remembered that they were.
-  static constexpr size_t kMaxDeleted = 10'000;
-  // Remembers, durably as far as this journal is, that the mission is deleted.
-  virtual absl::Status NoteDeleted(const DeletedMission&) { return absl::OkStatus(); }
+  // So many missions of a list are remembered, the last ones.
+  static constexpr size_t kMaxListed = 10'000;
+  // Adds the mission to the list, durably as far as this journal is.
+  virtual absl::Status NoteInList(MissionList, const MissionIdentity&) { return absl::OkStatus(); }
   // Returns what is remembered, the oldest first.
-  virtual std::vector<DeletedMission> ListDeleted() const { return {}; }
+  virtual std::vector<MissionIdentity> ReadList(MissionList) const { return {}; }
 
   // A mission that is put aside takes no memory and no open files. Recover brings it back, and
   // nothing else does but DeleteMission: until then all that would write returns UNAVAILABLE. The

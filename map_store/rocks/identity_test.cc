@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
-#include "map_store/rocks/deleted_file.h"
+#include "map_store/rocks/mission_lists.h"
 #include "map_store/state/mission_uid.h"
 #include "map_store/testing/blank_batch.h"
 #include "map_store/testing/rocks_store.h"
@@ -169,6 +169,40 @@ TEST_F(IdentityTest, ARobotThatHasSentNothingYetGoesOnAfterTheStoreWasAway) {
   EXPECT_EQ(again->grant.mission_uid, uid);
 }
 
+TEST_F(IdentityTest, WhoeverMakesAMissionAnewOfWhichNothingWasWrittenGivesItTheUidThatIsKnown) {
+  auto store = Open(options_);
+  const auto first = store->OpenSession(Request(1));
+  ASSERT_TRUE(first.ok()) << first.status();
+  const std::string uid = first->grant.mission_uid;
+  SessionRequest newcomer = Request(2);
+  newcomer.agent = "bravo";
+
+  // The mission goes with its last robot, ...
+  store->CloseSession(first->session_id);
+  ASSERT_TRUE(absl::IsNotFound(store->GetMission(kMission).status()));
+  const auto second = store->OpenSession(newcomer);
+  ASSERT_TRUE(second.ok()) << second.status();
+  EXPECT_EQ(second->grant.mission_uid, uid);
+  // ... or with the store's process.
+  store.reset();
+  store = Open(options_);
+  EXPECT_EQ(store->OpenSession(newcomer)->grant.mission_uid, uid);
+  EXPECT_TRUE(store->OpenSession(Request(1, uid)).ok());
+
+  ASSERT_TRUE(store->DeleteMission(kMission).ok());
+  newcomer.instance = 3;
+  EXPECT_NE(store->OpenSession(newcomer)->grant.mission_uid, uid);
+  EXPECT_TRUE(SaysMissionDeleted(store->OpenSession(Request(1, uid)).status()));
+}
+
+TEST_F(IdentityTest, NoUidIsToldThatWouldNotLast) {
+  const auto store = Open(options_);
+  fs::create_directories(options_.directory + "/" + FileOfList(MissionList::kPromised));
+  const auto refused = store->OpenSession(Request(1));
+  EXPECT_TRUE(absl::IsUnavailable(refused.status())) << refused.status();
+  EXPECT_THAT(refused.status().message(), ::testing::HasSubstr("PROMISED"));
+}
+
 TEST_F(IdentityTest, AUidOutlivesRestartsAndSleepAndCountsAsUnknownWhereAMissionCantBeRead) {
   auto store = Open(options_);
   const std::string uid = MakeMission(*store);
@@ -213,13 +247,13 @@ TEST_F(IdentityTest, ARestoredMissionGoesOnUnderItsNameAndIsAnotherUnderAnotherO
 
 TEST_F(IdentityTest, TheFileOfWhatWasDeletedTakesTornLines) {
   const std::string folder = Folder("");
-  const DeletedMission one{"a", DrawMissionUid("a")};
-  const DeletedMission any{"b", ""};
-  ASSERT_TRUE(AddToDeletedFile(folder, one).ok());
-  std::ofstream(folder + "/" + kDeletedFile, std::ios::app) << "torn 12";
-  ASSERT_TRUE(AddToDeletedFile(folder, any).ok());
-  EXPECT_THAT(ReadDeletedFile(folder), ::testing::ElementsAre(one, any));
-  EXPECT_TRUE(ReadDeletedFile(Folder("nowhere")).empty());
+  const MissionIdentity one{"a", DrawMissionUid("a")};
+  const MissionIdentity any{"b", ""};
+  ASSERT_TRUE(AddToMissionList(folder, MissionList::kDeleted, one).ok());
+  std::ofstream(folder + "/" + FileOfList(MissionList::kDeleted), std::ios::app) << "torn 12";
+  ASSERT_TRUE(AddToMissionList(folder, MissionList::kDeleted, any).ok());
+  EXPECT_THAT(ReadMissionList(folder, MissionList::kDeleted), ::testing::ElementsAre(one, any));
+  EXPECT_TRUE(ReadMissionList(Folder("nowhere"), MissionList::kDeleted).empty());
 }
 
 }  // namespace

@@ -8,11 +8,11 @@
 #include "absl/strings/str_cat.h"
 #include "map_store/archive/feature_archive.h"
 #include "map_store/archive/record_archive.h"
-#include "map_store/rocks/deleted_file.h"
 #include "map_store/rocks/files_check.h"
 #include "map_store/rocks/journal_scrubber.h"
 #include "map_store/rocks/journal_tidier.h"
 #include "map_store/rocks/mission_journal.h"
+#include "map_store/rocks/mission_lists.h"
 #include "map_store/rocks/rocks_database.h"
 #include "slam/util/status_macros.h"
 
@@ -194,13 +194,13 @@ absl::Status RocksJournal::DeleteMission(absl::string_view mission) {
   return absl::OkStatus();
 }
 
-absl::Status RocksJournal::NoteDeleted(const DeletedMission& mission) {
+absl::Status RocksJournal::NoteInList(MissionList list, const MissionIdentity& mission) {
   absl::MutexLock making(&making_);
-  return AddToDeletedFile(options_.directory, mission);
+  return AddToMissionList(options_.directory, list, mission);
 }
 
-std::vector<DeletedMission> RocksJournal::ListDeleted() const {
-  return ReadDeletedFile(options_.directory);
+std::vector<MissionIdentity> RocksJournal::ReadList(MissionList list) const {
+  return ReadMissionList(options_.directory, list);
 }
 
 absl::Status RocksJournal::Damage(absl::string_view mission) const {

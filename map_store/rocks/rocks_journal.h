@@ -54,8 +54,8 @@ class RocksJournal : public Journal {
   absl::StatusOr<std::vector<std::string>> ListMissions() const override;
   absl::StatusOr<Position> Recover(absl::string_view mission, const Replay& replay) const override;
   absl::Status DeleteMission(absl::string_view mission) override;
-  absl::Status NoteDeleted(const DeletedMission& mission) override;
-  std::vector<DeletedMission> ListDeleted() const override;
+  absl::Status NoteInList(MissionList list, const MissionIdentity& mission) override;
+  std::vector<MissionIdentity> ReadList(MissionList list) const override;
   void TidyUp(absl::string_view mission) override;
   absl::Status PutAside(absl::string_view mission, absl::string_view summary) override;
   absl::StatusOr<std::string> ReadSummary(absl::string_view mission) const override;

@@ -7,7 +7,6 @@
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
-#include "map_store/rocks/deleted_file.h"
 #include "map_store/rocks/files_check.h"
 #include "map_store/rocks/journal_keys.h"
 #include "map_store/rocks/journal_scrubber.h"
@@ -15,6 +14,7 @@
 #include "map_store/rocks/journal_upgrade.h"
 #include "map_store/rocks/mission_header.h"
 #include "map_store/rocks/mission_journal.h"
+#include "map_store/rocks/mission_lists.h"
 #include "map_store/rocks/rocks_database.h"
 #include "map_store/rocks/rocks_journal.h"
 #include "map_store/rocks/summary_file.h"
@@ -87,7 +87,9 @@ absl::StatusOr<std::unique_ptr<RocksJournal>> RocksJournal::Open(
   }
   RETURN_IF_ERROR(journal->OpenGuard());
   RETURN_IF_ERROR(journal->LoadMissions());
-  ShortenDeletedFile(options.directory);
+  for (const MissionList list : {MissionList::kDeleted, MissionList::kPromised}) {
+    ShortenMissionList(options.directory, list);
+  }
   journal->tidier_ =
       std::make_unique<JournalTidier>([made = journal.get()] { return made->OpenMissions(); });
   journal->StartScrubber();

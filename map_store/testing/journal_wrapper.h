@@ -43,11 +43,12 @@ class JournalWrapper : public map_store::Journal {
   absl::StatusOr<Position> Recover(absl::string_view mission, const Replay& replay) const override {
     return journal_->Recover(mission, replay);
   }
-  absl::Status NoteDeleted(const map_store::DeletedMission& mission) override {
-    return journal_->NoteDeleted(mission);
+  absl::Status NoteInList(map_store::MissionList list,
+                          const map_store::MissionIdentity& mission) override {
+    return journal_->NoteInList(list, mission);
   }
-  std::vector<map_store::DeletedMission> ListDeleted() const override {
-    return journal_->ListDeleted();
+  std::vector<map_store::MissionIdentity> ReadList(map_store::MissionList list) const override {
+    return journal_->ReadList(list);
   }
   absl::Status DeleteMission(absl::string_view mission) override {
     return journal_->DeleteMission(mission);

@@ -1,4 +1,4 @@
-#include "map_store/rocks/deleted_file.h"
+#include "map_store/rocks/mission_lists.h"
 
 #include <fcntl.h>
 #include <unistd.h>
@@ -23,17 +23,17 @@ namespace {
 // Stands for a uid that nobody knows.
 constexpr char kAnyUid[] = "-";
 
-std::string PathOfDeleted(const std::string& folder) {
-  return absl::StrCat(folder, "/", kDeletedFile);
+std::string PathOf(const std::string& folder, MissionList list) {
+  return absl::StrCat(folder, "/", FileOfList(list));
 }
 
-std::string LineOf(const DeletedMission& mission) {
+std::string LineOf(const MissionIdentity& mission) {
   return absl::StrCat(mission.name, " ", mission.uid.empty() ? kAnyUid : mission.uid, "\n");
 }
 
-std::vector<DeletedMission> ReadAllDeleted(const std::string& folder) {
-  std::vector<DeletedMission> missions;
-  std::ifstream file(PathOfDeleted(folder));
+std::vector<MissionIdentity> ReadWholeList(const std::string& folder, MissionList list) {
+  std::vector<MissionIdentity> missions;
+  std::ifstream file(PathOf(folder, list));
   for (std::string line; std::getline(file, line);) {
     std::pair<std::string, std::string> entry = absl::StrSplit(line, absl::MaxSplits(' ', 1));
     const bool is_any = entry.second == kAnyUid;
@@ -45,8 +45,13 @@ std::vector<DeletedMission> ReadAllDeleted(const std::string& folder) {
 
 }  // namespace
 
-absl::Status AddToDeletedFile(const std::string& folder, const DeletedMission& mission) {
-  const std::string path = PathOfDeleted(folder);
+std::string FileOfList(MissionList list) {
+  return list == MissionList::kDeleted ? "DELETED" : "PROMISED";
+}
+
+absl::Status AddToMissionList(const std::string& folder, MissionList list,
+                              const MissionIdentity& mission) {
+  const std::string path = PathOf(folder, list);
   const auto failed = [&path] {
     const std::error_code error(errno, std::generic_category());
     return absl::UnavailableError(absl::StrCat(path, ": ", error.message()));
@@ -62,20 +67,20 @@ absl::Status AddToDeletedFile(const std::string& folder, const DeletedMission& m
   return SyncFolder(folder);
 }
 
-std::vector<DeletedMission> ReadDeletedFile(const std::string& folder) {
-  std::vector<DeletedMission> missions = ReadAllDeleted(folder);
-  if (missions.size() > Journal::kMaxDeleted) {
-    missions.erase(missions.begin(), missions.end() - static_cast<ptrdiff_t>(Journal::kMaxDeleted));
+std::vector<MissionIdentity> ReadMissionList(const std::string& folder, MissionList list) {
+  std::vector<MissionIdentity> missions = ReadWholeList(folder, list);
+  if (missions.size() > Journal::kMaxListed) {
+    missions.erase(missions.begin(), missions.end() - static_cast<ptrdiff_t>(Journal::kMaxListed));
   }
   return missions;
 }
 
-void ShortenDeletedFile(const std::string& folder) {
-  if (ReadAllDeleted(folder).size() < 2 * Journal::kMaxDeleted) return;
+void ShortenMissionList(const std::string& folder, MissionList list) {
+  if (ReadWholeList(folder, list).size() < 2 * Journal::kMaxListed) return;
   std::string lines;
-  for (const DeletedMission& mission : ReadDeletedFile(folder)) lines += LineOf(mission);
+  for (const MissionIdentity& mission : ReadMissionList(folder, list)) lines += LineOf(mission);
   absl::StatusOr<WholeFile> file =
-      WholeFile::Create(PathOfDeleted(folder), WholeFile::Old::kReplaced);
+      WholeFile::Create(PathOf(folder, list), WholeFile::Old::kReplaced);
   if (file.ok() && file->Append(lines).ok()) file->Finish().IgnoreError();
 }
 
