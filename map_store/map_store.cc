@@ -231,7 +231,9 @@ absl::Status MapStore::KeepPicture(uint64_t session_id, const KeyframePicture& p
 
 absl::Status MapStore::NoteReport(uint64_t session_id, const AgentReport& report) {
   ASSIGN_OR_RETURN(const Session session, FindSession(session_id));
-  return session.mission->sessions().NoteReport(session_id, session.agent, report);
+  RETURN_IF_ERROR(session.mission->sessions().NoteReport(session_id, session.agent, report));
+  session.mission->fusion().KeepApart(session.agent, report.contradictions);
+  return absl::OkStatus();
 }
 
 void MapStore::CloseSession(uint64_t session_id, bool on_purpose) {

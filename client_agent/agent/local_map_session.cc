@@ -104,6 +104,10 @@ void LocalMapSession::OnPlaced(const PlacementChange& change, const Map& map) {
     const Keyframe* keyframe = map.FindKeyframe(id);
     if (keyframe != nullptr) places_.Add(id, keyframe->words);
   }
+  // A job each, so that new keyframes have their turn in between.
+  for (const KeyframeId id : change.released_keyframes) {
+    PostJob([this, id](GuardedMap&) { mapper_.AdjustLocalBundle(id); });
+  }
 }
 
 }  // namespace corbslam::client_agent

@@ -61,7 +61,8 @@ class LocalMapSession : public MapJobs {
   bool has_stopped() const { return has_stopped_; }
 
   void PostJob(std::function<void(GuardedMap&)> job) override { queue_.PostJob(std::move(job)); }
-  // Keeps the place index in step with others' keyframes.
+  // Keeps the place index in step with others' keyframes, and has own ones adjusted anew that were
+  // fitted to what is gone.
   void OnPlaced(const PlacementChange& change, const Map& map) override;
 
   Tracker& tracker() { return tracker_; }

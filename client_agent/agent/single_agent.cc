@@ -8,6 +8,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
+#include "client_agent/agent/others_words.h"
 #include "client_agent/agent/resuming.h"
 #include "client_agent/agent/trajectory_log.h"
 #include "client_agent/upload/held_items.h"
@@ -265,6 +266,7 @@ absl::StatusOr<TrackingResult> SingleAgent::Track(const SensorImages& images) {
   UseAnswer();
   TrackingResult result = current().tracker().Track(images.timestamp_ns, std::move(features));
   smooth_pose_.Add(result);
+  LeaveOutContradicting();
   if (result.made_keyframe && pictures_ != nullptr && link_->WantsPictures()) {
     pictures_->Add(result.reference, images.grey);
   }
@@ -359,11 +361,21 @@ void SingleAgent::EndLocalMap() {
 
 void SingleAgent::Watch(const Features& features) {
   std::optional<SourceFinding> finding = input_watch_.Add(features);
-  if (!finding.has_value()) return;
+  if (finding.has_value()) SayFinding(*std::move(finding));
+}
+
+void SingleAgent::SayFinding(SourceFinding finding) {
   // A robot whose camera never ends has no report in which it could stand.
-  LOG(WARNING) << options_.name << ": " << finding->text << " [" << finding->code << "]";
+  LOG(WARNING) << options_.name << ": " << finding.text << " [" << finding.code << "]";
   absl::MutexLock lock(&mutex_);
-  status_.input_findings.push_back(*std::move(finding));
+  status_.input_findings.push_back(std::move(finding));
+}
+
+void SingleAgent::LeaveOutContradicting() {
+  for (const ScaleContradiction& found : current().tracker().TakeContradictions()) {
+    link_->LeaveOut(found);
+    SayFinding(DescribeContradiction(found));
+  }
 }
 
 void SingleAgent::Record(const TrackingResult& result, double tracking_ms, bool is_placed) {

@@ -65,6 +65,9 @@ class SingleAgent : public Agent {
   void FollowOrders();
   void Follow(const ChangedLimits& limits);
   void Watch(const Features& features);
+  // Gives up those of others' local maps that contradict the camera from this frame on.
+  void LeaveOutContradicting();
+  void SayFinding(SourceFinding finding);
   // Asks where the frame was that was tracked last, if it is lost or its map is in no place.
   // `is_placed`: the link says where the map lies.
   void AskForPlace(const TrackingResult& result, bool is_placed);

@@ -111,6 +111,18 @@ void SharedInbox::Correct(const OwnCorrection& correction, GuardedMap& map) {
   PlanAndPlace(map);
 }
 
+void SharedInbox::LeaveOut(LocalMapId foreign) {
+  absl::MutexLock lock(&mutex_);
+  if (closed_) return;
+  jobs_.PostJob([self = shared_from_this(), foreign](GuardedMap& map) {
+    map.Write([&](Map& now) {
+      self->shared_.LeaveOut(
+          foreign, [&map] { return map.NewPointId(); }, now);
+    });
+    self->PlanAndPlace(map);
+  });
+}
+
 std::optional<Similarity3d> SharedInbox::GlobalFromLocal() const {
   absl::MutexLock lock(&mutex_);
   return global_from_local_;

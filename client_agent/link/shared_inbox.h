@@ -49,6 +49,9 @@ class SharedInbox : public std::enable_shared_from_this<SharedInbox> {
   // outside of Read and Write.
   void Correct(const OwnCorrection& correction, GuardedMap& map);
 
+  // Has the mapping thread give up what a foreign local map says (SharedMap::LeaveOut).
+  void LeaveOut(LocalMapId foreign);
+
   LocalMapId local_map() const { return local_map_; }
   std::optional<Similarity3d> GlobalFromLocal() const;
   // Returns how many keyframes of others are held.

@@ -95,5 +95,19 @@ TEST_F(SharedInboxTest, AClosedOnePostsNothingAndLetsTheSessionRead) {
   EXPECT_EQ(inbox->keyframes(), 0u);
 }
 
+TEST_F(SharedInboxTest, WhatIsLeftOutGoesOnTheMappingThread) {
+  const auto inbox = MakeInbox({});
+  inbox->Add(Update(0));
+  jobs_.Run(map_);
+  ASSERT_EQ(inbox->keyframes(), 1u);
+  inbox->LeaveOut(kOther);
+  EXPECT_EQ(inbox->keyframes(), 1u);
+  jobs_.Run(map_);
+  EXPECT_EQ(inbox->keyframes(), 0u);
+  inbox->Close();
+  inbox->LeaveOut(kOther);
+  EXPECT_EQ(jobs_.size(), 0u);
+}
+
 }  // namespace
 }  // namespace corbslam::client_agent

@@ -158,6 +158,11 @@ class StoreLink : private UplinkListener {
   // why it has not.
   absl::Status Finish(absl::Duration timeout);
 
+  // Gives up what one of others' local maps says, in the robot's local map in use and in all that
+  // come (SharedMap::LeaveOut).
+  // The store is told why.
+  void LeaveOut(const ScaleContradiction& found);
+
   // Returns where the robot's frame is in the global one; none before fusion.
   std::optional<Similarity3d> GlobalFromLocal() const;
   // Returns when the first keyframe was acknowledged.
@@ -257,6 +262,8 @@ class StoreLink : private UplinkListener {
   mutable absl::Mutex mutex_;
   std::vector<std::unique_ptr<Recording>> recordings_ ABSL_GUARDED_BY(mutex_);
   std::shared_ptr<SharedInbox> inbox_ ABSL_GUARDED_BY(mutex_);
+  std::vector<ScaleContradiction> left_out_ ABSL_GUARDED_BY(mutex_);
+  size_t reported_left_out_ ABSL_GUARDED_BY(mutex_) = 0;
   ShareAnew anew_ ABSL_GUARDED_BY(mutex_);
   ShareScope share_ ABSL_GUARDED_BY(mutex_);        // What is asked for now.
   ShareWatch share_watch_ ABSL_GUARDED_BY(mutex_);  // Of the local map in use.

@@ -22,7 +22,7 @@ class StoreLinkReportTest : public ::testing::Test {
     options.agent = "alpha";
     options.min_backoff = options.max_backoff = absl::ZeroDuration();
     options.clock = [this] { return now_; };
-    options.report = [this] { return report_; };
+    if (watches_activity_) options.report = [this] { return report_; };
     link_ = std::make_unique<StoreLink>(options, &uplink_,
                                         [](const auto&) { return std::make_shared<Words>(); });
     link_->BeginLocalMap(map_, jobs_);
@@ -38,6 +38,7 @@ class StoreLinkReportTest : public ::testing::Test {
   FakeMapJobs jobs_;
   GuardedMap map_{LocalMapId{1}};
   absl::Time now_ = absl::UnixEpoch() + absl::Hours(1);
+  bool watches_activity_ = true;
   AgentReport report_{.activity = AgentActivity::kTracking};
   std::unique_ptr<StoreLink> link_;
 };
@@ -72,6 +73,37 @@ TEST_F(StoreLinkReportTest, TheEndIsToldBeforeTheLinkEnds) {
   report_.activity = AgentActivity::kFinished;
   EXPECT_TRUE(link_->Finish(absl::Seconds(1)).ok());
   EXPECT_EQ(uplink_.reports.back().activity, AgentActivity::kFinished);
+}
+
+TEST_F(StoreLinkReportTest, WhatIsLeftOutIsToldAtOnceAndWithEachReport) {
+  MakeLink();
+  link_->Step();
+  EXPECT_TRUE(uplink_.reports.back().contradictions.empty());
+  const ScaleContradiction found{LocalMapId{9}, 1.014, 0.001};
+  link_->LeaveOut(found);
+  link_->LeaveOut({LocalMapId{9}, 1.013, 0.001});
+  EXPECT_EQ(StepSecond(), 2u);
+  EXPECT_THAT(uplink_.reports.back().contradictions, ::testing::ElementsAre(found));
+  report_.activity = AgentActivity::kLost;
+  EXPECT_EQ(StepSecond(), 3u);
+  EXPECT_THAT(uplink_.reports.back().contradictions, ::testing::ElementsAre(found));
+}
+
+TEST_F(StoreLinkReportTest, WhoWatchesNoActivityTellsWhatIsLeftOut) {
+  watches_activity_ = false;
+  MakeLink();
+  EXPECT_EQ(StepSecond(), 0u);
+  link_->LeaveOut({LocalMapId{9}, 1.014, 0.001});
+  EXPECT_EQ(StepSecond(), 1u);
+}
+
+TEST_F(StoreLinkReportTest, WhatIsLeftOutIsLeftOutOfTheNextLocalMapToo) {
+  MakeLink();
+  link_->LeaveOut({LocalMapId{9}, 1.014, 0.001});
+  GuardedMap next{LocalMapId{2}};
+  FakeMapJobs jobs;
+  link_->BeginLocalMap(next, jobs);
+  EXPECT_EQ(jobs.size(), 1u);
 }
 
 }  // namespace

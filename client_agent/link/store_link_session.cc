@@ -134,13 +134,21 @@ void StoreLink::NoteRefusal(const absl::Status& reason) {
 }
 
 void StoreLink::SendReport() {
-  if (options_.report == nullptr) return;
-  const AgentReport report = options_.report();
+  AgentReport report;
+  if (options_.report != nullptr) report = options_.report();
   const absl::Time now = options_.clock();
   {
     absl::MutexLock lock(&mutex_);
     if (session_ != Session::kOpen || !store_takes_reports_) return;
-    if (reported_ == report.activity && now < next_report_) return;
+    // Who watches no activity has nothing else to say.
+    if (options_.report == nullptr && left_out_.empty()) return;
+    const bool is_news = reported_ != report.activity || reported_left_out_ != left_out_.size();
+    if (!is_news && now < next_report_) return;
+    report.contradictions = left_out_;
+    if (report.contradictions.size() > AgentReport::kMaxContradictions) {
+      report.contradictions.resize(AgentReport::kMaxContradictions);
+    }
+    reported_left_out_ = left_out_.size();
   }
   if (!uplink_->SendReport(report)) return;
   absl::MutexLock lock(&mutex_);

@@ -20,6 +20,21 @@ void StoreLink::OnCorrected(LocalMapId local_map, const OwnCorrection& correctio
   if (inbox != nullptr && inbox->local_map() == local_map) inbox->Correct(correction, map);
 }
 
+void StoreLink::LeaveOut(const ScaleContradiction& found) {
+  std::shared_ptr<SharedInbox> inbox;
+  {
+    absl::MutexLock lock(&mutex_);
+    const bool is_known = std::ranges::any_of(left_out_, [&](const ScaleContradiction& known) {
+      return known.local_map == found.local_map;
+    });
+    if (is_known) return;
+    left_out_.push_back(found);
+    inbox = inbox_;
+    wake_ = true;
+  }
+  if (inbox != nullptr) inbox->LeaveOut(found.local_map);
+}
+
 void StoreLink::Share(LocalMapId for_local_map, SharedUpdate update) {
   ArrivedUpdate arrived = Prepare(std::move(update));
   const std::shared_ptr<SharedInbox> inbox = CurrentInbox();

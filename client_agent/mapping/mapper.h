@@ -46,6 +46,8 @@ class Mapper {
   bool Step();
   // Steps until the queue is stopped; waits where there is nothing to do.
   void Run();
+  // Adjusts what lies around an own keyframe; does nothing where that is not in the map.
+  void AdjustLocalBundle(KeyframeId centre);
 
  private:
   void Insert(const NewKeyframe& keyframe);
@@ -53,7 +55,6 @@ class Mapper {
   void InsertWaiting();
   void MapNextKeyframe();
   void MapKeyframe(KeyframeId id);
-  void AdjustLocalBundle(KeyframeId centre);
   void CommitBundle(const BundleResult& result, const Map& before);
   void CullKeyframes(KeyframeId centre);
   void JudgeKeyframes();

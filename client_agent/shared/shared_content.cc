@@ -12,7 +12,7 @@ void SharedContent::Apply(const ArrivedUpdate& arrived) {
     TakeKeyframe(update.keyframes[i], arrived.words[i]);
   }
   for (const SharedMapPoint& point : update.points) {
-    if (point.id.local_map == own_) continue;
+    if (point.id.local_map == own_ || left_out_.contains(point.id.local_map)) continue;
     TakePoint(point);
   }
   for (const SharedKeyframeMove& move : update.moved_keyframes) {
@@ -32,6 +32,23 @@ void SharedContent::Apply(const ArrivedUpdate& arrived) {
   for (const OwnKeyframePose& pose : update.own_keyframes) own_places_.Tell(pose);
   for (const KeyframeId& id : update.removed_keyframes) RemoveKeyframe(id);
   for (const MapPointId& id : update.removed_points) RemovePoint(id);
+}
+
+void SharedContent::LeaveOut(LocalMapId local_map) {
+  left_out_.insert(local_map);
+  std::vector<KeyframeId> gone_keyframes;
+  for (const auto& [id, keyframe] : keyframes()) {
+    if (id.local_map == local_map) gone_keyframes.push_back(id);
+  }
+  std::vector<MapPointId> gone_points;
+  for (const auto& [id, point] : points()) {
+    if (id.local_map == local_map) gone_points.push_back(id);
+  }
+  for (const KeyframeId id : gone_keyframes) RemoveKeyframe(id);
+  for (const MapPointId id : gone_points) {
+    points_.Erase(id);
+    MarkPoint(id);
+  }
 }
 
 void SharedContent::Restart() {
@@ -56,7 +73,7 @@ void SharedContent::TakePoint(const SharedMapPoint& point) {
 
 void SharedContent::TakeKeyframe(const SharedKeyframe& shared, std::shared_ptr<const Words> words) {
   const KeyframeId id = shared.payload->id;
-  if (id.local_map == own_) return;
+  if (id.local_map == own_ || left_out_.contains(id.local_map)) return;
   RemoveKeyframe(id);
   keyframes_.Add(id, {shared.payload, std::move(words), shared.camera_from_global, shared.parent,
                       shared.points});

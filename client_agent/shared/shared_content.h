@@ -5,6 +5,7 @@
 
 #include <map>
 #include <memory>
+#include <set>
 #include <vector>
 
 #include "absl/container/btree_set.h"
@@ -47,6 +48,8 @@ class SharedContent {
   explicit SharedContent(LocalMapId own) : own_(own) {}
 
   void Apply(const ArrivedUpdate& arrived);
+  // Takes out what came of a foreign local map, and takes nothing of it any more.
+  void LeaveOut(LocalMapId local_map);
 
   const std::map<KeyframeId, ForeignKeyframe>& keyframes() const { return keyframes_.items(); }
   const std::map<MapPointId, SharedMapPoint>& points() const { return points_.items(); }
@@ -89,6 +92,7 @@ class SharedContent {
   MapPointId SurvivorOf(MapPointId id) const;
 
   const LocalMapId own_;
+  std::set<LocalMapId> left_out_;
   ItemTable<KeyframeId, ForeignKeyframe> keyframes_;
   ItemTable<MapPointId, SharedMapPoint> points_;
   OwnPlaces own_places_;

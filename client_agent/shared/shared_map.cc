@@ -34,6 +34,42 @@ void SharedMap::Correct(const OwnCorrection& correction, Map& map) {
   }
 }
 
+namespace {
+
+// Returns whether own keyframes say where the point is: two of them see it, or one with its depth.
+bool IsLocatedBy(LocalMapId own, const MapPoint& point, const Map& map) {
+  int sights = 0;
+  for (auto it = point.observations.lower_bound({own, 0});
+       it != point.observations.end() && it->first.local_map == own; ++it) {
+    sights += map.FindKeyframe(it->first)->keypoints()[it->second].HasDepth() ? 2 : 1;
+  }
+  return sights >= 2;
+}
+
+}  // namespace
+
+void SharedMap::LeaveOut(LocalMapId local_map, const std::function<MapPointId()>& new_name,
+                         Map& map) {
+  std::vector<MapPointId> located;
+  for (const auto& [id, point] : map.points()) {
+    if (id.local_map != local_map) continue;
+    if (IsLocatedBy(own_, point, map)) located.push_back(id);
+    for (const auto& [viewer, keypoint] : point.observations) {
+      if (viewer.local_map == own_) released_.insert(viewer);
+    }
+  }
+  for (const MapPointId id : located) {
+    MapPoint point;
+    point.id = new_name();
+    point.position_in_map = map.FindPoint(id)->position_in_map;
+    const MapPointId name = point.id;
+    map.AddPoint(std::move(point));
+    map.ReplacePoint(id, name);
+    map.UpdatePointAppearance(name);
+  }
+  content_.LeaveOut(local_map);
+}
+
 void SharedMap::MoveWithPoints(KeyframeId id, const Rigid3d& after_from_before, Map& map) const {
   const Keyframe& keyframe = *map.FindKeyframe(id);
   std::vector<std::pair<MapPointId, Eigen::Vector3d>> positions;
@@ -62,6 +98,8 @@ PlacementPlan SharedMap::Plan(const Map& map) {
 PlacementChange SharedMap::Place(const PlacementPlan& plan, Map& map) {
   PlacementChange change;
   if (!has_all_places_) return change;
+  change.released_keyframes.assign(released_.begin(), released_.end());
+  released_.clear();
   for (const auto& [source, news] : content_.news()) RemoveGoneKeyframes(news, map, change);
   for (const auto& placed : plan.keyframes) PlaceKeyframe(placed, map, change);
   for (const auto& placed : plan.points) PlacePoint(placed, map);

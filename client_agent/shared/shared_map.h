@@ -3,6 +3,7 @@
 #ifndef CORBSLAM_CLIENT_AGENT_SHARED_SHARED_MAP_H_
 #define CORBSLAM_CLIENT_AGENT_SHARED_SHARED_MAP_H_
 
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -13,10 +14,13 @@
 
 namespace corbslam::client_agent {
 
-// Foreign keyframes that came into, or went from, the robot's map.
+// What the placing of others' keyframes did to the robot's map.
 struct PlacementChange {
   std::vector<KeyframeId> added_keyframes;
   std::vector<KeyframeId> removed_keyframes;
+  // Own keyframes, the oldest first, that lay where a local map would have them that is left out
+  // since: they are to be adjusted anew, by what they see themselves.
+  std::vector<KeyframeId> released_keyframes;
 };
 
 // The shared map is used by the mapping thread, which alone writes the robot's map; not
@@ -33,6 +37,11 @@ class SharedMap {
   // (What they see in common only since then, in the very loop that was closed, is no reason to
   // go.) The caller calls Plan and Place afterwards.
   void Correct(const OwnCorrection& correction, Map& map);
+
+  // Gives up what a foreign local map said: it is taken out, and nothing of it is taken any more.
+  // Points that own keyframes locate become own ones, under the names that `new_name` gives. The
+  // caller calls Plan and Place afterwards.
+  void LeaveOut(LocalMapId local_map, const std::function<MapPointId()>& new_name, Map& map);
 
   // Plans how to bring `map` in line with what was applied. Costs as much as there is news or lies
   // elsewhere now, and a search for the nearest anchor for each foreign keyframe.
@@ -74,6 +83,8 @@ class SharedMap {
   bool has_all_places_ = true;
   bool apart_ = false;
   std::optional<Similarity3d> told_global_from_local_;
+  // Own keyframes that saw points of what is left out since the last Place.
+  absl::btree_set<KeyframeId> released_;
   // Foreign keyframes whose parents are not in the map (yet).
   absl::btree_set<KeyframeId> orphans_;
 };

@@ -1,6 +1,8 @@
 #include "client_agent/shared/shared_map.h"
 
+#include <algorithm>
 #include <utility>
+#include <vector>
 
 #include "client_agent/link/testing/test_payload.h"
 #include "gtest/gtest.h"
@@ -373,6 +375,71 @@ TEST_F(SharedMapTest, APointThatLeavesALandmarkToLeadAnotherStandsForTheFirstNoM
   const Keyframe& foreign = *map_.FindKeyframe({kForeign, 0});
   EXPECT_EQ(foreign.points[2], (MapPointId{kForeign, 2}));
   EXPECT_EQ(foreign.points[8], (MapPointId{kOwn, 2}));
+}
+
+class LeavingOutTest : public SharedMapTest {
+ protected:
+  // Shares the foreign keyframe and its points; own keyframes 0 and 1 see point 7, and keyframe 0
+  // alone sees point 8.
+  LeavingOutTest() {
+    Share(FirstUpdate());
+    map_.AddObservation({kForeign, 7}, {kOwn, 0}, 17);
+    map_.AddObservation({kForeign, 7}, {kOwn, 1}, 17);
+    map_.AddObservation({kForeign, 8}, {kOwn, 0}, 18);
+    place_ = map_.FindPoint({kForeign, 7})->position_in_map;
+  }
+  PlacementChange LeaveOut() {
+    shared_.LeaveOut(
+        kForeign,
+        [this] {
+          return MapPointId{kOwn, next_++};
+        },
+        map_);
+    return shared_.Place(shared_.Plan(map_), map_);
+  }
+  bool HoldsForeign() const {
+    const auto is_foreign = [](const auto& item) { return item.first.local_map == kForeign; };
+    return std::ranges::any_of(map_.keyframes(), is_foreign) ||
+           std::ranges::any_of(map_.points(), is_foreign);
+  }
+
+  uint32_t next_ = 100;
+  Eigen::Vector3d place_;
+};
+
+TEST_F(LeavingOutTest, WhatOwnKeyframesLocateBecomesOwnAndTheRestGoes) {
+  const PlacementChange change = LeaveOut();
+  EXPECT_EQ(change.removed_keyframes, std::vector<KeyframeId>({{kForeign, 0}}));
+  EXPECT_EQ(change.released_keyframes, std::vector<KeyframeId>({{kOwn, 0}, {kOwn, 1}}));
+  EXPECT_FALSE(HoldsForeign());
+  const MapPoint* kept = map_.FindPoint({kOwn, 100});
+  ASSERT_NE(kept, nullptr);
+  EXPECT_EQ(kept->position_in_map, place_);
+  EXPECT_EQ(kept->observations.size(), 2u);
+  EXPECT_EQ(map_.FindKeyframe({kOwn, 1})->points[17], kept->id);
+  EXPECT_EQ(map_.FindPoint({kOwn, 101}), nullptr) << "one look without a depth locates nothing";
+  EXPECT_FALSE(map_.FindKeyframe({kOwn, 0})->points[18].IsValid());
+  EXPECT_EQ(map_.FindPoint({kOwn, 2})->observations.size(), 3u) << "own points stay";
+}
+
+TEST_F(LeavingOutTest, NothingOfItComesAgain) {
+  LeaveOut();
+  Share(FirstUpdate());
+  EXPECT_FALSE(HoldsForeign());
+  SharedUpdate anew = FirstUpdate();
+  anew.restart = true;
+  Share(anew);
+  EXPECT_FALSE(HoldsForeign());
+}
+
+TEST_F(LeavingOutTest, WhatAThirdRobotMadeIsTaken) {
+  LeaveOut();
+  SharedUpdate update;
+  update.keyframes = FirstUpdate().keyframes;
+  update.keyframes[0].payload = Payload({LocalMapId{3}, 0});
+  for (MapPointId& point : update.keyframes[0].points) point = {};
+  Share(update);
+  EXPECT_NE(map_.FindKeyframe({LocalMapId{3}, 0}), nullptr);
 }
 
 }  // namespace

@@ -133,6 +133,14 @@ void Tracker::Accept(Solution solution, Frame& frame) {
   points_in_view_ = static_cast<int>(solution.visible.size());
   corrections_ = solution.corrections;
   parts_.statistics->Count(solution.visible, SeenPoints(frame));
+  HoldAgainstOthers(frame);
+}
+
+void Tracker::HoldAgainstOthers(const Frame& frame) {
+  if (options_.localise_only) return;
+  for (const ScaleContradiction& found : others_scale_.Add(frame, parts_.map->local_map())) {
+    contradictions_.push_back(found);
+  }
 }
 
 bool Tracker::ResumeAt(std::shared_ptr<const KeyframePayload> payload,

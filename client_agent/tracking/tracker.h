@@ -16,6 +16,7 @@
 #include "client_agent/tracking/frame.h"
 #include "client_agent/tracking/keyframe_policy.h"
 #include "client_agent/tracking/local_map_view.h"
+#include "client_agent/tracking/others_scale.h"
 #include "client_agent/tracking/relocalisation.h"
 #include "client_agent/tracking/tracking_result.h"
 #include "slam/vocabulary/vocabulary.h"
@@ -99,6 +100,11 @@ class Tracker {
   // was. Returns whether the map agrees: tracking goes on from there.
   bool ResumeAt(std::shared_ptr<const KeyframePayload> payload, const Rigid3d& camera_from_map);
 
+  // Returns those of others' local maps that turned out to contradict since the last call.
+  std::vector<ScaleContradiction> TakeContradictions() {
+    return std::exchange(contradictions_, {});
+  }
+
   // True when tracking will not find its way back, so that it is time for a new local map: not
   // while the pictures are such that none could begin. What covers the camera ends no map, and uses
   // up half of the patience at most.
@@ -120,6 +126,8 @@ class Tracker {
 
   bool FindPose(Frame& frame);
   void Accept(Solution solution, Frame& frame);
+  // A robot that only localises has nothing but others' map.
+  void HoldAgainstOthers(const Frame& frame);
   std::optional<Solution> SolveInOneMap(const Frame& frame);
   std::optional<Solution> Solve(const std::vector<FirstPose>& ways, const Frame& frame) const;
   bool FollowMotion(Frame& frame) const;
@@ -166,6 +174,8 @@ class Tracker {
   uint64_t corrections_ = 0;
   bool mapping_paused_ = false;
   CameraDoubt camera_doubt_;
+  OthersScale others_scale_;
+  std::vector<ScaleContradiction> contradictions_;
   KeyframeId last_keyframe_;
   int64_t last_keyframe_ns_ = 0;
   bool was_anothers_camera_ = false;  // In the newest frame.

@@ -1,12 +1,17 @@
 #include "map_store/mission/fusion_coordinator.h"
 
+#include <glog/logging.h>
+
 #include <algorithm>
 #include <utility>
 
+#include "absl/strings/str_cat.h"
 #include "map_store/fusion/lookup_choice.h"
 #include "map_store/mission/pausing_read.h"
+#include "map_store/mission/scale_contradictions.h"
 #include "map_store/records/record_application.h"
 #include "map_store/records/retraction.h"
+#include "slam/exchange/agent_report.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::map_store {
@@ -285,6 +290,23 @@ absl::StatusOr<std::vector<uint64_t>> FusionCoordinator::RetractOverlap(uint64_t
   }
   RETURN_IF_ERROR(TellOfDecision());
   return taken_back;
+}
+
+void FusionCoordinator::KeepApart(const std::string& agent,
+                                  const std::vector<ScaleContradiction>& contradictions) {
+  if (contradictions.empty()) return;
+  const std::vector<ContradictedOverlap> found = strand_.WithState(
+      [&](const MissionState& state) { return FindContradicted(state, agent, contradictions); });
+  for (const ContradictedOverlap& contradicted : found) {
+    const auto taken_back = RetractOverlap(contradicted.overlap, /*keep_apart=*/true);
+    LOG(WARNING) << "mission " << strand_.name() << ": agent " << agent
+                 << " measures that local map " << ToString(contradicted.others) << " is "
+                 << contradicted.scale << " times as large as what its camera sees: its local map "
+                 << ToString(contradicted.own)
+                 << (taken_back.ok() ? " is kept apart from it"
+                                     : absl::StrCat(" can't be kept apart from it: ",
+                                                    taken_back.status().ToString()));
+  }
 }
 
 FusionRequestCounts FusionCoordinator::CountWaiting() const {

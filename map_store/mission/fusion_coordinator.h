@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "absl/base/thread_annotations.h"
@@ -23,6 +24,7 @@
 #include "map_store/mission/mission_load.h"
 #include "map_store/mission/mission_strand.h"
 #include "map_store/records/journal_records.h"
+#include "slam/exchange/agent_report.h"
 
 namespace corbslam::map_store {
 
@@ -62,6 +64,9 @@ class FusionCoordinator {
   absl::Status Rederive();
   // Does what MapStore::RetractOverlap says.
   absl::StatusOr<std::vector<uint64_t>> RetractOverlap(uint64_t overlap, bool keep_apart);
+  // Keeps what the agent is making apart from others' local maps that it says differ too much
+  // (FindContradicted).
+  void KeepApart(const std::string& agent, const std::vector<ScaleContradiction>& contradictions);
 
   bool IsIdle() const;
   // Returns whether nothing runs, and nothing but look-ups waits.

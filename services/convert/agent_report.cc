@@ -2,9 +2,12 @@
 
 #include <cmath>
 #include <limits>
+#include <utility>
+#include <vector>
 
 #include "services/convert/errors.h"
 #include "services/convert/limits.h"
+#include "slam/util/status_macros.h"
 
 namespace corbslam::services {
 namespace {
@@ -24,6 +27,27 @@ AgentActivity ReadActivity(int activity) {
     default:
       return AgentActivity::kUnknown;
   }
+}
+
+absl::StatusOr<std::vector<ScaleContradiction>> ReadContradictions(const v1::AgentReport& proto) {
+  constexpr double kMost = std::numeric_limits<double>::max();
+  const auto count = static_cast<size_t>(proto.contradictions_size());
+  if (count > AgentReport::kMaxContradictions) {
+    return OutOfRange("the number of report.contradictions", count, size_t{0},
+                      AgentReport::kMaxContradictions);
+  }
+  std::vector<ScaleContradiction> read;
+  for (const v1::ScaleContradiction& said : proto.contradictions()) {
+    // The conditions are written so that NaN is refused.
+    if (!(said.scale() > 0 && std::isfinite(said.scale()))) {
+      return OutOfRange("report.contradictions.scale", said.scale(), 0.0, kMost);
+    }
+    if (!(said.scale_sigma() >= 0 && std::isfinite(said.scale_sigma()))) {
+      return OutOfRange("report.contradictions.scale_sigma", said.scale_sigma(), 0.0, kMost);
+    }
+    read.push_back({LocalMapId{said.local_map()}, said.scale(), said.scale_sigma()});
+  }
+  return read;
 }
 
 }  // namespace
@@ -54,6 +78,12 @@ void ToProto(const AgentReport& report, v1::AgentReport* proto) {
   proto->set_dropped(report.dropped);
   proto->set_newest_timestamp_ns(report.newest_timestamp_ns);
   proto->set_newest_frame_age_s(report.newest_frame_age_s);
+  for (const ScaleContradiction& found : report.contradictions) {
+    v1::ScaleContradiction* said = proto->add_contradictions();
+    said->set_local_map(found.local_map.value);
+    said->set_scale(found.scale);
+    said->set_scale_sigma(found.scale_sigma);
+  }
 }
 
 absl::StatusOr<AgentReport> FromProto(const v1::AgentReport& proto) {
@@ -66,13 +96,15 @@ absl::StatusOr<AgentReport> FromProto(const v1::AgentReport& proto) {
   if (!(age_s >= 0 && std::isfinite(age_s))) {
     return OutOfRange("report.newest_frame_age_s", age_s, 0.0, std::numeric_limits<double>::max());
   }
+  ASSIGN_OR_RETURN(std::vector<ScaleContradiction> contradictions, ReadContradictions(proto));
   return AgentReport{.activity = ReadActivity(proto.activity()),
                      .frames = proto.frames(),
                      .tracked = proto.tracked(),
                      .lost = proto.lost(),
                      .dropped = proto.dropped(),
                      .newest_timestamp_ns = newest_ns,
-                     .newest_frame_age_s = age_s};
+                     .newest_frame_age_s = age_s,
+                     .contradictions = std::move(contradictions)};
 }
 
 }  // namespace corbslam::services

@@ -18,7 +18,8 @@ AgentReport MakeReport() {
           .lost = 2,
           .dropped = 3,
           .newest_timestamp_ns = int64_t{1} << 62,
-          .newest_frame_age_s = 2.5};
+          .newest_frame_age_s = 2.5,
+          .contradictions = {{LocalMapId{7}, 1.014, 0.001}, {LocalMapId{8}, 0.98, 0}}};
 }
 
 TEST(AgentReportTest, AllOfItComesBack) {
@@ -50,6 +51,27 @@ TEST(AgentReportTest, WhatIsImpossibleIsRefusedByItsField) {
     EXPECT_TRUE(absl::IsInvalidArgument(status)) << status;
     EXPECT_THAT(std::string(status.message()), HasSubstr("report.newest_frame_age_s is"));
   }
+}
+
+TEST(AgentReportTest, AScaleIsPositiveAndItsDeviationIsNotNegative) {
+  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  for (const double scale : {0.0, -1.0, kInfinity, kNaN}) {
+    v1::AgentReport proto;
+    proto.add_contradictions()->set_scale(scale);
+    EXPECT_THAT(std::string(FromProto(proto).status().message()),
+                HasSubstr("report.contradictions.scale is"));
+  }
+  for (const double sigma : {-0.1, kInfinity, kNaN}) {
+    v1::AgentReport proto;
+    proto.add_contradictions()->set_scale(1);
+    proto.mutable_contradictions(0)->set_scale_sigma(sigma);
+    EXPECT_THAT(std::string(FromProto(proto).status().message()),
+                HasSubstr("report.contradictions.scale_sigma is"));
+  }
+  v1::AgentReport many;
+  for (int i = 0; i < 101; ++i) many.add_contradictions()->set_scale(1);
+  EXPECT_TRUE(absl::IsInvalidArgument(FromProto(many).status()));
 }
 
 TEST(AgentReportTest, AnActivityOfANewerVersionIsNotKnown) {

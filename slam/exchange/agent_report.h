@@ -2,7 +2,11 @@
 #ifndef CORBSLAM_SLAM_EXCHANGE_AGENT_REPORT_H_
 #define CORBSLAM_SLAM_EXCHANGE_AGENT_REPORT_H_
 
+#include <cstddef>
 #include <cstdint>
+#include <vector>
+
+#include "slam/util/ids.h"
 
 namespace corbslam {
 
@@ -15,7 +19,20 @@ enum class AgentActivity {
   kFinished,      // The source has ended, and no frame will come.
 };
 
+// One of others' local maps has other distances than the robot's camera measures.
+struct ScaleContradiction {
+  LocalMapId local_map;
+  // How many times as large it is as what the camera measures, and the standard deviation of that.
+  double scale = 1;
+  double scale_sigma = 0;
+
+  bool operator==(const ScaleContradiction&) const = default;
+};
+
 struct AgentReport {
+  // Of so many local maps it is told that they contradict.
+  static constexpr size_t kMaxContradictions = 100;
+
   AgentActivity activity = AgentActivity::kUnknown;
   // Frames that were given to the robot since its process began, those of them that had a pose and
   // that were lost, and those that came too fast and were not looked at.
@@ -26,6 +43,8 @@ struct AgentReport {
   // Time of the newest frame, 0 to 2^62, and how long ago it came when this was said.
   int64_t newest_timestamp_ns = 0;
   double newest_frame_age_s = 0;
+  // Those that the robot goes without, since its process began.
+  std::vector<ScaleContradiction> contradictions = {};
 
   bool operator==(const AgentReport&) const = default;
 };

@@ -1,10 +1,12 @@
 #include <string>
+#include <utility>
 
 #include "services/client/store/local_map_names.h"
 #include "services/convert/geometry.h"
 #include "services/tool/mission/mission_json.h"
 #include "services/tool/mission/mission_summary.h"
 #include "services/tool/mission/summary_pairs.h"
+#include "slam/util/ids.h"
 
 namespace corbslam::services {
 namespace {
@@ -27,13 +29,20 @@ Json ToJson(const v1::LastPose& pose) {
 }
 
 Json ToJson(const v1::AgentReport& report) {
+  Json contradictions = Json::array();
+  for (const v1::ScaleContradiction& found : report.contradictions()) {
+    contradictions.push_back({{"local_map", ToString(LocalMapId{found.local_map()})},
+                              {"scale", found.scale()},
+                              {"scale_sigma", found.scale_sigma()}});
+  }
   return {{"activity", v1::AgentActivity_Name(report.activity())},
           {"frames", report.frames()},
           {"tracked", report.tracked()},
           {"lost", report.lost()},
           {"dropped", report.dropped()},
           {"newest_timestamp_ns", report.newest_timestamp_ns()},
-          {"newest_frame_age_s", report.newest_frame_age_s()}};
+          {"newest_frame_age_s", report.newest_frame_age_s()},
+          {"contradictions", std::move(contradictions)}};
 }
 
 Json ToJson(const v1::MissionAgent& agent) {

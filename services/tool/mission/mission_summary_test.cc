@@ -68,6 +68,18 @@ MissionSummary MakeSummary() {
   return summary;
 }
 
+TEST(MissionSummaryTest, SaysWhichMapsRobotsGoWithout) {
+  MissionSummary summary = MakeSummary();
+  v1::ScaleContradiction* found = summary.agents[1].mutable_report()->add_contradictions();
+  found->set_local_map(0xab);
+  found->set_scale(0.986);
+  found->set_scale_sigma(0.0016);
+  EXPECT_THAT(
+      FormatSummary(summary),
+      HasSubstr("bravo goes without 00000000000000ab, which is 1.40 % smaller than what its "
+                "camera measures (+-0.16 %)\n"));
+}
+
 TEST(MissionSummaryTest, SaysWhatWasFusedAndWhyTheRestWasNot) {
   EXPECT_THAT(
       FormatSummary(MakeSummary()),

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -134,7 +135,24 @@ FrameColumns CountFrames(const v1::MissionAgent& agent, const v1::LocalMap& sum)
   return {absl::StrCat(agent.report().tracked()), absl::StrCat(agent.report().lost())};
 }
 
-// Writes one line for each robot, with its local maps added up.
+// Writes one line for each of others' local maps that the robot goes without.
+std::string FormatContradictions(const std::string& mission, const v1::MissionAgent& agent,
+                                 const LocalMapNames& names) {
+  std::string text;
+  for (const v1::ScaleContradiction& found : agent.report().contradictions()) {
+    const std::string local_map = LocalMapName(LastSegment(mission), LocalMapId{found.local_map()});
+    const auto name = names.find(local_map);
+    absl::StrAppendFormat(
+        &text,
+        "%s goes without %s, which is %.2f %% %s than what its camera measures (+-%.2f %%)\n",
+        LastSegment(agent.name()), name == names.end() ? LastSegment(local_map) : name->second,
+        std::abs(found.scale() - 1) * 100, found.scale() > 1 ? "larger" : "smaller",
+        found.scale_sigma() * 100);
+  }
+  return text;
+}
+
+// Writes one line for each robot, with its local maps added up, and below what they go without.
 std::string FormatRobots(const MissionSummary& summary) {
   const LocalMapNames names = ShortNames(summary.local_maps);
   std::string text = absl::StrFormat("\n%-16s %-9s %10s %9s %9s %9s %9s  %-23s %s\n", "robot",
@@ -155,6 +173,9 @@ std::string FormatRobots(const MissionSummary& summary) {
                           agent.local_maps_size(), sum.keyframes(), sum.map_points(),
                           frames.tracked, frames.lost, DescribeDoing(agent),
                           DescribeLastPose(agent, names));
+  }
+  for (const v1::MissionAgent& agent : summary.agents) {
+    text += FormatContradictions(summary.mission.name(), agent, names);
   }
   return text;
 }

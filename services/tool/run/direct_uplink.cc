@@ -74,6 +74,10 @@ bool DirectUplink::Send(const MapUpdateBatch& batch) {
   return true;
 }
 
+bool DirectUplink::SendReport(const AgentReport& report) {
+  return session_.has_value() && store_->NoteReport(*session_, report).ok();
+}
+
 bool DirectUplink::SendLocalised(const LocalisedFrames& localised) {
   if (!session_.has_value()) return false;
   const auto kept = store_->NoteLocalised(*session_, localised);

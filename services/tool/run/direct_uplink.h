@@ -23,6 +23,7 @@ class DirectUplink : public Uplink {
   void Open(const SessionRequest& request, UplinkListener* listener) override;
   bool Send(const MapUpdateBatch& batch) override;
   bool SendLocalised(const LocalisedFrames& localised) override;
+  bool SendReport(const AgentReport& report) override;
   void Close() override;
   // Returns the size of the messages as the wire would carry them.
   uint64_t bytes_up() const override { return bytes_up_; }

@@ -1,0 +1,14 @@
+// Says in words what a robot finds wrong in what others made.
+#ifndef CORBSLAM_CLIENT_AGENT_AGENT_OTHERS_WORDS_H_
+#define CORBSLAM_CLIENT_AGENT_AGENT_OTHERS_WORDS_H_
+
+#include "client_agent/source/source_finding.h"
+#include "client_agent/tracking/others_scale.h"
+
+namespace corbslam::client_agent {
+
+SourceFinding DescribeContradiction(const ScaleContradiction& found);
+
+}  // namespace corbslam::client_agent
+
+#endif  // CORBSLAM_CLIENT_AGENT_AGENT_OTHERS_WORDS_H_
