@@ -3,43 +3,53 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <numeric>
+#include <utility>
 
 namespace corbslam::client_agent {
 namespace {
 
 // So many of a map's points with disparities are a sample.
-constexpr int kEnoughPoints = 30;
+constexpr size_t kEnoughPoints = 30;
 // What is off by more is a false match.
 constexpr double kMaxError_px = 3;
-constexpr size_t kFramesOfABlock = 10;
+constexpr int kFramesOfABlock = 10;
 constexpr size_t kEnoughBlocks = 4;
 // Two are enough where both are beyond this: a robot drives by a map that is so wrong no longer
 // than it must.
 constexpr double kGrossLogScale = 0.015;
 // Older ones are of another place, and a mean of many would be certain of next to nothing.
 constexpr size_t kMostBlocks = 16;
-// A mean is certain where it is beyond so many of its standard deviations. Good maps of recorded
-// and simulated drives stayed below 4.4; those with noisy pictures or a wrong rig came beyond 7
-// after 40 to 120 frames (docs/lab/2026-11-29-others-distances.md).
-constexpr double kCertain = 7;
+// A mean is certain where it is beyond so many of its standard deviations, as blocks scatter. Good
+// maps of recorded and simulated drives stayed below 6.5; those with noisy pictures or a wrong rig
+// came beyond 8 after 40 frames and more (docs/lab/2026-11-29-others-distances.md).
+constexpr double kCertain = 8;
+// Blocks may see the same points, whose errors stay. So the mean is also beyond so many deviations
+// as the points scatter, of which each counts once however often it is seen.
+constexpr double kCertainByPoints = 4;
 // What is smaller does not matter, and means of few blocks scatter less by chance.
 constexpr double kLeastLogScale = 1.5e-3;
 constexpr double kLeastSigmaOfBlock = 5e-4;
 
-// A fit of predicted to measured disparities.
+// A fit of measured to predicted disparities in one frame.
 struct Fit {
+  double measured2 = 0;
   double measured_by_predicted = 0;
   double predicted2 = 0;
-  int points = 0;
+  std::vector<MapPointId> points;
 
-  void Add(double predicted_px, double measured_px, double weight) {
+  void Add(MapPointId point, double predicted_px, double measured_px, double weight) {
+    measured2 += weight * measured_px * measured_px;
     measured_by_predicted += weight * measured_px * predicted_px;
     predicted2 += weight * predicted_px * predicted_px;
-    ++points;
+    points.push_back(point);
   }
   // A map that is too large has disparities that are too small by the same factor.
-  double LogScale() const { return std::log(measured_by_predicted / predicted2); }
+  double Scale() const { return measured_by_predicted / predicted2; }
+  // Returns the scale's standard deviation, as the points scatter.
+  double Sigma() const {
+    const double errors2 = std::max(measured2 - Scale() * measured_by_predicted, 0.0);
+    return std::sqrt(errors2 / static_cast<double>(points.size()) / predicted2);
+  }
 };
 
 std::map<LocalMapId, Fit> FitOthers(const Frame& frame, LocalMapId own) {
@@ -56,22 +66,44 @@ std::map<LocalMapId, Fit> FitOthers(const Frame& frame, LocalMapId own) {
     const double predicted_px = camera.fx_px * camera.baseline_m / depth;
     const auto measured_px = static_cast<double>(keypoint.disparity_px);
     if (!(std::abs(measured_px - predicted_px) < kMaxError_px)) continue;
-    fits[association.id.local_map].Add(predicted_px, measured_px,
+    fits[association.id.local_map].Add(association.id, predicted_px, measured_px,
                                        1 / ScalePyramid::Variance_px2(keypoint.octave));
   }
   return fits;
 }
 
-double MeanOf(const std::vector<double>& values) {
-  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+// Returns the mean of a value of the blocks.
+template <typename Block>
+double MeanOf(const std::vector<Block>& blocks, double Block::*value) {
+  double sum = 0;
+  for (const Block& block : blocks) sum += block.*value;
+  return sum / static_cast<double>(blocks.size());
 }
 
-// Returns the standard deviation of the values' mean, of two values at least.
-double SigmaOfMean(const std::vector<double>& values, double mean) {
+// Returns the standard deviation of the mean of two blocks at least, as they scatter.
+template <typename Block>
+double SigmaByBlocks(const std::vector<Block>& blocks, double mean) {
   double squares = 0;
-  for (const double value : values) squares += (value - mean) * (value - mean);
-  const auto count = static_cast<double>(values.size());
+  for (const Block& block : blocks) squares += (block.log_scale - mean) * (block.log_scale - mean);
+  const auto count = static_cast<double>(blocks.size());
   return std::max(std::sqrt(squares / (count - 1)), kLeastSigmaOfBlock) / std::sqrt(count);
+}
+
+// Returns the same as the points scatter, each of which counts once.
+template <typename Block>
+double SigmaByPoints(const std::vector<Block>& blocks) {
+  absl::flat_hash_set<MapPointId> seen;
+  for (const Block& block : blocks) seen.insert(block.seen.begin(), block.seen.end());
+  const double of_a_frame = MeanOf(blocks, &Block::points) / static_cast<double>(seen.size());
+  return MeanOf(blocks, &Block::sigma) * std::sqrt(of_a_frame);
+}
+
+template <typename Block>
+bool AreGross(const std::vector<Block>& blocks) {
+  return blocks.size() == 2 && std::ranges::all_of(blocks, [&](const Block& block) {
+           return std::abs(block.log_scale) > kGrossLogScale &&
+                  block.log_scale * blocks.front().log_scale > 0;
+         });
 }
 
 }  // namespace
@@ -80,10 +112,14 @@ std::vector<ScaleContradiction> OthersScale::Add(const Frame& frame, LocalMapId 
   std::vector<ScaleContradiction> found;
   if (!frame.camera().IsMetric()) return found;
   for (const auto& [local_map, fit] : FitOthers(frame, own)) {
-    if (fit.points < kEnoughPoints || contradicting_.contains(local_map)) continue;
+    if (fit.points.size() < kEnoughPoints || contradicting_.contains(local_map)) continue;
     Evidence& evidence = evidence_[local_map];
-    evidence.block.push_back(fit.LogScale());
-    if (evidence.block.size() < kFramesOfABlock) continue;
+    Block& block = evidence.growing;
+    block.log_scale += std::log(fit.Scale()) / kFramesOfABlock;
+    block.sigma += fit.Sigma() / kFramesOfABlock;
+    block.points += static_cast<double>(fit.points.size()) / kFramesOfABlock;
+    block.seen.insert(fit.points.begin(), fit.points.end());
+    if (++block.frames < kFramesOfABlock) continue;
     const std::optional<ScaleContradiction> contradiction = Judge(local_map, evidence);
     if (!contradiction.has_value()) continue;
     contradicting_.insert(local_map);
@@ -93,28 +129,21 @@ std::vector<ScaleContradiction> OthersScale::Add(const Frame& frame, LocalMapId 
   return found;
 }
 
-namespace {
-
-bool AreGross(const std::vector<double>& means) {
-  return means.size() == 2 && std::ranges::all_of(means, [&](double mean) {
-           return std::abs(mean) > kGrossLogScale && mean * means.front() > 0;
-         });
-}
-
-}  // namespace
-
 std::optional<ScaleContradiction> OthersScale::Judge(LocalMapId local_map, Evidence& evidence) {
-  evidence.means.push_back(MeanOf(evidence.block));
-  evidence.block.clear();
-  if (evidence.means.size() > kMostBlocks) evidence.means.erase(evidence.means.begin());
-  const bool are_gross = AreGross(evidence.means);
-  if (evidence.means.size() < kEnoughBlocks && !are_gross) return std::nullopt;
-  const double mean = MeanOf(evidence.means);
-  const double sigma = SigmaOfMean(evidence.means, mean);
+  std::vector<Block>& blocks = evidence.blocks;
+  blocks.push_back(std::exchange(evidence.growing, {}));
+  if (blocks.size() > kMostBlocks) blocks.erase(blocks.begin());
+  const bool are_gross = AreGross(blocks);
+  if (blocks.size() < kEnoughBlocks && !are_gross) return std::nullopt;
+  const double mean = MeanOf(blocks, &Block::log_scale);
+  const double by_blocks = SigmaByBlocks(blocks, mean);
+  const double by_points = SigmaByPoints(blocks);
+  if (std::abs(mean) <= kCertainByPoints * by_points) return std::nullopt;
   const bool is_certain =
-      are_gross || (std::abs(mean) > kLeastLogScale && std::abs(mean) > kCertain * sigma);
+      are_gross || (std::abs(mean) > kLeastLogScale && std::abs(mean) > kCertain * by_blocks);
   if (!is_certain) return std::nullopt;
-  return ScaleContradiction{local_map, std::exp(mean), std::exp(mean) * sigma};
+  return ScaleContradiction{local_map, std::exp(mean),
+                            std::exp(mean) * std::max(by_blocks, by_points)};
 }
 
 }  // namespace corbslam::client_agent

@@ -7,6 +7,7 @@
 #include <set>
 #include <vector>
 
+#include "absl/container/flat_hash_set.h"
 #include "client_agent/tracking/frame.h"
 #include "slam/exchange/agent_report.h"
 #include "slam/util/ids.h"
@@ -26,11 +27,18 @@ class OthersScale {
  private:
   // Frames one after the other are wrong in the same way (the same edges, the same part of the
   // lens), so that what counts are means over blocks of them.
-  struct Evidence {
-    std::vector<double> block;
-    std::vector<double> means;
+  struct Block {
+    int frames = 0;
+    double log_scale = 0;
+    double sigma = 0;   // Of one frame, as its points scatter.
+    double points = 0;  // In one frame.
+    absl::flat_hash_set<MapPointId> seen;
   };
-  // Takes in the logarithm of a frame's scale; returns what is certain by it.
+  struct Evidence {
+    Block growing;
+    std::vector<Block> blocks;
+  };
+  // Ends the block that grows; returns what is certain by it.
   static std::optional<ScaleContradiction> Judge(LocalMapId local_map, Evidence& evidence);
 
   std::map<LocalMapId, Evidence> evidence_;
