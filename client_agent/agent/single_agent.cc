@@ -185,6 +185,7 @@ void SingleAgent::OpenLocalMap(const std::optional<Similarity3d>& global_from_lo
   options.tracker.seed = options_.seed;
   // Depths of RGB-D cameras are coarser than disparities.
   options.tracker.local_map_widening = is_stereo_ ? 1 : 3;
+  options.tracker.has_stereo = is_stereo_;
   options.tracker.localise_only = options_.localise_only;
   options.tracker.max_lost_at_start_ns = absl::ToInt64Nanoseconds(options_.resume_wait);
   options.mapper.local_bundle.threads = options_.solver_threads;

@@ -10,6 +10,8 @@ namespace {
 
 // So many of a map's points with disparities are a sample.
 constexpr size_t kEnoughPoints = 30;
+// Of what is further away an error of a tenth of a pixel, as all disparities have it, is per cents.
+constexpr double kLeastDisparity_px = 5;
 // What is off by more is a false match.
 constexpr double kMaxError_px = 3;
 constexpr int kFramesOfABlock = 10;
@@ -30,7 +32,7 @@ constexpr double kCertainByPoints = 4;
 constexpr double kLeastLogScale = 1.5e-3;
 constexpr double kLeastSigmaOfBlock = 5e-4;
 
-// A fit of measured to predicted disparities in one frame.
+// Measured and predicted disparities of one frame.
 struct Fit {
   double measured2 = 0;
   double measured_by_predicted = 0;
@@ -43,12 +45,15 @@ struct Fit {
     predicted2 += weight * predicted_px * predicted_px;
     points.push_back(point);
   }
-  // A map that is too large has disparities that are too small by the same factor.
-  double Scale() const { return measured_by_predicted / predicted2; }
+  // Both are noisy, so that neither is fitted to the other: that factor would be too small. A map
+  // that is too large has disparities that are too small by the same factor.
+  double Scale() const { return std::sqrt(measured2 / predicted2); }
   // Returns the scale's standard deviation, as the points scatter.
   double Sigma() const {
-    const double errors2 = std::max(measured2 - Scale() * measured_by_predicted, 0.0);
-    return std::sqrt(errors2 / static_cast<double>(points.size()) / predicted2);
+    const double scale = Scale();
+    const double errors2 =
+        measured2 - 2 * scale * measured_by_predicted + scale * scale * predicted2;
+    return std::sqrt(std::max(errors2, 0.0) / static_cast<double>(points.size()) / predicted2);
   }
 };
 
@@ -65,7 +70,8 @@ std::map<LocalMapId, Fit> FitOthers(const Frame& frame, LocalMapId own) {
     if (!(depth > 0)) continue;
     const double predicted_px = camera.fx_px * camera.baseline_m / depth;
     const auto measured_px = static_cast<double>(keypoint.disparity_px);
-    if (!(std::abs(measured_px - predicted_px) < kMaxError_px)) continue;
+    const bool is_match = std::abs(measured_px - predicted_px) < kMaxError_px;
+    if (!is_match || measured_px + predicted_px < 2 * kLeastDisparity_px) continue;
     fits[association.id.local_map].Add(association.id, predicted_px, measured_px,
                                        1 / ScalePyramid::Variance_px2(keypoint.octave));
   }

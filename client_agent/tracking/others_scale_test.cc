@@ -116,6 +116,14 @@ TEST_F(OthersScaleTest, ErrorsOfTheSamePointsInEachFrameDoNotAddUp) {
   }
 }
 
+TEST_F(OthersScaleTest, PointsThatAreOffThisWayAndThatMakeNoMapSmaller) {
+  std::normal_distribution<double> off(0, 0.04);
+  for (int frame = 0; frame < 1000; ++frame) {
+    for (int point = 0; point < 100; ++point) See(kOther, std::exp(off(random_)), 1);
+    ASSERT_THAT(Show(), IsEmpty()) << frame;
+  }
+}
+
 TEST_F(OthersScaleTest, TellsOfEachOnceAndOfNoneBeside) {
   std::vector<ScaleContradiction> told;
   for (int frame = 0; frame < 200; ++frame) {

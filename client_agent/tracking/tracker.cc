@@ -137,7 +137,7 @@ void Tracker::Accept(Solution solution, Frame& frame) {
 }
 
 void Tracker::HoldAgainstOthers(const Frame& frame) {
-  if (options_.localise_only) return;
+  if (options_.localise_only || !options_.has_stereo) return;
   for (const ScaleContradiction& found : others_scale_.Add(frame, parts_.map->local_map())) {
     contradictions_.push_back(found);
   }

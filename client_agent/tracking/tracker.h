@@ -30,6 +30,9 @@ struct TrackerOptions {
   double previous_frame_radius_px = 7;
   // Multiplies the radius in which local map points are sought; RGB-D depths are coarser.
   double local_map_widening = 1;
+  // False: a depth camera measures distances. Its own are off by a per cent here and there, so that
+  // others' are not held against them.
+  bool has_stereo = true;
   int min_local_map_inliers = 30;
   int min_local_map_inliers_after_relocalisation = 50;
   // A pose is doubtful if no larger share of the points in view agrees with it: other ways to it
@@ -126,7 +129,7 @@ class Tracker {
 
   bool FindPose(Frame& frame);
   void Accept(Solution solution, Frame& frame);
-  // A robot that only localises has nothing but others' map.
+  // Only with stereo; and a robot that only localises has nothing but others' map.
   void HoldAgainstOthers(const Frame& frame);
   std::optional<Solution> SolveInOneMap(const Frame& frame);
   std::optional<Solution> Solve(const std::vector<FirstPose>& ways, const Frame& frame) const;
