@@ -3,7 +3,7 @@
 #define CORBSLAM_CLIENT_AGENT_AGENT_OTHERS_WORDS_H_
 
 #include "client_agent/source/source_finding.h"
-#include "client_agent/tracking/others_scale.h"
+#include "slam/exchange/agent_report.h"
 
 namespace corbslam::client_agent {
 

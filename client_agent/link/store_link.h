@@ -159,8 +159,7 @@ class StoreLink : private UplinkListener {
   absl::Status Finish(absl::Duration timeout);
 
   // Gives up what one of others' local maps says, in the robot's local map in use and in all that
-  // come (SharedMap::LeaveOut).
-  // The store is told why.
+  // come (SharedMap::LeaveOut), and tells the store why.
   void LeaveOut(const ScaleContradiction& found);
 
   // Returns where the robot's frame is in the global one; none before fusion.

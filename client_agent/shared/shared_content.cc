@@ -12,8 +12,7 @@ void SharedContent::Apply(const ArrivedUpdate& arrived) {
     TakeKeyframe(update.keyframes[i], arrived.words[i]);
   }
   for (const SharedMapPoint& point : update.points) {
-    if (point.id.local_map == own_ || left_out_.contains(point.id.local_map)) continue;
-    TakePoint(point);
+    if (Takes(point.id.local_map)) TakePoint(point);
   }
   for (const SharedKeyframeMove& move : update.moved_keyframes) {
     ForeignKeyframe* keyframe = keyframes_.Find(move.id);
@@ -73,7 +72,7 @@ void SharedContent::TakePoint(const SharedMapPoint& point) {
 
 void SharedContent::TakeKeyframe(const SharedKeyframe& shared, std::shared_ptr<const Words> words) {
   const KeyframeId id = shared.payload->id;
-  if (id.local_map == own_ || left_out_.contains(id.local_map)) return;
+  if (!Takes(id.local_map)) return;
   RemoveKeyframe(id);
   keyframes_.Add(id, {shared.payload, std::move(words), shared.camera_from_global, shared.parent,
                       shared.points});

@@ -73,6 +73,7 @@ class SharedContent {
   void MarkViewers(MapPointId id);
 
  private:
+  bool Takes(LocalMapId id) const { return id != own_ && !left_out_.contains(id); }
   void Restart();
   void TakePoint(const SharedMapPoint& point);
   void TakeKeyframe(const SharedKeyframe& shared, std::shared_ptr<const Words> words);

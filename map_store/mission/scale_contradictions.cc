@@ -1,23 +1,10 @@
 #include "map_store/mission/scale_contradictions.h"
 
 #include <cmath>
-#include <optional>
+
+#include "map_store/records/retraction.h"
 
 namespace corbslam::map_store {
-namespace {
-
-std::optional<uint64_t> FindLink(const LocalMapState& a, const LocalMapState& b,
-                                 const OverlapLedger& overlaps) {
-  for (const LocalMapId& name_a : a.Names()) {
-    for (const LocalMapId& name_b : b.Names()) {
-      const OverlapLedger::Ids& live = overlaps.LiveBetween(name_a, name_b);
-      if (!live.empty()) return *live.begin();
-    }
-  }
-  return std::nullopt;
-}
-
-}  // namespace
 
 std::vector<ContradictedOverlap> FindContradicted(
     const MissionState& state, const std::string& agent,
@@ -31,9 +18,9 @@ std::vector<ContradictedOverlap> FindContradicted(
       const LocalMapState& own = *state.FindLocalMap(id);
       // What the agent made before may be of another calibration.
       if (own.agent != agent || own.closed) continue;
-      if (const auto link = FindLink(own, *others, state.global.overlaps)) {
-        found.push_back({*link, own.id, others->id, contradiction.scale});
-      }
+      const std::vector<uint64_t> links = FindLinks(own, *others, state.global.overlaps);
+      if (links.empty()) continue;
+      found.push_back({links.front(), own.id, others->id, contradiction.scale});
     }
   }
   return found;

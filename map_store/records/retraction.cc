@@ -32,14 +32,7 @@ std::vector<uint64_t> FindMeant(const RetractRecord& record, const MissionState&
   if (!record.keep_apart) return {record.overlap};
   const OverlapLedger& overlaps = state.global.overlaps;
   const auto sides = SidesOf(overlaps.at(record.overlap).overlap, state);
-  OverlapLedger::Ids meant;
-  for (const LocalMapId& a : state.FindLocalMap(sides.first)->Names()) {
-    for (const LocalMapId& b : state.FindLocalMap(sides.second)->Names()) {
-      const OverlapLedger::Ids& live = overlaps.LiveBetween(a, b);
-      meant.insert(live.begin(), live.end());
-    }
-  }
-  return {meant.begin(), meant.end()};
+  return FindLinks(*state.FindLocalMap(sides.first), *state.FindLocalMap(sides.second), overlaps);
 }
 
 void TakeBack(OverlapEntry& entry) {
@@ -120,6 +113,18 @@ void DissolveIsland(IslandId island_id, const MapStoreOptions& options, MissionS
 }
 
 }  // namespace
+
+std::vector<uint64_t> FindLinks(const LocalMapState& a, const LocalMapState& b,
+                                const OverlapLedger& overlaps) {
+  OverlapLedger::Ids links;
+  for (const LocalMapId& name_a : a.Names()) {
+    for (const LocalMapId& name_b : b.Names()) {
+      const OverlapLedger::Ids& live = overlaps.LiveBetween(name_a, name_b);
+      links.insert(live.begin(), live.end());
+    }
+  }
+  return {links.begin(), links.end()};
+}
 
 namespace {
 

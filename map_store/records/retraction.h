@@ -29,6 +29,11 @@ absl::Status CheckRetraction(const MissionState& state, const RetractRecord& rec
 std::vector<uint64_t> Retract(const RetractRecord& record, const MapStoreOptions& options,
                               MissionState& state);
 
+// Returns the numbers of the live overlaps between two local maps, also between what were other
+// local maps and are parts of them.
+std::vector<uint64_t> FindLinks(const LocalMapState& a, const LocalMapState& b,
+                                const OverlapLedger& overlaps);
+
 // Returns whether somebody has taken back what the overlap says.
 bool IsTakenBack(const Overlap& overlap, const MissionState& state);
 
