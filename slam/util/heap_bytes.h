@@ -30,15 +30,24 @@ constexpr uint64_t TreeBytes(uint64_t entries) {
   return entries * HeapBlockBytes(kLinks + sizeof(Entry));
 }
 
+// How many places absl's flat hash tables look at at once: what SSE2 holds, eight on other machines.
+#ifdef __SSE2__
+inline constexpr uint64_t kHashGroupPlaces = 16;
+#else
+inline constexpr uint64_t kHashGroupPlaces = 8;
+#endif
+
 // Returns what absl's flat hash tables take of so many entries that came one after the other: their
-// places are one less than a power of two, an eighth of them stays empty, and each has a byte.
+// places are one less than a power of two, an eighth of them stays empty (one of seven, where a
+// group is eight), and each has a byte.
 template <typename Entry>
 constexpr uint64_t HashTableBytes(uint64_t entries) {
-  constexpr uint64_t kMoreControl = 16;
   if (entries == 0) return 0;
   uint64_t places = 1;
-  while (entries > places - places / 8) places = 2 * places + 1;
-  return HeapBlockBytes(places * (sizeof(Entry) + 1) + kMoreControl);
+  while (entries > places - std::max(places / 8, places + 1 == kHashGroupPlaces ? uint64_t{1} : 0)) {
+    places = 2 * places + 1;
+  }
+  return HeapBlockBytes(places * (sizeof(Entry) + 1) + kHashGroupPlaces);
 }
 
 // Returns what one of absl's btrees takes of so many entries. One that is small grows as it needs
