@@ -7,7 +7,7 @@
 
 namespace corbslam::client_agent {
 
-SourceFinding DescribeContradiction(const ScaleContradiction& found);
+SourceFinding DescribeContradiction(const MapContradiction& found);
 
 }  // namespace corbslam::client_agent
 

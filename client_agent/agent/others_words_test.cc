@@ -19,5 +19,15 @@ TEST(OthersWordsTest, SayWhichMapByHowMuchAndHowSure) {
               HasSubstr("2.00 % smaller than"));
 }
 
+TEST(OthersWordsTest, SayWhereAMapIsBent) {
+  const SourceFinding bent =
+      DescribeContradiction({LocalMapId{0xab}, 1, 0, MapBend{4.52, 0.127, 0.0122}});
+  EXPECT_EQ(bent.level, FindingLevel::kWarning);
+  EXPECT_EQ(bent.code, "others-shape");
+  EXPECT_THAT(bent.text, HasSubstr("local map 00000000000000ab of another robot is bent or torn "
+                                   "here: over 4.5 m of it this robot's own sight ends 0.13 m "
+                                   "beside what that map says, and turned by 0.70 degrees"));
+}
+
 }  // namespace
 }  // namespace corbslam::client_agent

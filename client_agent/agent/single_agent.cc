@@ -373,7 +373,7 @@ void SingleAgent::SayFinding(SourceFinding finding) {
 }
 
 void SingleAgent::LeaveOutContradicting() {
-  for (const ScaleContradiction& found : current().tracker().TakeContradictions()) {
+  for (const MapContradiction& found : current().tracker().TakeContradictions()) {
     link_->LeaveOut(found);
     SayFinding(DescribeContradiction(found));
   }

@@ -76,7 +76,7 @@ void StoreLink::BeginLocalMap(GuardedMap& map, MapJobs& jobs, const KeptMap* kep
     // What was shared was placed in the map that ends, so that the store must tell it again.
     reopen_ |= !recordings_.empty();
     inbox_.swap(inbox);
-    for (const ScaleContradiction& found : left_out_) inbox_->LeaveOut(found.local_map);
+    for (const MapContradiction& found : left_out_) inbox_->LeaveOut(found.local_map);
     share_watch_ = ShareWatch();
     anew_ = ShareAnew();
     recorder->SetPointsFollow(store_moves_points_);

@@ -160,7 +160,7 @@ class StoreLink : private UplinkListener {
 
   // Gives up what one of others' local maps says, in the robot's local map in use and in all that
   // come (SharedMap::LeaveOut), and tells the store why.
-  void LeaveOut(const ScaleContradiction& found);
+  void LeaveOut(const MapContradiction& found);
 
   // Returns where the robot's frame is in the global one; none before fusion.
   std::optional<Similarity3d> GlobalFromLocal() const;
@@ -261,7 +261,7 @@ class StoreLink : private UplinkListener {
   mutable absl::Mutex mutex_;
   std::vector<std::unique_ptr<Recording>> recordings_ ABSL_GUARDED_BY(mutex_);
   std::shared_ptr<SharedInbox> inbox_ ABSL_GUARDED_BY(mutex_);
-  std::vector<ScaleContradiction> left_out_ ABSL_GUARDED_BY(mutex_);
+  std::vector<MapContradiction> left_out_ ABSL_GUARDED_BY(mutex_);
   size_t reported_left_out_ ABSL_GUARDED_BY(mutex_) = 0;
   ShareAnew anew_ ABSL_GUARDED_BY(mutex_);
   ShareScope share_ ABSL_GUARDED_BY(mutex_);        // What is asked for now.

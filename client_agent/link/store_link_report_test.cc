@@ -79,7 +79,7 @@ TEST_F(StoreLinkReportTest, WhatIsLeftOutIsToldAtOnceAndWithEachReport) {
   MakeLink();
   link_->Step();
   EXPECT_TRUE(uplink_.reports.back().contradictions.empty());
-  const ScaleContradiction found{LocalMapId{9}, 1.014, 0.001};
+  const MapContradiction found{LocalMapId{9}, 1.014, 0.001};
   link_->LeaveOut(found);
   link_->LeaveOut({LocalMapId{9}, 1.013, 0.001});
   EXPECT_EQ(StepSecond(), 2u);

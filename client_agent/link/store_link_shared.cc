@@ -20,11 +20,11 @@ void StoreLink::OnCorrected(LocalMapId local_map, const OwnCorrection& correctio
   if (inbox != nullptr && inbox->local_map() == local_map) inbox->Correct(correction, map);
 }
 
-void StoreLink::LeaveOut(const ScaleContradiction& found) {
+void StoreLink::LeaveOut(const MapContradiction& found) {
   std::shared_ptr<SharedInbox> inbox;
   {
     absl::MutexLock lock(&mutex_);
-    const bool is_known = std::ranges::any_of(left_out_, [&](const ScaleContradiction& known) {
+    const bool is_known = std::ranges::any_of(left_out_, [&](const MapContradiction& known) {
       return known.local_map == found.local_map;
     });
     if (is_known) return;

@@ -114,8 +114,8 @@ bool AreGross(const std::vector<Block>& blocks) {
 
 }  // namespace
 
-std::vector<ScaleContradiction> OthersScale::Add(const Frame& frame, LocalMapId own) {
-  std::vector<ScaleContradiction> found;
+std::vector<MapContradiction> OthersScale::Add(const Frame& frame, LocalMapId own) {
+  std::vector<MapContradiction> found;
   if (!frame.camera().IsMetric()) return found;
   for (const auto& [local_map, fit] : FitOthers(frame, own)) {
     if (fit.points.size() < kEnoughPoints || contradicting_.contains(local_map)) continue;
@@ -126,7 +126,7 @@ std::vector<ScaleContradiction> OthersScale::Add(const Frame& frame, LocalMapId 
     block.points += static_cast<double>(fit.points.size()) / kFramesOfABlock;
     block.seen.insert(fit.points.begin(), fit.points.end());
     if (++block.frames < kFramesOfABlock) continue;
-    const std::optional<ScaleContradiction> contradiction = Judge(local_map, evidence);
+    const std::optional<MapContradiction> contradiction = Judge(local_map, evidence);
     if (!contradiction.has_value()) continue;
     contradicting_.insert(local_map);
     evidence_.erase(local_map);
@@ -135,7 +135,7 @@ std::vector<ScaleContradiction> OthersScale::Add(const Frame& frame, LocalMapId 
   return found;
 }
 
-std::optional<ScaleContradiction> OthersScale::Judge(LocalMapId local_map, Evidence& evidence) {
+std::optional<MapContradiction> OthersScale::Judge(LocalMapId local_map, Evidence& evidence) {
   std::vector<Block>& blocks = evidence.blocks;
   blocks.push_back(std::exchange(evidence.growing, {}));
   if (blocks.size() > kMostBlocks) blocks.erase(blocks.begin());
@@ -148,7 +148,7 @@ std::optional<ScaleContradiction> OthersScale::Judge(LocalMapId local_map, Evide
   const bool is_certain =
       are_gross || (std::abs(mean) > kLeastLogScale && std::abs(mean) > kCertain * by_blocks);
   if (!is_certain) return std::nullopt;
-  return ScaleContradiction{local_map, std::exp(mean),
+  return MapContradiction{local_map, std::exp(mean),
                             std::exp(mean) * std::max(by_blocks, by_points)};
 }
 

@@ -22,7 +22,7 @@ class OthersScale {
  public:
   // Looks at a frame that was tracked. `own` is the robot's local map. Returns those of others'
   // local maps of which it is certain from now on; each once.
-  std::vector<ScaleContradiction> Add(const Frame& frame, LocalMapId own);
+  std::vector<MapContradiction> Add(const Frame& frame, LocalMapId own);
 
  private:
   // Frames one after the other are wrong in the same way (the same edges, the same part of the
@@ -39,7 +39,7 @@ class OthersScale {
     std::vector<Block> blocks;
   };
   // Ends the block that grows; returns what is certain by it.
-  static std::optional<ScaleContradiction> Judge(LocalMapId local_map, Evidence& evidence);
+  static std::optional<MapContradiction> Judge(LocalMapId local_map, Evidence& evidence);
 
   std::map<LocalMapId, Evidence> evidence_;
   std::set<LocalMapId> contradicting_;

@@ -51,7 +51,7 @@ class OthersScaleTest : public ::testing::Test {
     }
   }
   // Shows what was seen since the last frame.
-  std::vector<ScaleContradiction> Show() {
+  std::vector<MapContradiction> Show() {
     Features features;
     features.keypoints = std::exchange(keypoints_, {});
     features.descriptors.resize(features.keypoints.size());
@@ -60,7 +60,7 @@ class OthersScaleTest : public ::testing::Test {
     return scale_.Add(frame, kOwn);
   }
   // Shows frames until one is told of, at most so many; returns how many it took, 0 for none.
-  int ShowUntilTold(int most, double scale, std::vector<ScaleContradiction>& told) {
+  int ShowUntilTold(int most, double scale, std::vector<MapContradiction>& told) {
     for (int frame = 1; frame <= most; ++frame) {
       See(kOther, scale, 100);
       told = Show();
@@ -80,7 +80,7 @@ class OthersScaleTest : public ::testing::Test {
 TEST_F(OthersScaleTest, TellsAMapThatIsTooLargeOrTooSmallAndByHowMuch) {
   for (const double scale : {0.97, 0.996, 1.004, 1.03}) {
     scale_ = OthersScale();
-    std::vector<ScaleContradiction> told;
+    std::vector<MapContradiction> told;
     const bool is_gross = std::abs(scale - 1) > 0.02;
     EXPECT_EQ(ShowUntilTold(100, scale, told), is_gross ? 20 : 40) << scale;
     ASSERT_THAT(told, SizeIs(1));
@@ -91,12 +91,12 @@ TEST_F(OthersScaleTest, TellsAMapThatIsTooLargeOrTooSmallAndByHowMuch) {
 }
 
 TEST_F(OthersScaleTest, ARightMapStaysARightOneHoweverLongItIsSeen) {
-  std::vector<ScaleContradiction> told;
+  std::vector<MapContradiction> told;
   EXPECT_EQ(ShowUntilTold(3000, 1, told), 0);
 }
 
 TEST_F(OthersScaleTest, WhatIsOffHereAndRightThereIsNoScale) {
-  std::vector<ScaleContradiction> told;
+  std::vector<MapContradiction> told;
   for (int place = 0; place < 20; ++place) {
     EXPECT_EQ(ShowUntilTold(15, place % 2 == 0 ? 1.01 : 0.999, told), 0) << place;
   }
@@ -125,12 +125,12 @@ TEST_F(OthersScaleTest, PointsThatAreOffThisWayAndThatMakeNoMapSmaller) {
 }
 
 TEST_F(OthersScaleTest, TellsOfEachOnceAndOfNoneBeside) {
-  std::vector<ScaleContradiction> told;
+  std::vector<MapContradiction> told;
   for (int frame = 0; frame < 200; ++frame) {
     See(kOwn, 1.02, 100);
     See(kOther, 1.02, 100);
     See(kThird, 1, 100);
-    for (const ScaleContradiction& found : Show()) told.push_back(found);
+    for (const MapContradiction& found : Show()) told.push_back(found);
   }
   ASSERT_THAT(told, SizeIs(1));
   EXPECT_EQ(told[0].local_map, kOther);

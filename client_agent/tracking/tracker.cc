@@ -138,8 +138,11 @@ void Tracker::Accept(Solution solution, Frame& frame) {
 
 void Tracker::HoldAgainstOthers(const Frame& frame) {
   if (options_.localise_only || !options_.has_stereo) return;
-  for (const ScaleContradiction& found : others_scale_.Add(frame, parts_.map->local_map())) {
+  for (const MapContradiction& found : others_scale_.Add(frame, parts_.map->local_map())) {
     contradictions_.push_back(found);
+  }
+  if (const auto bent = others_shape_.Add(frame, parts_.map->local_map())) {
+    contradictions_.push_back(*bent);
   }
 }
 

@@ -17,6 +17,7 @@
 #include "client_agent/tracking/keyframe_policy.h"
 #include "client_agent/tracking/local_map_view.h"
 #include "client_agent/tracking/others_scale.h"
+#include "client_agent/tracking/others_shape.h"
 #include "client_agent/tracking/relocalisation.h"
 #include "client_agent/tracking/tracking_result.h"
 #include "slam/vocabulary/vocabulary.h"
@@ -104,9 +105,7 @@ class Tracker {
   bool ResumeAt(std::shared_ptr<const KeyframePayload> payload, const Rigid3d& camera_from_map);
 
   // Returns those of others' local maps that turned out to contradict since the last call.
-  std::vector<ScaleContradiction> TakeContradictions() {
-    return std::exchange(contradictions_, {});
-  }
+  std::vector<MapContradiction> TakeContradictions() { return std::exchange(contradictions_, {}); }
 
   // True when tracking will not find its way back, so that it is time for a new local map: not
   // while the pictures are such that none could begin. What covers the camera ends no map, and uses
@@ -178,7 +177,8 @@ class Tracker {
   bool mapping_paused_ = false;
   CameraDoubt camera_doubt_;
   OthersScale others_scale_;
-  std::vector<ScaleContradiction> contradictions_;
+  OthersShape others_shape_;
+  std::vector<MapContradiction> contradictions_;
   KeyframeId last_keyframe_;
   int64_t last_keyframe_ns_ = 0;
   bool was_anothers_camera_ = false;  // In the newest frame.

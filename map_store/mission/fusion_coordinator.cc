@@ -293,7 +293,7 @@ absl::StatusOr<std::vector<uint64_t>> FusionCoordinator::RetractOverlap(uint64_t
 }
 
 void FusionCoordinator::KeepApart(const std::string& agent,
-                                  const std::vector<ScaleContradiction>& contradictions) {
+                                  const std::vector<MapContradiction>& contradictions) {
   if (contradictions.empty()) return;
   const std::vector<ContradictedOverlap> found = strand_.WithState(
       [&](const MissionState& state) { return FindContradicted(state, agent, contradictions); });

@@ -66,7 +66,7 @@ class FusionCoordinator {
   absl::StatusOr<std::vector<uint64_t>> RetractOverlap(uint64_t overlap, bool keep_apart);
   // Keeps what the agent is making apart from others' local maps that it says differ too much
   // (FindContradicted).
-  void KeepApart(const std::string& agent, const std::vector<ScaleContradiction>& contradictions);
+  void KeepApart(const std::string& agent, const std::vector<MapContradiction>& contradictions);
 
   bool IsIdle() const;
   // Returns whether nothing runs, and nothing but look-ups waits.

@@ -8,9 +8,9 @@ namespace corbslam::map_store {
 
 std::vector<ContradictedOverlap> FindContradicted(
     const MissionState& state, const std::string& agent,
-    const std::vector<ScaleContradiction>& contradictions) {
+    const std::vector<MapContradiction>& contradictions) {
   std::vector<ContradictedOverlap> found;
-  for (const ScaleContradiction& contradiction : contradictions) {
+  for (const MapContradiction& contradiction : contradictions) {
     if (std::abs(contradiction.scale - 1) <= kToleratedScale) continue;
     const LocalMapState* others = state.FindLocalMap(state.OwnerOf(contradiction.local_map));
     if (others == nullptr || others->agent == agent) continue;

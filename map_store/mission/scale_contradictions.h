@@ -27,7 +27,7 @@ struct ContradictedOverlap {
 // same two go with it (RetractRecord::keep_apart).
 std::vector<ContradictedOverlap> FindContradicted(
     const MissionState& state, const std::string& agent,
-    const std::vector<ScaleContradiction>& contradictions);
+    const std::vector<MapContradiction>& contradictions);
 
 }  // namespace corbslam::map_store
 

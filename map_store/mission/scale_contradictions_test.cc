@@ -79,6 +79,14 @@ TEST_F(ScaleContradictionsTest, WhatDiffersByLessStaysFused) {
   EXPECT_EQ(Say(alpha_.local_map(), 0.9901), 1u);
 }
 
+TEST_F(ScaleContradictionsTest, WhatIsBentIsPutRightTogether) {
+  AgentReport report;
+  report.contradictions = {{alpha_.local_map(), 1, 0, MapBend{4.5, 0.13, 0.012}}};
+  EXPECT_TRUE(store_->NoteReport(bravo_.session(), report).ok());
+  EXPECT_TRUE(store_->RunFusionUntilIdle(kMission).ok());
+  EXPECT_EQ(Islands(*store_), 1u);
+}
+
 TEST_F(ScaleContradictionsTest, ARobotSpeaksOfOthersMapsAndForItsOwn) {
   EXPECT_EQ(Say(bravo_.local_map(), 1.014), 1u);
   EXPECT_EQ(Say(LocalMapId{0xff}, 1.014), 1u) << "nobody knows that local map";

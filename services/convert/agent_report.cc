@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -29,15 +30,29 @@ AgentActivity ReadActivity(int activity) {
   }
 }
 
-absl::StatusOr<std::vector<ScaleContradiction>> ReadContradictions(const v1::AgentReport& proto) {
-  constexpr double kMost = std::numeric_limits<double>::max();
+constexpr double kMost = std::numeric_limits<double>::max();
+
+absl::StatusOr<std::optional<MapBend>> ReadBend(const v1::MapContradiction& proto) {
+  if (!proto.has_bend()) return std::nullopt;
+  const MapBend bend{proto.bend().way_m(), proto.bend().shift_m(), proto.bend().turn_rad()};
+  for (const auto& [field, value] :
+       {std::pair("report.contradictions.bend.way_m", bend.way_m),
+        std::pair("report.contradictions.bend.shift_m", bend.shift_m),
+        std::pair("report.contradictions.bend.turn_rad", bend.turn_rad)}) {
+    // The condition is written so that NaN is refused.
+    if (!(value >= 0 && std::isfinite(value))) return OutOfRange(field, value, 0.0, kMost);
+  }
+  return bend;
+}
+
+absl::StatusOr<std::vector<MapContradiction>> ReadContradictions(const v1::AgentReport& proto) {
   const auto count = static_cast<size_t>(proto.contradictions_size());
   if (count > AgentReport::kMaxContradictions) {
     return OutOfRange("the number of report.contradictions", count, size_t{0},
                       AgentReport::kMaxContradictions);
   }
-  std::vector<ScaleContradiction> read;
-  for (const v1::ScaleContradiction& said : proto.contradictions()) {
+  std::vector<MapContradiction> read;
+  for (const v1::MapContradiction& said : proto.contradictions()) {
     // The conditions are written so that NaN is refused.
     if (!(said.scale() > 0 && std::isfinite(said.scale()))) {
       return OutOfRange("report.contradictions.scale", said.scale(), 0.0, kMost);
@@ -45,7 +60,8 @@ absl::StatusOr<std::vector<ScaleContradiction>> ReadContradictions(const v1::Age
     if (!(said.scale_sigma() >= 0 && std::isfinite(said.scale_sigma()))) {
       return OutOfRange("report.contradictions.scale_sigma", said.scale_sigma(), 0.0, kMost);
     }
-    read.push_back({LocalMapId{said.local_map()}, said.scale(), said.scale_sigma()});
+    ASSIGN_OR_RETURN(std::optional<MapBend> bend, ReadBend(said));
+    read.push_back({LocalMapId{said.local_map()}, said.scale(), said.scale_sigma(), bend});
   }
   return read;
 }
@@ -78,11 +94,15 @@ void ToProto(const AgentReport& report, v1::AgentReport* proto) {
   proto->set_dropped(report.dropped);
   proto->set_newest_timestamp_ns(report.newest_timestamp_ns);
   proto->set_newest_frame_age_s(report.newest_frame_age_s);
-  for (const ScaleContradiction& found : report.contradictions) {
-    v1::ScaleContradiction* said = proto->add_contradictions();
+  for (const MapContradiction& found : report.contradictions) {
+    v1::MapContradiction* said = proto->add_contradictions();
     said->set_local_map(found.local_map.value);
     said->set_scale(found.scale);
     said->set_scale_sigma(found.scale_sigma);
+    if (!found.bend.has_value()) continue;
+    said->mutable_bend()->set_way_m(found.bend->way_m);
+    said->mutable_bend()->set_shift_m(found.bend->shift_m);
+    said->mutable_bend()->set_turn_rad(found.bend->turn_rad);
   }
 }
 
@@ -94,9 +114,9 @@ absl::StatusOr<AgentReport> FromProto(const v1::AgentReport& proto) {
   const double age_s = proto.newest_frame_age_s();
   // The condition is written so that NaN is refused.
   if (!(age_s >= 0 && std::isfinite(age_s))) {
-    return OutOfRange("report.newest_frame_age_s", age_s, 0.0, std::numeric_limits<double>::max());
+    return OutOfRange("report.newest_frame_age_s", age_s, 0.0, kMost);
   }
-  ASSIGN_OR_RETURN(std::vector<ScaleContradiction> contradictions, ReadContradictions(proto));
+  ASSIGN_OR_RETURN(std::vector<MapContradiction> contradictions, ReadContradictions(proto));
   return AgentReport{.activity = ReadActivity(proto.activity()),
                      .frames = proto.frames(),
                      .tracked = proto.tracked(),

@@ -19,7 +19,9 @@ AgentReport MakeReport() {
           .dropped = 3,
           .newest_timestamp_ns = int64_t{1} << 62,
           .newest_frame_age_s = 2.5,
-          .contradictions = {{LocalMapId{7}, 1.014, 0.001}, {LocalMapId{8}, 0.98, 0}}};
+          .contradictions = {{LocalMapId{7}, 1.014, 0.001},
+                             {LocalMapId{8}, 0.98, 0},
+                             {LocalMapId{9}, 1, 0, MapBend{4.5, 0.13, 0.012}}}};
 }
 
 TEST(AgentReportTest, AllOfItComesBack) {
@@ -68,6 +70,13 @@ TEST(AgentReportTest, AScaleIsPositiveAndItsDeviationIsNotNegative) {
     proto.mutable_contradictions(0)->set_scale_sigma(sigma);
     EXPECT_THAT(std::string(FromProto(proto).status().message()),
                 HasSubstr("report.contradictions.scale_sigma is"));
+  }
+  for (const double shift_m : {-0.1, kInfinity, kNaN}) {
+    v1::AgentReport proto;
+    proto.add_contradictions()->set_scale(1);
+    proto.mutable_contradictions(0)->mutable_bend()->set_shift_m(shift_m);
+    EXPECT_THAT(std::string(FromProto(proto).status().message()),
+                HasSubstr("report.contradictions.bend.shift_m is"));
   }
   v1::AgentReport many;
   for (int i = 0; i < 101; ++i) many.add_contradictions()->set_scale(1);

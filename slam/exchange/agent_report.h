@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "slam/util/ids.h"
@@ -19,14 +20,27 @@ enum class AgentActivity {
   kFinished,      // The source has ended, and no frame will come.
 };
 
-// One of others' local maps has other distances than the robot's camera measures.
-struct ScaleContradiction {
+// A map has another shape than the robot's own sight: over `way_m` of it the camera ends `shift_m`
+// beside where it would by the map, whose length is not judged, and turned by `turn_rad` against
+// it.
+struct MapBend {
+  double way_m = 0;
+  double shift_m = 0;
+  double turn_rad = 0;
+
+  bool operator==(const MapBend&) const = default;
+};
+
+// One of others' local maps is not as the robot's own camera measures it.
+struct MapContradiction {
   LocalMapId local_map;
-  // How many times as large it is as what the camera measures, and the standard deviation of that.
+  // How many times as large it is as what the camera measures, and the standard deviation of that;
+  // 1 and 0 where its size is not what is wrong.
   double scale = 1;
   double scale_sigma = 0;
+  std::optional<MapBend> bend = std::nullopt;
 
-  bool operator==(const ScaleContradiction&) const = default;
+  bool operator==(const MapContradiction&) const = default;
 };
 
 struct AgentReport {
@@ -44,7 +58,7 @@ struct AgentReport {
   int64_t newest_timestamp_ns = 0;
   double newest_frame_age_s = 0;
   // Those that the robot goes without, since its process began.
-  std::vector<ScaleContradiction> contradictions = {};
+  std::vector<MapContradiction> contradictions = {};
 
   bool operator==(const AgentReport&) const = default;
 };

@@ -70,7 +70,7 @@ def row(arguments, folder, seed, kind, alone):
     name = f"{seed}-{list(KINDS).index(kind)}"
     report = play(arguments, folder / name, "--sequential", "--source", first, "--source", second)
     own, told = errors(report, "bravo")
-    said = [w for w in report["warnings"] if w["code"] == "others-distances"]
+    said = [w for w in report["warnings"] if w["code"] in ("others-distances", "others-shape")]
     return [kind, str(seed), cell(errors(report, "alpha")[0], None), cell(own, alone[0]), cell(told, alone[1]),
             str(report["fused"]["islands"]), "yes" if said else "no"]
 

@@ -30,10 +30,16 @@ Json ToJson(const v1::LastPose& pose) {
 
 Json ToJson(const v1::AgentReport& report) {
   Json contradictions = Json::array();
-  for (const v1::ScaleContradiction& found : report.contradictions()) {
-    contradictions.push_back({{"local_map", ToString(LocalMapId{found.local_map()})},
-                              {"scale", found.scale()},
-                              {"scale_sigma", found.scale_sigma()}});
+  for (const v1::MapContradiction& found : report.contradictions()) {
+    Json said = {{"local_map", ToString(LocalMapId{found.local_map()})},
+                 {"scale", found.scale()},
+                 {"scale_sigma", found.scale_sigma()}};
+    if (found.has_bend()) {
+      said["bend"] = {{"way_m", found.bend().way_m()},
+                      {"shift_m", found.bend().shift_m()},
+                      {"turn_rad", found.bend().turn_rad()}};
+    }
+    contradictions.push_back(std::move(said));
   }
   return {{"activity", v1::AgentActivity_Name(report.activity())},
           {"frames", report.frames()},

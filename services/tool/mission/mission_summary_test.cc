@@ -70,7 +70,7 @@ MissionSummary MakeSummary() {
 
 TEST(MissionSummaryTest, SaysWhichMapsRobotsGoWithout) {
   MissionSummary summary = MakeSummary();
-  v1::ScaleContradiction* found = summary.agents[1].mutable_report()->add_contradictions();
+  v1::MapContradiction* found = summary.agents[1].mutable_report()->add_contradictions();
   found->set_local_map(0xab);
   found->set_scale(0.986);
   found->set_scale_sigma(0.0016);
@@ -78,6 +78,12 @@ TEST(MissionSummaryTest, SaysWhichMapsRobotsGoWithout) {
       FormatSummary(summary),
       HasSubstr("bravo goes without 00000000000000ab, which is 1.40 % smaller than what its "
                 "camera measures (+-0.16 %)\n"));
+  found->mutable_bend()->set_way_m(4.5);
+  found->mutable_bend()->set_shift_m(0.127);
+  found->mutable_bend()->set_turn_rad(0.0122);
+  EXPECT_THAT(FormatSummary(summary),
+              HasSubstr("bravo goes without 00000000000000ab, which is bent: over 4.5 m its camera "
+                        "ends 0.13 m beside, turned by 0.70 degrees\n"));
 }
 
 TEST(MissionSummaryTest, SaysWhatWasFusedAndWhyTheRestWasNot) {

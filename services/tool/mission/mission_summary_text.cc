@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -135,19 +136,28 @@ FrameColumns CountFrames(const v1::MissionAgent& agent, const v1::LocalMap& sum)
   return {absl::StrCat(agent.report().tracked()), absl::StrCat(agent.report().lost())};
 }
 
+std::string FormatContradiction(const v1::MapContradiction& found) {
+  if (found.has_bend()) {
+    return absl::StrFormat(
+        "bent: over %.1f m its camera ends %.2f m beside, turned by %.2f degrees",
+        found.bend().way_m(), found.bend().shift_m(),
+        found.bend().turn_rad() * 180 / std::numbers::pi);
+  }
+  return absl::StrFormat("%.2f %% %s than what its camera measures (+-%.2f %%)",
+                         std::abs(found.scale() - 1) * 100,
+                         found.scale() > 1 ? "larger" : "smaller", found.scale_sigma() * 100);
+}
+
 // Writes one line for each of others' local maps that the robot goes without.
 std::string FormatContradictions(const std::string& mission, const v1::MissionAgent& agent,
                                  const LocalMapNames& names) {
   std::string text;
-  for (const v1::ScaleContradiction& found : agent.report().contradictions()) {
+  for (const v1::MapContradiction& found : agent.report().contradictions()) {
     const std::string local_map = LocalMapName(LastSegment(mission), LocalMapId{found.local_map()});
     const auto name = names.find(local_map);
-    absl::StrAppendFormat(
-        &text,
-        "%s goes without %s, which is %.2f %% %s than what its camera measures (+-%.2f %%)\n",
-        LastSegment(agent.name()), name == names.end() ? LastSegment(local_map) : name->second,
-        std::abs(found.scale() - 1) * 100, found.scale() > 1 ? "larger" : "smaller",
-        found.scale_sigma() * 100);
+    absl::StrAppend(&text, LastSegment(agent.name()), " goes without ",
+                    name == names.end() ? LastSegment(local_map) : name->second, ", which is ",
+                    FormatContradiction(found), "\n");
   }
   return text;
 }

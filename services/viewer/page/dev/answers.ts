@@ -169,6 +169,11 @@ function reportOf(i: number) {
   return { activity: ACTIVITIES[i % 3], frames: 100n + frames, tracked: 90n + frames, lost: 10n, newestFrameAgeS: 0.12 + 0.05 * Math.sin(seconds / 3) };
 }
 
+/** The third robot's map is larger than what the second one's camera measures. */
+function contradictions({ robots }: SimulatedMission, i: number) {
+  return i === 1 && robots.length > 2 ? [{ localMap: robots[2].robot.id, scale: 1.0141, scaleSigma: 0.0016 }] : [];
+}
+
 function localiser(mission: SimulatedMission, name: string) {
   const at = localiserAt(mission, Math.floor((Date.now() - begunMs) / 1000));
   return {
@@ -184,7 +189,7 @@ export function pulse(mission: SimulatedMission, storeAnswers: boolean): Mission
     timeNs: now(), storeAnswers, storeError: storeAnswers ? '' : 'connection refused', mission: facts,
     agents: mission.robots.map(({ robot }, i) => ({
       name: name(robot.name), connected: i !== 2, localMaps: [`localMaps/${hexId(robot.id)}`], upToDate: i === 0,
-      ...(mission.isOld ? {} : { leftOnPurpose: i === 2, reportAgeS: 1, report: reportOf(i) }),
+      ...(mission.isOld ? {} : { leftOnPurpose: i === 2, reportAgeS: 1, report: { ...reportOf(i), contradictions: contradictions(mission, i) } }),
     })).concat(mission.hasLocaliser ? [localiser(mission, name('lima')) as never] : []),
     localMaps: mission.robots.map(({ robot, keyframes, isThinned }) => ({
       name: `localMaps/${hexId(robot.id)}`, agent: name(robot.name), number: 1, keyframes: BigInt(keyframes.length), lostFrames: 12n,

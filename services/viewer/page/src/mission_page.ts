@@ -117,7 +117,7 @@ export class MissionPage {
       colour: (robot) => this.painter.legendColour(robot, this.state, this.model.islandsOf(robot)),
       drift: (robot) => driftWords(this.drifts.of(robot)),
       hasLocalised: (robot) => this.fetched.lastLocalised(robot) !== undefined,
-    });
+    }, this.names);
     this.overlapsPanel = new OverlapsPanel((overlap) => this.selection.overlap(overlap));
     this.numbers.root.append(this.plots.root);
     this.layout.left.append(this.find.root, this.robots.root, this.numbers.root);

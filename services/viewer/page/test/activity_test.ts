@@ -2,7 +2,7 @@ import assert from 'node:assert/strict';
 import test from 'node:test';
 import { create } from '@bufbuild/protobuf';
 import { AgentActivity, MissionAgentSchema } from '@gen/corbslam/v1/resources_pb';
-import { doingOf, reportFacts } from '../src/model/activity';
+import { contradictionFacts, doingOf, reportFacts } from '../src/model/activity';
 
 const told = (init: object) => create(MissionAgentSchema, { name: 'missions/m/agents/alpha', ...init });
 const report = (activity: AgentActivity, more: object = {}) => ({ connected: true, reportAgeS: 2, report: { activity, ...more } });
@@ -37,4 +37,19 @@ test('frames that were passed over are no lost ones', () => {
   const rows = reportFacts(told(report(AgentActivity.TRACKING, { frames: 1200n, tracked: 900n, dropped: 300n, newestFrameAgeS: 0.2 })));
   assert.deepEqual(rows, [['Frames', '1\u2009200, 100 % tracked'], ['… passed over', '300, they came too fast'], ['Newest frame', '2 s old']]);
   assert.deepEqual(reportFacts(told({ connected: true })), []);
+});
+
+test('which maps of others a robot goes without, and why', () => {
+  const names = { of: (id: string) => `map ${id}` };
+  const contradictions = [
+    { localMap: 0xabn, scale: 1.0141, scaleSigma: 0.001 },
+    { localMap: 0xacn, scale: 0.98, scaleSigma: 0.001 },
+    { localMap: 0xadn, scale: 1, bend: { wayM: 4.52, shiftM: 0.127, turnRad: 0.0122 } },
+  ];
+  assert.deepEqual(contradictionFacts(told(report(AgentActivity.TRACKING, { contradictions })), names), [
+    ['Goes without', 'map 00000000000000ab: 1.41 % larger than its camera measures'],
+    ['Goes without', 'map 00000000000000ac: 2.00 % smaller than its camera measures'],
+    ['Goes without', 'map 00000000000000ad: bent, over 4.5 m its camera turns otherwise by 0.7°'],
+  ]);
+  assert.deepEqual(contradictionFacts(told({ connected: true }), names), []);
 });

@@ -1,5 +1,7 @@
 // What a robot is doing, as far as the store or the robot itself says it.
-import { AgentActivity, type MissionAgent } from '@gen/corbslam/v1/resources_pb';
+import { AgentActivity, type MapContradiction, type MissionAgent } from '@gen/corbslam/v1/resources_pb';
+import { hexId } from './ids';
+import type { MapNames } from './map_names';
 import { count, span } from './words';
 
 /** How a robot is marked in the list and in the map. */
@@ -50,4 +52,17 @@ export function reportFacts(agent: MissionAgent): [string, string][] {
   if (report.dropped > 0n) rows.push(['… passed over', `${count(report.dropped)}, they came too fast`]);
   if (agent.connected) rows.push(['Newest frame', `${span(report.newestFrameAgeS + reportAgeS)} old`]);
   return rows;
+}
+
+/** Which of others' maps it goes without because they are not as its own camera measures. */
+export function contradictionFacts({ report }: MissionAgent, names: Pick<MapNames, 'of'>): [string, string][] {
+  return (report?.contradictions ?? []).map((found) => ['Goes without', `${names.of(hexId(found.localMap))}: ${contradictionWords(found)}`]);
+}
+
+function contradictionWords({ scale, bend }: MapContradiction): string {
+  if (bend) {
+    const degrees = (bend.turnRad * 180) / Math.PI;
+    return `bent, over ${bend.wayM.toFixed(1)} m its camera turns otherwise by ${degrees.toFixed(1)}°`;
+  }
+  return `${(100 * Math.abs(scale - 1)).toFixed(2)} % ${scale > 1 ? 'larger' : 'smaller'} than its camera measures`;
 }

@@ -1,9 +1,10 @@
 import type { MissionPulse } from '@gen/corbslam/v1/viewer_pb';
 import type { AgentStatus } from '@gen/corbslam/v1/agent_service_pb';
 import type { LocalMap, MissionAgent } from '@gen/corbslam/v1/resources_pb';
-import { type Doing, doingOf, reportFacts } from '../model/activity';
+import { contradictionFacts, type Doing, doingOf, reportFacts } from '../model/activity';
 import { lastSegment } from '../model/ids';
 import type { MapModel } from '../model/map_model';
+import type { MapNames } from '../model/map_names';
 import { plainWords } from '../model/plain_words';
 import { bytes, count, many, trackingWords } from '../model/words';
 import type { ViewState } from '../view_state';
@@ -31,7 +32,7 @@ export class RobotsPanel {
   private readonly awaySince = new Map<string, bigint>();
   private readonly wasConnected = new Set<string>();
 
-  constructor(private readonly actions: RobotActions) {
+  constructor(private readonly actions: RobotActions, private readonly names: MapNames) {
     ({ root: this.root, body: this.body } = panel('robots', 'Robots'));
   }
 
@@ -89,6 +90,7 @@ export class RobotsPanel {
     if (agent?.localiseOnly || isBare) rows.push(['Role', 'only localises, maps nothing']);
     else rows.push(...this.mapFacts(robot, model, pulse, agent, isPast));
     if (agent?.connected && !agent.localiseOnly) rows.push(['Shared map', agent.upToDate ? 'up to date' : 'waits for updates']);
+    if (agent) rows.push(...contradictionFacts(agent, this.names));
     const told = pulse?.robots.find((one) => lastSegment(one.agent) === robot);
     if (told?.status) return [...rows, ...statusFacts(told.status)];
     if (agent) rows.push(...reportFacts(agent));
