@@ -149,7 +149,7 @@ std::optional<MapContradiction> OthersScale::Judge(LocalMapId local_map, Evidenc
       are_gross || (std::abs(mean) > kLeastLogScale && std::abs(mean) > kCertain * by_blocks);
   if (!is_certain) return std::nullopt;
   return MapContradiction{local_map, std::exp(mean),
-                            std::exp(mean) * std::max(by_blocks, by_points)};
+                          std::exp(mean) * std::max(by_blocks, by_points)};
 }
 
 }  // namespace corbslam::client_agent
