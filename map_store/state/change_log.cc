@@ -8,8 +8,11 @@
 namespace corbslam::map_store {
 namespace {
 
-// The changes of some seconds, in a local map that is adjusted all the time.
-constexpr size_t kMaxItems = 100'000;
+// The changes of some seconds, in a local map that is adjusted all the time: so many times all that
+// it has, but not more than a large one is worth, nor fewer than a small one soon has again.
+constexpr size_t kTimesTheMap = 4;
+constexpr size_t kMostItems = 100'000;
+constexpr size_t kFewItems = 2'000;
 
 template <typename Id>
 void Append(const std::vector<Id>& from, std::vector<Id>& to) {
@@ -32,12 +35,13 @@ void ShrinkToFit(ItemChanges& changes) {
 
 }  // namespace
 
-void ChangeLog::Close(uint64_t version) {
+void ChangeLog::Close(uint64_t version, size_t map_items) {
   if (open_.size() == 0) return;
   entries_.push_back({version, std::exchange(open_, {})});
   ShrinkToFit(entries_.back().changes);
   items_ += entries_.back().changes.size();
-  while (items_ > kMaxItems) {
+  const size_t room = std::clamp(kTimesTheMap * map_items, kFewItems, kMostItems);
+  while (items_ > room) {
     items_ -= entries_.front().changes.size();
     known_after_ = entries_.front().version;
     entries_.pop_front();

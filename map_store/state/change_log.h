@@ -23,8 +23,9 @@ struct ItemChanges {
   }
 };
 
-// The latest changes of a local map, as many as it has room for. It is a value and not thread-safe.
-// It is not stored: after a restart nobody has been told anything.
+// The latest changes of a local map, some times as many as it has items: who lags further behind
+// had better look at all of it. It is a value and not thread-safe. It is not stored: after a
+// restart nobody has been told anything.
 class ChangeLog {
  public:
   // These note an item of the change that is under way.
@@ -32,8 +33,9 @@ class ChangeLog {
   void NoteSights(KeyframeId id) { open_.sights.push_back(id); }
   void NotePoint(MapPointId id) { open_.points.push_back(id); }
   void NoteLandmark(MapPointId id) { open_.landmarks.push_back(id); }
-  // Ends the change, which made the mission's state this version.
-  void Close(uint64_t version);
+  // Ends the change, which made the mission's state this version; the local map has so many
+  // keyframes and points now.
+  void Close(uint64_t version, size_t map_items);
   // Forgets all changes: up to this version anything may have changed.
   void Forget(uint64_t version);
 

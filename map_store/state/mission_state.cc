@@ -48,7 +48,9 @@ namespace {
 
 void CloseChangeLogs(const Island& island, MissionState& state) {
   for (const LocalMapId& id : island.local_maps) {
-    state.FindLocalMap(id)->changes.Close(state.version);
+    LocalMapState& local_map = *state.FindLocalMap(id);
+    const Map& map = local_map.map;
+    local_map.changes.Close(state.version, map.keyframes().size() + map.points().size());
   }
 }
 
