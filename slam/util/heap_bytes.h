@@ -30,7 +30,8 @@ constexpr uint64_t TreeBytes(uint64_t entries) {
   return entries * HeapBlockBytes(kLinks + sizeof(Entry));
 }
 
-// How many places absl's flat hash tables look at at once: what SSE2 holds, eight on other machines.
+// How many places absl's flat hash tables look at at once: what SSE2 holds, eight on other
+// machines.
 #ifdef __SSE2__
 inline constexpr uint64_t kHashGroupPlaces = 16;
 #else
@@ -43,10 +44,11 @@ inline constexpr uint64_t kHashGroupPlaces = 8;
 template <typename Entry>
 constexpr uint64_t HashTableBytes(uint64_t entries) {
   if (entries == 0) return 0;
+  const auto stay_empty = [](uint64_t places) {
+    return places + 1 == kHashGroupPlaces ? 1 : places / 8;
+  };
   uint64_t places = 1;
-  while (entries > places - std::max(places / 8, places + 1 == kHashGroupPlaces ? uint64_t{1} : 0)) {
-    places = 2 * places + 1;
-  }
+  while (entries > places - stay_empty(places)) places = 2 * places + 1;
   return HeapBlockBytes(places * (sizeof(Entry) + 1) + kHashGroupPlaces);
 }
 
