@@ -12,6 +12,7 @@
 namespace corbslam::client_agent {
 namespace {
 
+// A frame that sees fewer of a map's points is not led by it.
 constexpr int kEnoughPoints = 60;
 // Two frames that see fewer points in common say nothing of a motion.
 constexpr size_t kLeastCommon = 30;
