@@ -7,7 +7,6 @@
 #include "absl/strings/string_view.h"
 
 namespace corbslam::client_agent {
-
 namespace {
 
 SourceFinding DescribeBend(LocalMapId local_map, const MapBend& bend) {

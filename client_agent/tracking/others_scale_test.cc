@@ -11,6 +11,8 @@
 #include <utility>
 #include <vector>
 
+#include "slam/camera/testing/test_camera.h"
+
 namespace corbslam::client_agent {
 namespace {
 
@@ -24,15 +26,6 @@ constexpr double kNoise_px = 0.3;
 
 class OthersScaleTest : public ::testing::Test {
  protected:
-  OthersScaleTest() {
-    camera_.width_px = 1241;
-    camera_.height_px = 376;
-    camera_.fx_px = camera_.fy_px = 718.9;
-    camera_.cx_px = 607.2;
-    camera_.cy_px = 185.2;
-    camera_.baseline_m = 0.54;
-  }
-
   // Lets the frame see points of a map that is `scale` times as large as the world.
   void See(LocalMapId local_map, double scale, int points) {
     std::uniform_real_distribution<double> depth_m(4, 40);
@@ -69,7 +62,7 @@ class OthersScaleTest : public ::testing::Test {
     return 0;
   }
 
-  Camera camera_;
+  Camera camera_ = testing::CarCamera();
   uint32_t next_point_ = 0;
   std::mt19937 random_{7};
   std::vector<Keypoint> keypoints_;

@@ -11,6 +11,8 @@
 #include <random>
 #include <vector>
 
+#include "slam/camera/testing/test_camera.h"
+
 namespace corbslam::client_agent {
 namespace {
 
@@ -37,12 +39,6 @@ class OthersShapeTest : public ::testing::Test {
   using Bend = std::function<Eigen::Vector3d(const Eigen::Vector3d&)>;
 
   OthersShapeTest() {
-    camera_.width_px = 1241;
-    camera_.height_px = 376;
-    camera_.fx_px = camera_.fy_px = 718.9;
-    camera_.cx_px = 607.2;
-    camera_.cy_px = 185.2;
-    camera_.baseline_m = 0.54;
     std::uniform_real_distribution<double> side_m(-12, 12);
     std::uniform_real_distribution<double> height_m(-3, 3);
     std::uniform_real_distribution<double> along_m(0, 260);
@@ -88,7 +84,7 @@ class OthersShapeTest : public ::testing::Test {
     return told;
   }
 
-  Camera camera_;
+  Camera camera_ = testing::CarCamera();
   std::mt19937 random_{7};
   std::vector<Eigen::Vector3d> world_;
   OthersShape shape_;

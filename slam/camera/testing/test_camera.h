@@ -20,6 +20,17 @@ inline std::shared_ptr<const Camera> TestCamera() {
   return camera;
 }
 
+// Returns the rectified pair of a car: KITTI's sequence 00, 1241 x 376 pixels.
+inline Camera CarCamera() {
+  return {.fx_px = 718.9,
+          .fy_px = 718.9,
+          .cx_px = 607.2,
+          .cy_px = 185.2,
+          .width_px = 1241,
+          .height_px = 376,
+          .baseline_m = 0.54};
+}
+
 }  // namespace corbslam::testing
 
 #endif  // CORBSLAM_SLAM_CAMERA_TESTING_TEST_CAMERA_H_
