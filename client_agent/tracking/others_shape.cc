@@ -13,7 +13,7 @@ namespace corbslam::client_agent {
 namespace {
 
 // A frame that sees fewer of a map's points is not led by it.
-constexpr int kEnoughPoints = 60;
+constexpr int kLeastToLead = 60;
 // Two frames that see fewer points in common say nothing of a motion.
 constexpr size_t kLeastCommon = 30;
 // A step ends when fewer are left in common, or after so many frames: the longer it is, the less
@@ -44,7 +44,7 @@ std::optional<LocalMapId> MostSeen(const Frame& frame, LocalMapId own) {
   }
   const auto most = std::ranges::max_element(
       seen, [](const auto& a, const auto& b) { return a.second < b.second; });
-  if (most == seen.end() || most->second < kEnoughPoints) return std::nullopt;
+  if (most == seen.end() || most->second < kLeastToLead) return std::nullopt;
   return most->first;
 }
 

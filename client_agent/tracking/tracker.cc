@@ -48,9 +48,7 @@ TrackingResult Tracker::Track(int64_t timestamp_ns, Features features) {
   }
   const bool tracked = FindPose(frame);
   if (tracked) {
-    velocity_ = state_ == TrackingState::kTracking
-                    ? std::optional(frame.camera_from_map * previous_->camera_from_map.Inverse())
-                    : std::nullopt;
+    velocity_ = state_ == TrackingState::kTracking ? MotionTo(frame) : std::nullopt;
     ConsiderKeyframe(frame);
   }
   const WhyNoPose picture = tracked ? WhyNoPose::kHasOne : JudgePicture(frame);
@@ -68,7 +66,7 @@ std::optional<HandedFrame> Tracker::HandOver() const {
   handed.frame.words = previous_->words;
   handed.frame.camera_from_map = previous_->camera_from_map;
   handed.frame.associations.resize(previous_->associations.size());
-  handed.now_from_previous = velocity_;
+  handed.motion = velocity_;
   return handed;
 }
 
@@ -77,7 +75,7 @@ bool Tracker::TakeOver(const HandedFrame& handed) {
   MakeKeyframe(frame);
   if (!frame.keyframe.IsValid()) return false;
   state_ = TrackingState::kTracking;
-  velocity_ = handed.now_from_previous;
+  velocity_ = handed.motion;
   previous_ = std::move(frame);
   return true;
 }
@@ -249,7 +247,8 @@ bool Tracker::IsBelievable(const Solution& solution) const {
 
 bool Tracker::FollowMotion(Frame& frame) const {
   if (!velocity_.has_value()) return false;
-  return TrackPreviousFrame(*velocity_ * previous_->camera_from_map,
+  const int64_t since_ns = frame.payload->timestamp_ns - previous_->payload->timestamp_ns;
+  return TrackPreviousFrame(MotionWithin(since_ns, *velocity_) * previous_->camera_from_map,
                             options_.previous_frame_radius_px, frame);
 }
 

@@ -72,7 +72,7 @@ struct TrackerParts {
 // map's frame and without what it sees there, and what the camera moved up to it.
 struct HandedFrame {
   Frame frame;
-  std::optional<Rigid3d> now_from_previous;
+  std::optional<CameraMotion> motion;
 };
 
 // One thread may use it at a time. It waits for nothing but short locks.
@@ -167,8 +167,8 @@ class Tracker {
   TrackingState state_ = TrackingState::kNotInitialised;
   std::optional<Frame> previous_;
   std::shared_ptr<const KeyframePayload> last_payload_;
-  // Camera motion now_from_previous; none after a start or relocalisation.
-  std::optional<Rigid3d> velocity_;
+  // Of the frame before; none after a start or relocalisation.
+  std::optional<CameraMotion> velocity_;
   LocalMapView local_map_;
   InlierCount inliers_;
   int points_in_view_ = 0;

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "client_agent/tracking/camera_motion.h"
 #include "slam/geometry/lie.h"
 #include "slam/geometry/rigid3.h"
 #include "slam/util/ids.h"
@@ -26,12 +27,6 @@ enum class WhyNoPose {
   kMappingPaused,  // There is no map, and none may begin.
   kNotRecognised,  // The picture is good, and the map doesn't show this place, or too differently.
   kAnotherCamera,  // What others mapped shows this place, to another camera than the rig's.
-};
-
-// What the camera moved since the last frame that had a pose, in one and the same map.
-struct CameraMotion {
-  Rigid3d camera_from_previous;
-  int64_t since_ns = 0;
 };
 
 struct TrackingResult {
