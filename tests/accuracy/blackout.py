@@ -5,7 +5,8 @@ A robot maps a simulated drive at the sensor's pace (alone, in a store with one 
 drives the same way after it, with a hand before both lenses for a while. Agent.WatchPose of each is
 followed. Prints, and writes with --json, for each: poses told, of these with a pose in the global frame,
 when the first came, and how long after the hand had gone (it takes 0.3 s to go) the global pose was. Right is what lies within
-0.5 m and 5 degrees of where the first robot had that place. Programs are found in --bin; the messages'
+0.5 m and 5 degrees of where the first robot had that place; how far a pose is from where the camera truly
+was is said beside it: that has in it what the map drifted. Programs are found in --bin; the messages'
 Python code in --messages (docs/clients.md says how to make it). Wants Debian's python3-grpcio.
 """
 import argparse
@@ -94,19 +95,38 @@ def drive(store, arguments, folder, name, options):
     return follower.frames
 
 
-def row_of(name, frames, truth, hand):
+def true_path(store, arguments, folder):
+    """Where the camera was, in the global frame: that of the first robot's first frame. Not turned."""
+    drawn = store.run("corbslam", "simulate", "--layout", "kitti", "--out", str(folder / "drawn"),
+                      "--source", with_options(arguments.drive, f"frames=0:{arguments.frames - 1}"))
+    if drawn.returncode != 0:
+        sys.exit(drawn.stderr)
+    times = [float(line) for line in open(folder / "drawn/times.txt")]
+    poses = [[float(word) for word in line.split()] for line in open(folder / "drawn/poses.txt")]
+    first = poses[0]
+    path = []
+    for t, pose in zip(times, poses):
+        away = [pose[i] - first[i] for i in (3, 7, 11)]
+        path.append([t, *(sum(first[4 * row + axis] * away[row] for row in range(3))
+                          for axis in range(3)), 0, 0, 0, 1])
+    return path
+
+
+def row_of(name, frames, truth, path, hand):
     """`hand`: when it came before the lens and when it was gone, seconds of the drive, or None."""
     first = next((f["t"] for f in frames if f["place"]), None)
     after = [f for f in frames if hand and f["t"] >= hand[0]]
     dark = next((i for i, f in enumerate(after) if not f["told"]), len(after))
     again = next((f["t"] - hand[1] for f in after[dark:] if f["place"]), None)
     tracked = next((f["t"] - hand[1] for f in after[dark:] if f["told"]), None)
-    errors = [errors_of(f["place"], truth, f["t"]) for f in frames
-              if f["place"] and truth[0][0] <= f["t"] <= truth[-1][0]]
+    placed = [f for f in frames if f["place"] and truth[0][0] <= f["t"] <= truth[-1][0]]
+    errors = [errors_of(f["place"], truth, f["t"]) for f in placed]
+    from_path = [errors_of(f["place"], path, f["t"])[0] for f in placed]
     return {"robot": name, "frames": len(frames), "poses": sum(f["told"] for f in frames),
             "global_poses": sum(f["place"] is not None for f in frames),
             "wrong": sum(m > 0.5 or d > 5 for m, d in errors),
             "worst_m": max((m for m, _ in errors), default=None),
+            "worst_from_true_path_m": max(from_path, default=None),
             "first_global_s": first if first is None else first - frames[0]["t"],
             "tracked_after_hand_s": tracked, "global_after_hand_s": again}
 
@@ -124,12 +144,13 @@ def main():
                 first = drive(store, arguments, folder, "a", "")
                 at_rest(store)
                 truth = poses_of(store, folder)
+                path = true_path(store, arguments, folder)
                 second = drive(store, arguments, folder, "b", "&phase=0.5&noise_seed=2"
                                f"&hand={arguments.hand}")
             finally:
                 store.stop()
-        rows.append({"run": run, **row_of("first", first, truth, None)})
-        rows.append({"run": run, **row_of("after it, a hand", second, truth,
+        rows.append({"run": run, **row_of("first", first, truth, path, None)})
+        rows.append({"run": run, **row_of("after it, a hand", second, truth, path,
                                           (start, start + duration))})
         for row in rows[-2:]:
             print("  ".join(f"{key} {value:.3f}" if isinstance(value, float) else f"{key} {value}"
