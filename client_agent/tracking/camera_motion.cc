@@ -1,16 +1,36 @@
 #include "client_agent/tracking/camera_motion.h"
 
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <vector>
+
 #include "slam/geometry/lie.h"
+#include "slam/util/median.h"
 
 namespace corbslam::client_agent {
+namespace {
 
-Rigid3d MotionWithin(int64_t since_ns, const CameraMotion& before) {
-  constexpr double kJitter = 1.25;
-  if (before.since_ns == 0) return before.camera_from_previous;
-  const double times = static_cast<double>(since_ns) / static_cast<double>(before.since_ns);
-  const bool is_the_same = times < kJitter && times * kJitter > 1;
-  if (is_the_same || times <= 0) return before.camera_from_previous;
-  return ExpSE3(times * LogSE3(before.camera_from_previous));
+constexpr size_t kMostIntervals = 15;
+constexpr double kMostFrames = 1e6;
+
+}  // namespace
+
+void FrameRhythm::Add(int64_t since_ns) {
+  if (since_ns == 0) return;
+  newest_ns_.push_back(std::abs(since_ns));
+  if (newest_ns_.size() > kMostIntervals) newest_ns_.pop_front();
+}
+
+int FrameRhythm::FramesIn(int64_t since_ns) const {
+  if (newest_ns_.empty()) return 1;
+  const double interval_ns = MeanMedian({newest_ns_.begin(), newest_ns_.end()});
+  const double frames = std::round(static_cast<double>(std::abs(since_ns)) / interval_ns);
+  return static_cast<int>(std::clamp(frames, 1.0, kMostFrames));
+}
+
+Rigid3d GoOnFor(double times, const Rigid3d& camera_from_previous) {
+  return ExpSE3(times * LogSE3(camera_from_previous));
 }
 
 }  // namespace corbslam::client_agent

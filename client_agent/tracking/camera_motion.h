@@ -1,8 +1,9 @@
-// How a camera moved from one frame to another.
+// How a camera moved from one frame to another, and how many frames' time that took.
 #ifndef CORBSLAM_CLIENT_AGENT_TRACKING_CAMERA_MOTION_H_
 #define CORBSLAM_CLIENT_AGENT_TRACKING_CAMERA_MOTION_H_
 
 #include <cstdint>
+#include <deque>
 
 #include "slam/geometry/rigid3.h"
 
@@ -14,11 +15,25 @@ struct CameraMotion {
   int64_t since_ns = 0;
 };
 
-// Returns what the camera moves in `since_ns` if it goes on as it did, camera_from_previous: at the
-// same velocity along and about its own axes. Where frames were dropped that is another interval
-// than the one before; a difference of less than a quarter is taken for jitter of the stamps, which
-// says nothing of the motion. `before` as it is where either interval is none.
-Rigid3d MotionWithin(int64_t since_ns, const CameraMotion& before);
+// Tells frames that were dropped by how long after each other the others came: by the median of the
+// newest intervals, because stamps jitter, on some machines by nearly half an interval. Not
+// thread-safe.
+class FrameRhythm {
+ public:
+  // Takes the time between a frame and the one before it.
+  void Add(int64_t since_ns);
+
+  // Returns how many frames the camera took in that time, those that never came among them: at
+  // least 1. A recording that is played backwards has negative times.
+  int FramesIn(int64_t since_ns) const;
+
+ private:
+  std::deque<int64_t> newest_ns_;
+};
+
+// Returns what the camera moves in so many times the time if it goes on as it did, at the same
+// velocity along and about its own axes.
+Rigid3d GoOnFor(double times, const Rigid3d& camera_from_previous);
 
 }  // namespace corbslam::client_agent
 

@@ -9,37 +9,48 @@ namespace {
 
 constexpr int64_t kInterval = 100'000'000;
 
-// A car in a bend: a metre ahead and four degrees to the side in an interval.
-CameraMotion InABend() {
-  return {ExpSE3((Vector6d() << 0, 0, -1, 0, 0.07, 0).finished()), kInterval};
+FrameRhythm TenASecond(std::initializer_list<int64_t> jitter_ms) {
+  FrameRhythm rhythm;
+  for (const int64_t ms : jitter_ms) rhythm.Add(kInterval + ms * 1'000'000);
+  return rhythm;
 }
 
-bool IsSame(const Rigid3d& a, const Rigid3d& b) { return LogSE3(a * b.Inverse()).norm() < 1e-12; }
-
-TEST(CameraMotionTest, GoesOnForAsLongAsFramesWereDropped) {
-  const Rigid3d once = InABend().camera_from_previous;
-  EXPECT_TRUE(IsSame(MotionWithin(2 * kInterval, InABend()), once * once));
-  EXPECT_TRUE(IsSame(MotionWithin(4 * kInterval, InABend()), once * once * once * once));
-  const Rigid3d half = MotionWithin(kInterval / 2, InABend());
-  EXPECT_TRUE(IsSame(half * half, once)) << "the interval before was the long one";
+TEST(FrameRhythmTest, CountsTheFramesOfAGap) {
+  const FrameRhythm rhythm = TenASecond({0, 100, 0, 0, 200, 0, 0});
+  EXPECT_EQ(rhythm.FramesIn(kInterval), 1);
+  EXPECT_EQ(rhythm.FramesIn(2 * kInterval), 2);
+  EXPECT_EQ(rhythm.FramesIn(4 * kInterval), 4);
+  EXPECT_EQ(rhythm.FramesIn(-3 * kInterval), 3) << "a recording that is played backwards";
 }
 
-TEST(CameraMotionTest, JitterOfTheStampsIsNoMotion) {
-  const CameraMotion before = InABend();
-  for (const int64_t since : {kInterval, kInterval * 9 / 10, kInterval * 11 / 10}) {
-    EXPECT_TRUE(MotionWithin(since, before).translation == before.camera_from_previous.translation);
-  }
+TEST(FrameRhythmTest, JitterOfTheStampsIsNoGap) {
+  const FrameRhythm rhythm = TenASecond({-30, 40, -10, 0, 20, -40, 10});
+  for (const int64_t ms : {1, 60, 100, 140}) EXPECT_EQ(rhythm.FramesIn(ms * 1'000'000), 1) << ms;
 }
 
-TEST(CameraMotionTest, IsAsItWasWhereTimeSaysNothing) {
-  CameraMotion before = InABend();
-  const Rigid3d once = before.camera_from_previous;
-  EXPECT_TRUE(IsSame(MotionWithin(0, before), once));
-  EXPECT_TRUE(IsSame(MotionWithin(-kInterval, before), once));
-  EXPECT_TRUE(IsSame(MotionWithin(-2 * kInterval, {once, -kInterval}), once * once))
-      << "a recording that is played backwards";
-  before.since_ns = 0;
-  EXPECT_TRUE(IsSame(MotionWithin(kInterval, before), once));
+TEST(FrameRhythmTest, WithoutTimesEachFrameFollowsTheOneBefore) {
+  EXPECT_EQ(FrameRhythm().FramesIn(7 * kInterval), 1);
+  FrameRhythm stands_still;
+  stands_still.Add(0);
+  EXPECT_EQ(stands_still.FramesIn(kInterval), 1);
+  EXPECT_GE(TenASecond({0}).FramesIn(INT64_MAX), 1) << "a clock that was set";
+}
+
+TEST(FrameRhythmTest, FollowsACameraThatBecomesSlower) {
+  FrameRhythm rhythm = TenASecond({0, 0, 0, 0, 0, 0, 0});
+  EXPECT_EQ(rhythm.FramesIn(2 * kInterval), 2);
+  for (int i = 0; i < 8; ++i) rhythm.Add(2 * kInterval);
+  EXPECT_EQ(rhythm.FramesIn(2 * kInterval), 1);
+}
+
+TEST(GoOnForTest, IsTheMotionSoManyTimes) {
+  // A car in a bend: a metre ahead and four degrees to the side.
+  const Rigid3d once = ExpSE3((Vector6d() << 0, 0, -1, 0, 0.07, 0).finished());
+  const auto differ = [](const Rigid3d& a, const Rigid3d& b) {
+    return LogSE3(a * b.Inverse()).norm();
+  };
+  EXPECT_LT(differ(GoOnFor(3, once), once * once * once), 1e-12);
+  EXPECT_LT(differ(GoOnFor(0.5, once) * GoOnFor(0.5, once), once), 1e-12);
 }
 
 }  // namespace

@@ -41,6 +41,7 @@ Tracker::Tracker(const TrackerOptions& options, std::shared_ptr<const Camera> ca
 
 TrackingResult Tracker::Track(int64_t timestamp_ns, Features features) {
   Frame frame = MakeFrame(timestamp_ns, camera_, std::move(features));
+  if (last_payload_ != nullptr) rhythm_.Add(timestamp_ns - last_payload_->timestamp_ns);
   last_payload_ = frame.payload;
   if (state_ == TrackingState::kNotInitialised && !options_.localise_only) {
     const WhyNoPose why_not = Begin(frame);
@@ -175,13 +176,11 @@ std::optional<Tracker::Solution> Tracker::SolveInOneMap(const Frame& frame) {
       if (previous_.has_value()) Refresh(map, history, *previous_);
     });
     if (state_ != TrackingState::kTracking) {
-      solution = Solve({&Tracker::Relocalise}, frame);
+      solution = Solve({&Tracker::Relocalise}, 1, frame);
     } else {
       // If the previous frame has just become a keyframe, mapping may not have made its points yet.
       AddTemporaryPoints(*previous_);
-      solution = Solve({&Tracker::FollowMotion, &Tracker::SearchAroundPrevious,
-                        &Tracker::MatchReferenceKeyframe, &Tracker::Relocalise},
-                       frame);
+      solution = SolveTracking(frame);
     }
     if (solution.has_value()) solution->corrections = corrections;
     if (parts_.map->corrections() == corrections) break;
@@ -189,20 +188,31 @@ std::optional<Tracker::Solution> Tracker::SolveInOneMap(const Frame& frame) {
   return solution;
 }
 
+// After a gap, what looks alike may agree on a pose wherever it is sought; whether there was one,
+// or the stamps jitter, shows where more points agree.
+std::optional<Tracker::Solution> Tracker::SolveTracking(const Frame& frame) const {
+  std::vector<FirstPose> ways = {&Tracker::FollowMotion, &Tracker::SearchAroundPrevious,
+                                 &Tracker::MatchReferenceKeyframe, &Tracker::Relocalise};
+  const bool has_gap = velocity_.has_value() && TimesOfMotion(frame) != 1;
+  if (has_gap) ways.insert(ways.begin(), &Tracker::FollowMotionInTime);
+  return Solve(ways, has_gap ? 2 : 1, frame);
+}
+
 // Tries the ways in turn until one leads to a pose beyond doubt; else the best supported.
-std::optional<Tracker::Solution> Tracker::Solve(const std::vector<FirstPose>& ways,
+std::optional<Tracker::Solution> Tracker::Solve(const std::vector<FirstPose>& ways, size_t rivals,
                                                 const Frame& frame) const {
   std::optional<Solution> best;
-  for (const FirstPose way : ways) {
+  bool is_sure = false;
+  for (size_t i = 0; i < ways.size() && (i < rivals || !is_sure); ++i) {
+    const FirstPose way = ways[i];
     Solution solution;
     solution.frame = frame;
     if (best.has_value()) solution.frame.words = best->frame.words;
     if (!(this->*way)(solution.frame) || !TrackLocalMap(solution)) continue;
     if (!IsBelievable(solution)) continue;
     // Without a known motion far points alone may agree on a wrong position.
-    const bool is_sure = velocity_.has_value() && !IsDoubtful(solution);
+    is_sure |= velocity_.has_value() && !IsDoubtful(solution);
     if (!best.has_value() || Support(solution) > Support(*best)) best = std::move(solution);
-    if (is_sure) break;
   }
   return best;
 }
@@ -247,9 +257,19 @@ bool Tracker::IsBelievable(const Solution& solution) const {
 
 bool Tracker::FollowMotion(Frame& frame) const {
   if (!velocity_.has_value()) return false;
-  const int64_t since_ns = frame.payload->timestamp_ns - previous_->payload->timestamp_ns;
-  return TrackPreviousFrame(MotionWithin(since_ns, *velocity_) * previous_->camera_from_map,
+  return TrackPreviousFrame(velocity_->camera_from_previous * previous_->camera_from_map,
                             options_.previous_frame_radius_px, frame);
+}
+
+double Tracker::TimesOfMotion(const Frame& frame) const {
+  const int now = rhythm_.FramesIn(frame.payload->timestamp_ns - previous_->payload->timestamp_ns);
+  return static_cast<double>(now) / rhythm_.FramesIn(velocity_->since_ns);
+}
+
+bool Tracker::FollowMotionInTime(Frame& frame) const {
+  const Rigid3d motion = GoOnFor(TimesOfMotion(frame), velocity_->camera_from_previous);
+  return TrackPreviousFrame(motion * previous_->camera_from_map, options_.previous_frame_radius_px,
+                            frame);
 }
 
 bool Tracker::SearchAroundPrevious(Frame& frame) const {

@@ -131,8 +131,15 @@ class Tracker {
   // Only with stereo; and a robot that only localises has nothing but others' map.
   void HoldAgainstOthers(const Frame& frame);
   std::optional<Solution> SolveInOneMap(const Frame& frame);
-  std::optional<Solution> Solve(const std::vector<FirstPose>& ways, const Frame& frame) const;
+  // Of the first ways so many are rivals: all of them are tried.
+  std::optional<Solution> Solve(const std::vector<FirstPose>& ways, size_t rivals,
+                                const Frame& frame) const;
+  std::optional<Solution> SolveTracking(const Frame& frame) const;
+  // How many frames' time has passed since the previous frame, over the same between that and the
+  // one before: not 1 after or before a gap in which frames were dropped.
+  double TimesOfMotion(const Frame& frame) const;
   bool FollowMotion(Frame& frame) const;
+  bool FollowMotionInTime(Frame& frame) const;
   bool SearchAroundPrevious(Frame& frame) const;
   bool MatchReferenceKeyframe(Frame& frame) const;
   bool Relocalise(Frame& frame) const;
@@ -169,6 +176,7 @@ class Tracker {
   std::shared_ptr<const KeyframePayload> last_payload_;
   // Of the frame before; none after a start or relocalisation.
   std::optional<CameraMotion> velocity_;
+  FrameRhythm rhythm_;
   LocalMapView local_map_;
   InlierCount inliers_;
   int points_in_view_ = 0;
