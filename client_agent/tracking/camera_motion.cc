@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "slam/geometry/lie.h"
-#include "slam/util/median.h"
 
 namespace corbslam::client_agent {
 namespace {
@@ -24,8 +23,11 @@ void FrameRhythm::Add(int64_t since_ns) {
 
 int FrameRhythm::FramesIn(int64_t since_ns) const {
   if (newest_ns_.empty()) return 1;
-  const double interval_ns = MeanMedian({newest_ns_.begin(), newest_ns_.end()});
-  const double frames = std::round(static_cast<double>(std::abs(since_ns)) / interval_ns);
+  std::vector<int64_t> intervals(newest_ns_.begin(), newest_ns_.end());
+  const auto lower = intervals.begin() + static_cast<ptrdiff_t>((intervals.size() - 1) / 4);
+  std::ranges::nth_element(intervals, lower);
+  const double frames =
+      std::round(static_cast<double>(std::abs(since_ns)) / static_cast<double>(*lower));
   return static_cast<int>(std::clamp(frames, 1.0, kMostFrames));
 }
 

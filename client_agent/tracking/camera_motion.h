@@ -15,8 +15,8 @@ struct CameraMotion {
   int64_t since_ns = 0;
 };
 
-// Tells frames that were dropped by how long after each other the others came: by the median of the
-// newest intervals, because stamps jitter, on some machines by nearly half an interval. Not
+// Tells frames that were dropped by how long after each other the others came: by the lower
+// quartile of the newest intervals, because gaps make them longer, and stamps jitter. Not
 // thread-safe.
 class FrameRhythm {
  public:

@@ -198,7 +198,8 @@ std::optional<Tracker::Solution> Tracker::SolveTracking(const Frame& frame) cons
   return Solve(ways, has_gap ? 2 : 1, frame);
 }
 
-// Tries the ways in turn until one leads to a pose beyond doubt; else the best supported.
+// Tries the ways in turn until one leads to a pose beyond doubt; else the best supported. Of
+// rivals, who may see another part of the map, the one with the larger share of what it should see.
 std::optional<Tracker::Solution> Tracker::Solve(const std::vector<FirstPose>& ways, size_t rivals,
                                                 const Frame& frame) const {
   std::optional<Solution> best;
@@ -212,7 +213,10 @@ std::optional<Tracker::Solution> Tracker::Solve(const std::vector<FirstPose>& wa
     if (!IsBelievable(solution)) continue;
     // Without a known motion far points alone may agree on a wrong position.
     is_sure |= velocity_.has_value() && !IsDoubtful(solution);
-    if (!best.has_value() || Support(solution) > Support(*best)) best = std::move(solution);
+    const bool is_better =
+        !best.has_value() || (i < rivals ? ShareInView(solution) > ShareInView(*best)
+                                         : Support(solution) > Support(*best));
+    if (is_better) best = std::move(solution);
   }
   return best;
 }
@@ -224,6 +228,10 @@ int Tracker::Support(const Solution& solution) {
 
 bool Tracker::IsDoubtful(const Solution& solution) const {
   return Support(solution) < options_.doubtful_share * static_cast<double>(solution.visible.size());
+}
+
+double Tracker::ShareInView(const Solution& solution) {
+  return Support(solution) / std::max<double>(1, static_cast<double>(solution.visible.size()));
 }
 
 bool Tracker::IsInOthers(const Solution& solution) const {

@@ -149,6 +149,7 @@ class Tracker {
   // only temporary points.
   static int Support(const Solution& solution);
   bool IsDoubtful(const Solution& solution) const;
+  static double ShareInView(const Solution& solution);
   // Returns false for a solution that is worse than no pose at all.
   bool IsBelievable(const Solution& solution) const;
   // Returns false for one in others' map that a look-up of the same picture would refuse.
