@@ -4,11 +4,13 @@
   docs/results.py           writes docs/results.md
   docs/results.py --check   fails, with the first line that differs, where the page is another one
 
-page.json holds the page's beginning, its sections and what was not measured. Every other file is a
-table: title, what it means, command, commit, date, machine, columns, rows, and, where there is one,
-the lab page with the way there. A column is a title, with rows of cells in the same order; or
+page.json holds the page's beginning, the numbers that stand first (a sentence with {} for each of its
+cells of a table: [row, title of the column]), the sections and what was not measured. Every other
+file is a table: title, what it means, command, commit, date, machine, columns, rows, and, where there
+is one, the lab page with the way there. A column is a title, with rows of cells in the same order; or
 {"title", "key", "digits", "scale"}, with rows as a program writes them as JSON, of which the key is
-taken ("quiet.p99_ms": p99_ms inside quiet), times the scale. README's `tests/run.sh` runs the check (docs.results).
+taken ("quiet.p99_ms": p99_ms inside quiet), times the scale. README's `tests/run.sh` runs the check
+(docs.results).
 """
 
 import datetime
@@ -103,6 +105,26 @@ def render(table, name, docs):
     return lines + ["", source + f" ([{name}](results/{name})).", ""]
 
 
+def first_numbers(page, folder):
+    lines = ["## First", ""]
+    for number_of in page["numbers"]:
+        name = number_of["table"]
+        table = read(folder, name)
+        titles = [c["title"] if isinstance(c, dict) else c for c in table["columns"]]
+        rows = list(cells(table, name))
+        values = []
+        for row, title in number_of["cells"]:
+            require(title in titles and row < len(rows), "page.json",
+                    f"numbers: {name} has no row {row} with '{title}'")
+            values.append(f"**{rows[row][titles.index(title)]}**")
+        said = number_of["says"]
+        require(said.count("{}") == len(values), "page.json",
+                f"numbers: '{said}' has not as many places as cells")
+        anchor = re.sub(r"[^\w\- ]", "", table["title"].lower()).replace(" ", "-")
+        lines.append(f"* {said.format(*values)} ([{table['title']}](#{anchor}))")
+    return lines + [""]
+
+
 def make_page(docs):
     """The text of results.md."""
     folder = docs / "results"
@@ -115,6 +137,7 @@ def make_page(docs):
              "<!-- Made by docs/results.py of docs/results; change those, not this. -->", ""]
     for paragraph in page["beginning"]:
         lines += [paragraph, ""]
+    lines += first_numbers(page, folder)
     for section in page["sections"]:
         lines += [f"## {section['title']}", ""]
         for name in section["tables"]:

@@ -53,6 +53,11 @@ class ResultsTest(unittest.TestCase):
         page.write_text(page.read_text(encoding="utf-8") + "And more.\n", encoding="utf-8")
         self.assert_fails(check(self.docs), "And more.")
 
+    def test_a_number_that_stands_first_is_a_cell(self):
+        def rename(page):
+            page["numbers"][0]["cells"][0][1] = "fused ATE, cm"
+        self.assert_fails(self.change("page.json", rename), "splits_fused.json", "fused ATE, cm")
+
     def test_a_row_of_a_program_has_what_a_column_names(self):
         result = self.change("fusion_by_size.json", lambda table: table["rows"][0].pop("merge_ms"))
         self.assert_fails(result, "fusion_by_size.json", "merge_ms")
