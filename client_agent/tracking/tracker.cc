@@ -176,11 +176,15 @@ std::optional<Tracker::Solution> Tracker::SolveInOneMap(const Frame& frame) {
       if (previous_.has_value()) Refresh(map, history, *previous_);
     });
     if (state_ != TrackingState::kTracking) {
-      solution = Solve({&Tracker::Relocalise}, 1, frame);
+      solution = Solve({&Tracker::Relocalise}, frame);
     } else {
       // If the previous frame has just become a keyframe, mapping may not have made its points yet.
       AddTemporaryPoints(*previous_);
-      solution = SolveTracking(frame);
+      const bool has_gap = velocity_.has_value() && TimesOfMotion(frame) != 1;
+      solution = has_gap ? SolveAfterGap(frame)
+                         : Solve({&Tracker::FollowMotion, &Tracker::SearchAroundPrevious,
+                                  &Tracker::MatchReferenceKeyframe, &Tracker::Relocalise},
+                                 frame);
     }
     if (solution.has_value()) solution->corrections = corrections;
     if (parts_.map->corrections() == corrections) break;
@@ -188,37 +192,57 @@ std::optional<Tracker::Solution> Tracker::SolveInOneMap(const Frame& frame) {
   return solution;
 }
 
-// After a gap, what looks alike may agree on a pose wherever it is sought; whether there was one,
-// or the stamps jitter, shows where more points agree.
-std::optional<Tracker::Solution> Tracker::SolveTracking(const Frame& frame) const {
-  std::vector<FirstPose> ways = {&Tracker::FollowMotion, &Tracker::SearchAroundPrevious,
-                                 &Tracker::MatchReferenceKeyframe, &Tracker::Relocalise};
-  const bool has_gap = velocity_.has_value() && TimesOfMotion(frame) != 1;
-  if (has_gap) ways.insert(ways.begin(), &Tracker::FollowMotionInTime);
-  return Solve(ways, has_gap ? 2 : 1, frame);
-}
-
-// Tries the ways in turn until one leads to a pose beyond doubt; else the best supported. Of
-// rivals, who may see another part of the map, the one with the larger share of what it should see.
-std::optional<Tracker::Solution> Tracker::Solve(const std::vector<FirstPose>& ways, size_t rivals,
+// Tries the ways in turn until one leads to a pose beyond doubt; else the best supported.
+std::optional<Tracker::Solution> Tracker::Solve(const std::vector<FirstPose>& ways,
                                                 const Frame& frame) const {
   std::optional<Solution> best;
-  bool is_sure = false;
-  for (size_t i = 0; i < ways.size() && (i < rivals || !is_sure); ++i) {
-    const FirstPose way = ways[i];
+  for (const FirstPose way : ways) {
     Solution solution;
     solution.frame = frame;
     if (best.has_value()) solution.frame.words = best->frame.words;
     if (!(this->*way)(solution.frame) || !TrackLocalMap(solution)) continue;
     if (!IsBelievable(solution)) continue;
     // Without a known motion far points alone may agree on a wrong position.
-    is_sure |= velocity_.has_value() && !IsDoubtful(solution);
-    const bool is_better =
-        !best.has_value() || (i < rivals ? ShareInView(solution) > ShareInView(*best)
-                                         : Support(solution) > Support(*best));
-    if (is_better) best = std::move(solution);
+    const bool is_sure = velocity_.has_value() && !IsDoubtful(solution);
+    if (!best.has_value() || Support(solution) > Support(*best)) best = std::move(solution);
+    if (is_sure) break;
   }
   return best;
+}
+
+// Frames were dropped, or the stamps are not when pictures were taken: what looks alike may agree
+// on a pose wherever it is sought, so that both are tried.
+std::optional<Tracker::Solution> Tracker::SolveAfterGap(const Frame& frame) {
+  std::optional<Solution> in_time = Solve({&Tracker::FollowMotionInTime}, frame);
+  std::optional<Solution> as_before = Solve({&Tracker::FollowMotion}, frame);
+  std::optional<Solution> best =
+      IsRightInTime(in_time, as_before) ? std::move(in_time) : std::move(as_before);
+  if (best.has_value() && !IsDoubtful(*best)) return best;
+  std::optional<Solution> other = Solve(
+      {&Tracker::SearchAroundPrevious, &Tracker::MatchReferenceKeyframe, &Tracker::Relocalise},
+      frame);
+  const bool is_better =
+      other.has_value() && (!best.has_value() || Support(*other) > Support(*best));
+  return is_better ? std::move(other) : std::move(best);
+}
+
+// The pictures tell: at the right place more points agree, and a larger share of those in view.
+// Where they don't tell clearly, it is as it was lately.
+bool Tracker::IsRightInTime(const std::optional<Solution>& in_time,
+                            const std::optional<Solution>& as_before) {
+  constexpr double kClearly = 1.3;
+  constexpr int kMostTrust = 5;
+  const double now = in_time.has_value() ? Evidence(*in_time) : 0;
+  const double before = as_before.has_value() ? Evidence(*as_before) : 0;
+  if (now > kClearly * before) {
+    trust_in_stamps_ = std::min(trust_in_stamps_ + 1, kMostTrust);
+    return true;
+  }
+  if (before > kClearly * now) {
+    trust_in_stamps_ = std::max(trust_in_stamps_ - 1, -kMostTrust);
+    return false;
+  }
+  return trust_in_stamps_ >= 0;
 }
 
 int Tracker::Support(const Solution& solution) {
@@ -230,8 +254,9 @@ bool Tracker::IsDoubtful(const Solution& solution) const {
   return Support(solution) < options_.doubtful_share * static_cast<double>(solution.visible.size());
 }
 
-double Tracker::ShareInView(const Solution& solution) {
-  return Support(solution) / std::max<double>(1, static_cast<double>(solution.visible.size()));
+double Tracker::Evidence(const Solution& solution) {
+  const double points = Support(solution);
+  return points * points / std::max<double>(1, static_cast<double>(solution.visible.size()));
 }
 
 bool Tracker::IsInOthers(const Solution& solution) const {

@@ -131,10 +131,10 @@ class Tracker {
   // Only with stereo; and a robot that only localises has nothing but others' map.
   void HoldAgainstOthers(const Frame& frame);
   std::optional<Solution> SolveInOneMap(const Frame& frame);
-  // Of the first ways so many are rivals: all of them are tried.
-  std::optional<Solution> Solve(const std::vector<FirstPose>& ways, size_t rivals,
-                                const Frame& frame) const;
-  std::optional<Solution> SolveTracking(const Frame& frame) const;
+  std::optional<Solution> Solve(const std::vector<FirstPose>& ways, const Frame& frame) const;
+  std::optional<Solution> SolveAfterGap(const Frame& frame);
+  bool IsRightInTime(const std::optional<Solution>& in_time,
+                     const std::optional<Solution>& as_before);
   // How many frames' time has passed since the previous frame, over the same between that and the
   // one before: not 1 after or before a gap in which frames were dropped.
   double TimesOfMotion(const Frame& frame) const;
@@ -149,7 +149,8 @@ class Tracker {
   // only temporary points.
   static int Support(const Solution& solution);
   bool IsDoubtful(const Solution& solution) const;
-  static double ShareInView(const Solution& solution);
+  // Points that agree, times their share of those in view.
+  static double Evidence(const Solution& solution);
   // Returns false for a solution that is worse than no pose at all.
   bool IsBelievable(const Solution& solution) const;
   // Returns false for one in others' map that a look-up of the same picture would refuse.
@@ -178,6 +179,9 @@ class Tracker {
   // Of the frame before; none after a start or relocalisation.
   std::optional<CameraMotion> velocity_;
   FrameRhythm rhythm_;
+  // Grows with each gap after which the camera was where the time that passed takes it, and falls
+  // with each after which it was as far on as after one frame.
+  int trust_in_stamps_ = 0;
   LocalMapView local_map_;
   InlierCount inliers_;
   int points_in_view_ = 0;
