@@ -106,7 +106,7 @@ def render(table, name, docs):
 
 
 def first_numbers(page, folder):
-    lines = ["## First", ""]
+    lines = ["## In short", ""]
     for number_of in page["numbers"]:
         name = number_of["table"]
         table = read(folder, name)

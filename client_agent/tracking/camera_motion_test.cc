@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdint>
+#include <initializer_list>
+
 #include "slam/geometry/lie.h"
 
 namespace corbslam::client_agent {

@@ -176,15 +176,11 @@ std::optional<Tracker::Solution> Tracker::SolveInOneMap(const Frame& frame) {
       if (previous_.has_value()) Refresh(map, history, *previous_);
     });
     if (state_ != TrackingState::kTracking) {
-      solution = Solve({&Tracker::Relocalise}, frame);
+      solution = Solve({&Tracker::Relocalise}, frame, std::nullopt);
     } else {
       // If the previous frame has just become a keyframe, mapping may not have made its points yet.
       AddTemporaryPoints(*previous_);
-      const bool has_gap = velocity_.has_value() && TimesOfMotion(frame) != 1;
-      solution = has_gap ? SolveAfterGap(frame)
-                         : Solve({&Tracker::FollowMotion, &Tracker::SearchAroundPrevious,
-                                  &Tracker::MatchReferenceKeyframe, &Tracker::Relocalise},
-                                 frame);
+      solution = SolveTracking(frame);
     }
     if (solution.has_value()) solution->corrections = corrections;
     if (parts_.map->corrections() == corrections) break;
@@ -192,57 +188,55 @@ std::optional<Tracker::Solution> Tracker::SolveInOneMap(const Frame& frame) {
   return solution;
 }
 
-// Tries the ways in turn until one leads to a pose beyond doubt; else the best supported.
+std::optional<Tracker::Solution> Tracker::SolveTracking(const Frame& frame) {
+  const bool has_gap = velocity_.has_value() && TimesOfMotion(frame) != 1;
+  std::optional<Solution> best = Solve({&Tracker::FollowMotion}, frame, std::nullopt);
+  // Frames were dropped, or the stamps are not when pictures were taken: what looks alike may agree
+  // on a pose wherever it is sought, so that both are tried.
+  if (has_gap) {
+    best = Choose(Solve({&Tracker::FollowMotionInTime}, frame, std::nullopt), std::move(best));
+  }
+  if (best.has_value() && IsSure(*best)) return best;
+  return Solve(
+      {&Tracker::SearchAroundPrevious, &Tracker::MatchReferenceKeyframe, &Tracker::Relocalise},
+      frame, std::move(best));
+}
+
+// Tries the ways in turn until one leads to a pose beyond doubt; else the best supported, which may
+// be the one that there was before.
 std::optional<Tracker::Solution> Tracker::Solve(const std::vector<FirstPose>& ways,
-                                                const Frame& frame) const {
-  std::optional<Solution> best;
+                                                const Frame& frame,
+                                                std::optional<Solution> best) const {
   for (const FirstPose way : ways) {
     Solution solution;
     solution.frame = frame;
     if (best.has_value()) solution.frame.words = best->frame.words;
     if (!(this->*way)(solution.frame) || !TrackLocalMap(solution)) continue;
     if (!IsBelievable(solution)) continue;
-    // Without a known motion far points alone may agree on a wrong position.
-    const bool is_sure = velocity_.has_value() && !IsDoubtful(solution);
+    const bool is_sure = IsSure(solution);
     if (!best.has_value() || Support(solution) > Support(*best)) best = std::move(solution);
     if (is_sure) break;
   }
   return best;
 }
 
-// Frames were dropped, or the stamps are not when pictures were taken: what looks alike may agree
-// on a pose wherever it is sought, so that both are tried.
-std::optional<Tracker::Solution> Tracker::SolveAfterGap(const Frame& frame) {
-  std::optional<Solution> in_time = Solve({&Tracker::FollowMotionInTime}, frame);
-  std::optional<Solution> as_before = Solve({&Tracker::FollowMotion}, frame);
-  std::optional<Solution> best =
-      IsRightInTime(in_time, as_before) ? std::move(in_time) : std::move(as_before);
-  if (best.has_value() && !IsDoubtful(*best)) return best;
-  std::optional<Solution> other = Solve(
-      {&Tracker::SearchAroundPrevious, &Tracker::MatchReferenceKeyframe, &Tracker::Relocalise},
-      frame);
-  const bool is_better =
-      other.has_value() && (!best.has_value() || Support(*other) > Support(*best));
-  return is_better ? std::move(other) : std::move(best);
-}
-
 // The pictures tell: at the right place more points agree, and a larger share of those in view.
 // Where they don't tell clearly, it is as it was lately.
-bool Tracker::IsRightInTime(const std::optional<Solution>& in_time,
-                            const std::optional<Solution>& as_before) {
+std::optional<Tracker::Solution> Tracker::Choose(std::optional<Solution> in_time,
+                                                 std::optional<Solution> as_before) {
   constexpr double kClearly = 1.3;
   constexpr int kMostTrust = 5;
   const double now = in_time.has_value() ? Evidence(*in_time) : 0;
   const double before = as_before.has_value() ? Evidence(*as_before) : 0;
   if (now > kClearly * before) {
     trust_in_stamps_ = std::min(trust_in_stamps_ + 1, kMostTrust);
-    return true;
+    return in_time;
   }
   if (before > kClearly * now) {
     trust_in_stamps_ = std::max(trust_in_stamps_ - 1, -kMostTrust);
-    return false;
+    return as_before;
   }
-  return trust_in_stamps_ >= 0;
+  return trust_in_stamps_ >= 0 ? in_time : as_before;
 }
 
 int Tracker::Support(const Solution& solution) {
@@ -252,6 +246,11 @@ int Tracker::Support(const Solution& solution) {
 
 bool Tracker::IsDoubtful(const Solution& solution) const {
   return Support(solution) < options_.doubtful_share * static_cast<double>(solution.visible.size());
+}
+
+// Without a known motion far points alone may agree on a wrong position.
+bool Tracker::IsSure(const Solution& solution) const {
+  return velocity_.has_value() && !IsDoubtful(solution);
 }
 
 double Tracker::Evidence(const Solution& solution) {

@@ -131,10 +131,12 @@ class Tracker {
   // Only with stereo; and a robot that only localises has nothing but others' map.
   void HoldAgainstOthers(const Frame& frame);
   std::optional<Solution> SolveInOneMap(const Frame& frame);
-  std::optional<Solution> Solve(const std::vector<FirstPose>& ways, const Frame& frame) const;
-  std::optional<Solution> SolveAfterGap(const Frame& frame);
-  bool IsRightInTime(const std::optional<Solution>& in_time,
-                     const std::optional<Solution>& as_before);
+  std::optional<Solution> SolveTracking(const Frame& frame);
+  std::optional<Solution> Solve(const std::vector<FirstPose>& ways, const Frame& frame,
+                                std::optional<Solution> best) const;
+  // Chooses between two ways to go on after a gap, and learns which the pictures agree with.
+  std::optional<Solution> Choose(std::optional<Solution> in_time,
+                                 std::optional<Solution> as_before);
   // How many frames' time has passed since the previous frame, over the same between that and the
   // one before: not 1 after or before a gap in which frames were dropped.
   double TimesOfMotion(const Frame& frame) const;
@@ -149,6 +151,7 @@ class Tracker {
   // only temporary points.
   static int Support(const Solution& solution);
   bool IsDoubtful(const Solution& solution) const;
+  bool IsSure(const Solution& solution) const;
   // Points that agree, times their share of those in view.
   static double Evidence(const Solution& solution);
   // Returns false for a solution that is worse than no pose at all.

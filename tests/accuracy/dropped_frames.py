@@ -10,11 +10,12 @@ import argparse
 import json
 import pathlib
 import random
-import shutil
 import statistics
 import subprocess
 import sys
 import tempfile
+
+from kitti_folder import link_frames
 
 
 def parse_arguments():
@@ -45,12 +46,7 @@ def choose(count, share, seed):
 
 
 def leave_out(sequence, kept, folder):
-    for pictures in ("image_0", "image_1"):
-        (folder / pictures).mkdir(parents=True)
-        for place, frame in enumerate(kept):
-            (folder / pictures / f"{place:06d}.png").symlink_to(
-                sequence / pictures / f"{frame:06d}.png")
-    shutil.copy(sequence / "calib.txt", folder)
+    link_frames(sequence, kept, folder)
     for name in ("times.txt", "poses.txt"):
         lines = (sequence / name).read_text().splitlines()
         (folder / name).write_text("".join(f"{lines[i]}\n" for i in kept))

@@ -18,6 +18,7 @@ import sys
 import tempfile
 import time
 
+from kitti_folder import link_frames
 from localize import Store
 from sessions import ask
 
@@ -62,13 +63,7 @@ def repeat(lap, laps, folder):
     end = min(range(3 * len(poses) // 4, len(poses)), key=lambda i: distance(poses[i], poses[0]))
     rounds = folder / f"laps{laps}"
     shutil.rmtree(rounds, ignore_errors=True)
-    rounds.mkdir()
-    shutil.copy(lap / "calib.txt", rounds)
-    for name in ("image_0", "image_1"):
-        pictures = sorted((lap / name).iterdir())
-        (rounds / name).mkdir()
-        for i in range(laps * end):
-            (rounds / name / f"{i:06d}{pictures[0].suffix}").symlink_to(pictures[i % end].resolve())
+    link_frames(lap, [i % end for i in range(laps * end)], rounds)
     step = float(times[1]) - float(times[0])
     rounds.joinpath("times.txt").write_text(
         "".join(f"{i * step:e}\n" for i in range(laps * end)))
