@@ -85,6 +85,14 @@ std::optional<Matrix6d> FramePoseCovariance(const Frame& frame) {
   return InMapAxes(frame.camera_from_map, *covariance);
 }
 
+std::vector<MapPointId> SeenPoints(const Frame& frame) {
+  std::vector<MapPointId> seen;
+  for (const Association& association : frame.associations) {
+    if (association.kind == Association::Kind::kMapPoint) seen.push_back(association.id);
+  }
+  return seen;
+}
+
 std::vector<PoseObservation> ObservationsOf(const Frame& frame) {
   return NumberedObservationsOf(frame).observations;
 }

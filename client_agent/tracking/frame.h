@@ -75,6 +75,9 @@ InlierCount OptimiseFramePose(const Rigid3d& initial_camera_from_map, LocalMapId
 // nullopt where the associations don't determine it.
 std::optional<Matrix6d> FramePoseCovariance(const Frame& frame);
 
+// Returns the map points that the frame's keypoints see, in their order.
+std::vector<MapPointId> SeenPoints(const Frame& frame);
+
 // Returns what the frame's associations observe.
 std::vector<PoseObservation> ObservationsOf(const Frame& frame);
 

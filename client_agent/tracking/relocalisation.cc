@@ -34,14 +34,6 @@ std::vector<PoseObservation> Observe(const Frame& frame) {
   return observations;
 }
 
-std::vector<MapPointId> SeenPoints(const Frame& frame) {
-  std::vector<MapPointId> seen;
-  for (const Association& association : frame.associations) {
-    if (association.id.IsValid()) seen.push_back(association.id);
-  }
-  return seen;
-}
-
 // Searches around the frame's pose, beginning with what the candidate sees.
 bool SearchAround(const GuardedMap& guarded, KeyframeId candidate, Frame& frame) {
   for (const double widening : kWidenings) {
