@@ -92,7 +92,7 @@ absl::Status Read(const YAML::Node& file, const std::string& path, ConvertedRig&
     converted.notes.emplace_back("cameras after the first two are left out: a rig has two cameras");
   }
   Rig& rig = converted.rig;
-  for (const size_t index : {0, 1}) {
+  for (const size_t index : {0U, 1U}) {
     ASSIGN_OR_RETURN(rig.cameras.emplace_back(), ReadCamera(value, index, path));
   }
   ASSIGN_OR_RETURN(const Rigid3d imu_from_left, ReadImuFromCamera(value, 0, path));
