@@ -1,5 +1,7 @@
 #include "map_store/fusion/revision_layers.h"
 
+#include <cmath>
+
 #include "absl/container/flat_hash_set.h"
 #include "map_store/ingest/local_motion.h"
 #include "map_store/view/placement.h"
@@ -29,6 +31,27 @@ void EraseKeyframesOf(LocalMapId local_map, PlacedKeyframes& keyframes) {
   keyframes.erase(begin, end);
 }
 
+// Moving by less than this share of its distance is the rounding of sums, and no news to anybody.
+constexpr double kRounding = 1e-9;
+
+bool IsSamePlace(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+  return (a - b).norm() <= kRounding * (1 + a.norm());
+}
+
+bool IsSamePose(const Similarity3d& a, const Similarity3d& b) {
+  return std::abs(a.scale - b.scale) <= kRounding * a.scale &&
+         a.rotation.angularDistance(b.rotation) <= kRounding &&
+         IsSamePlace(a.translation, b.translation);
+}
+
+void PlaceKeyframe(const PlacedKeyframe& planned, PlacedKeyframe& placed) {
+  const bool stays = placed.revision > 0 &&
+                     IsSamePose(planned.camera_from_island, placed.camera_from_island);
+  const uint64_t moved_by = stays ? placed.moved_by : planned.revision;
+  placed = planned;
+  placed.moved_by = moved_by;
+}
+
 void PlaceKeyframes(const RevisionPlan& plan, const MissionState& state, RevisionLayers& layers) {
   for (const LocalMapId& id : LocalMapsOfSource(plan, state)) {
     for (const LocalMapId& name : state.FindLocalMap(id)->Names()) {
@@ -36,7 +59,7 @@ void PlaceKeyframes(const RevisionPlan& plan, const MissionState& state, Revisio
     }
   }
   for (const auto& [id, placed] : plan.keyframes) {
-    if (state.FindKeyframe(id) != nullptr) layers.keyframes[id] = placed;
+    if (state.FindKeyframe(id) != nullptr) PlaceKeyframe(placed, layers.keyframes[id]);
   }
   for (const KeyframeId& id : plan.culled) {
     if (state.FindKeyframe(id) != nullptr) layers.keyframes.erase(id);
@@ -51,9 +74,16 @@ std::optional<PlacedPoint> PlacePoint(MapPointId id, const PlannedPoint& planned
   if (point == nullptr) return std::nullopt;
   const auto anchor = layers.keyframes.find(planned.anchor);
   if (anchor != layers.keyframes.end()) {
-    return PlacedPoint{planned.anchor,
+    PlacedPoint placed{planned.anchor,
                        anchor->second.camera_from_island * planned.position_in_island,
                        planned.revision};
+    const auto before = state.global.points.find(id);
+    // What a revision leaves where it was is no news: it is told as of the one that put it there.
+    const bool stays = before != state.global.points.end() &&
+                       before->second.anchor == placed.anchor &&
+                       IsSamePlace(before->second.position_in_anchor, placed.position_in_anchor);
+    if (stays) placed.revision = before->second.revision;
+    return placed;
   }
   layers.chosen.push_back(id);
   return Anchor(*point, planned.position_in_island, planned.revision, state.global,

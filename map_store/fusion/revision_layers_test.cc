@@ -12,6 +12,7 @@
 #include "map_store/fusion/revision.h"
 #include "map_store/records/record_application.h"
 #include "map_store/testing/small_mission.h"
+#include "map_store/view/placement.h"
 
 namespace corbslam::map_store {
 namespace {
@@ -244,6 +245,45 @@ std::vector<std::pair<uint64_t, uint32_t>> Cases() {
 }
 INSTANTIATE_TEST_SUITE_P(Seeds, RefreshedLayersTest, ::testing::ValuesIn(Cases()),
                          [](const auto& info) { return std::to_string(info.param.first); });
+
+// Returns how many points fusion is said to have moved after `revision`.
+size_t CountMoved(const MissionState& state, uint64_t revision) {
+  size_t moved = 0;
+  for (const auto& [id, point] : state.global.points) {
+    const std::optional<PlacedAnchor> placed = FindPlaced(id, state.global);
+    moved += placed.has_value() && placed->revision() > revision;
+  }
+  return moved;
+}
+
+TEST(RevisionLayersTest, WhatStaysWhereItWasHasNotMoved) {
+  Owners owners(3, 300);
+  MissionState state = owners.state();
+  RevisionPlan plan = owners.PlanSomething();
+  plan.culled.clear();
+  const auto commit = [&] {
+    RevisionLayers layers = PrepareLayers(plan, {}, state);
+    CommitRevision(plan, layers, state);
+    return CountMoved(state, plan.revision - 1);
+  };
+  const size_t moved = commit();
+  ASSERT_GT(moved, 100u);
+  const auto plan_again = [&] {
+    ++plan.revision;
+    for (auto& [id, keyframe] : plan.keyframes) keyframe.revision = plan.revision;
+    for (auto& [id, point] : plan.points) point.revision = plan.revision;
+  };
+  plan_again();
+  EXPECT_EQ(commit(), 0u);
+  plan_again();
+  PlacedKeyframe& turned = plan.keyframes.begin()->second;
+  turned.camera_from_island.translation.x() += 1e-3;
+  const size_t of_one = commit();
+  EXPECT_GT(of_one, 0u);
+  EXPECT_LT(of_one, moved / 4);
+  // That it was looked at again is known all the same.
+  EXPECT_EQ(state.global.keyframes.at(plan.keyframes.rbegin()->first).revision, plan.revision);
+}
 
 TEST(RefreshedLayersTest, AreUselessWhereTheStateHasForgottenWhatChanged) {
   Owners owners(1, 300);

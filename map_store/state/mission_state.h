@@ -163,6 +163,8 @@ struct PlacedKeyframe {
   Similarity3d camera_from_island;
   Rigid3d camera_from_local;  // The local pose from which it was derived.
   uint64_t revision = 0;
+  // The last revision that put it elsewhere than it was; not stored.
+  uint64_t moved_by = 0;
 };
 
 using PlacedKeyframes = std::map<KeyframeId, PlacedKeyframe>;
@@ -173,7 +175,7 @@ using PlacedKeyframes = std::map<KeyframeId, PlacedKeyframe>;
 struct PlacedPoint {
   KeyframeId anchor;
   Eigen::Vector3d position_in_anchor = Eigen::Vector3d::Zero();
-  uint64_t revision = 0;  // The one that placed the point; its anchor may have moved since.
+  uint64_t revision = 0;  // The one that moved the point; its anchor may have moved since.
 };
 using PlacedPoints = absl::btree_map<MapPointId, PlacedPoint>;
 

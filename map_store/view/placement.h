@@ -56,7 +56,7 @@ struct PlacedAnchor {
     return keyframe->camera_from_island.Inverse() * point->position_in_anchor;
   }
   // The last revision that put the point where it is.
-  uint64_t revision() const { return std::max(point->revision, keyframe->revision); }
+  uint64_t revision() const { return std::max(point->revision, keyframe->moved_by); }
 };
 // Returns nullopt where the point is not placed, or its anchor is not any more.
 std::optional<PlacedAnchor> FindPlaced(MapPointId id, const GlobalLayer& global);
