@@ -24,7 +24,7 @@ class ArrivalBook {
   ArrivalBook() = default;
   // Begins for a state from which so many names were gone by then: deleted, or parts of others.
   explicit ArrivalBook(uint64_t gone) : gone_(gone) {}
-  // As it was when it was written. Of names that are in `names` alone nobody knows the agent.
+  // Restores a book that was written. Names that are in `names` alone have no known agent.
   ArrivalBook(uint64_t gone, std::map<uint64_t, LocalMapId> names,
               std::map<std::string, std::vector<LocalMapId>> of_agents)
       : gone_(gone),
