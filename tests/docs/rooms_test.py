@@ -11,6 +11,8 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 
 
 class RoomsTest(unittest.TestCase):
+    maxDiff = None  # All lines that are missing are shown.
+
     def setUp(self):
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
