@@ -5,7 +5,7 @@
 #include <array>
 #include <vector>
 
-#include "client_agent/source_checks/pair_sample.h"
+#include "client_agent/source_checks/pair_evidence.h"
 
 namespace corbslam::client_agent {
 
