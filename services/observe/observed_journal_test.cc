@@ -99,8 +99,8 @@ TEST(ObservedJournalTest, ObserversHearWhatHappenedAndHowItEnded) {
   EXPECT_EQ(journal->Sync("m", 1), failure);
   EXPECT_EQ(journal->CheckWritable(), failure);
   EXPECT_THAT(notes.notes, ElementsAre("append lab 0 OK", "sync OK", "check OK", "snapshot OK",
-                                       "append lab 0 RESOURCE_EXHAUSTED",
-                                       "sync RESOURCE_EXHAUSTED", "check RESOURCE_EXHAUSTED"));
+                                       "append lab 0 RESOURCE_EXHAUSTED", "sync RESOURCE_EXHAUSTED",
+                                       "check RESOURCE_EXHAUSTED"));
 }
 
 }  // namespace

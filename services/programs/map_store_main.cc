@@ -205,8 +205,8 @@ absl::Status Run(Flags flags) {
   ASSIGN_OR_RETURN(
       const auto metrics,
       observers.Serve(store, service, backups->MakeCollector(),
-                       {{"journal", flags.data_dir, flags.min_free_mb << 20},
-                        {"backups", flags.data_dir.empty() ? "" : flags.backup.directory}}));
+                      {{"journal", flags.data_dir, flags.min_free_mb << 20},
+                       {"backups", flags.data_dir.empty() ? "" : flags.backup.directory}}));
   security.server.rpc_observer = observers.OfCalls();
   ASSIGN_OR_RETURN(const std::unique_ptr<Server> server,
                    Server::Start(flags.listen, {&guarded}, security.server));

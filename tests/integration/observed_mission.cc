@@ -108,10 +108,10 @@ void ObservedMissionTest::Start(const std::string& name, const std::string& prog
 }
 
 void ObservedMissionTest::StartRobot(const std::string& name, const std::string& frames) {
-  Start(name, "client_agent",
-        {"--source", DemoSource(), "--frames", frames, "--server", store_address_, "--mission",
-         "lab", "--agent", name, "--listen", "127.0.0.1:0", 
-         "--record", FileOf(name + ".drive"), "--stay"});
+  Start(
+      name, "client_agent",
+      {"--source", DemoSource(), "--frames", frames, "--server", store_address_, "--mission", "lab",
+       "--agent", name, "--listen", "127.0.0.1:0", "--record", FileOf(name + ".drive"), "--stay"});
 }
 
 std::string ObservedMissionTest::AddressOf(const std::string& name) {
