@@ -10,9 +10,6 @@
 #ifdef CORBSLAM_HAS_GSTREAMER
 #include "client_agent/live/gstreamer/gst_source.h"
 #endif
-#ifdef CORBSLAM_HAS_OPENNI2
-#include "client_agent/live/openni2/openni_source.h"
-#endif
 
 namespace corbslam::client_agent {
 namespace {
@@ -38,9 +35,6 @@ constexpr KnownSource kSources[] = {
     {"aravis", "aravis:NAME, aravis:NAME,NAME, aravis:any",
      "live: GigE Vision and USB3 Vision cameras, by the names that arv-tool-0.8 lists",
      "libgstreamer-plugins-base1.0-dev when it is built, libaravis-0.8-0 when it runs"},
-    {"openni2", "openni2:any, openni2:URI, openni2:FILE.oni",
-     "live: RGB-D cameras of OpenNI 2, and their recordings",
-     "libopenni2-dev when it is built, libopenni2-0 when it runs"},
     {"push", "push:SOCKET",
      "live: what a driver program on this machine pushes (docs/push.md, corbslam/push.h)", ""},
     {"sim", "sim:WORLD", "a simulator in the camera's place", "the program simulated_agent"}};
@@ -60,9 +54,6 @@ void RegisterLiveSources() {
   RegisterPushSource();
 #ifdef CORBSLAM_HAS_GSTREAMER
   RegisterGstSources();
-#endif
-#ifdef CORBSLAM_HAS_OPENNI2
-  RegisterOpenNiSources();
 #endif
 }
 

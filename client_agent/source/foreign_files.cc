@@ -33,7 +33,7 @@ const std::vector<ForeignKind>& Kinds() {
        "robots need a stereo pair or depth, with a calibration: two films that run together are "
        "played by GStreamer as \"gst:filesrc location=LEFT ! decodebin || filesrc location=RIGHT ! "
        "decodebin\" with ?rig=FILE, or written out as a folder of pictures (kitti:)"},
-      {{"oni", "openni"}, "a recording of OpenNI", "play it as openni2:FILE.oni"},
+      {{"oni", "openni", "openni2"}, "a camera or recording of OpenNI", kPushOrExtract},
       {{"klg"}, "a recording of ElasticFusion's logger", kPushOrExtract},
       {{"rrd"}, "a recording of Rerun", kPushOrExtract},
       {{"zip", "tar", "tgz", "gz", "7z", "xz", "zst"},

@@ -30,7 +30,9 @@ TEST(ForeignFilesTest, OtherProgramsRecordingsAreCalledByTheirNames) {
   EXPECT_THAT(Refusal("mcap:rec.mcap"), HasSubstr("an MCAP recording"));
   EXPECT_THAT(Refusal("drive.mp4"), AllOf(HasSubstr("a film"), HasSubstr("gst:")));
   EXPECT_THAT(Refusal("svo:drive.svo2?frames=0:5"), HasSubstr("a recording of a ZED"));
-  EXPECT_THAT(Refusal("drive.oni"), HasSubstr("openni2:FILE.oni"));
+  for (const char* source : {"drive.oni", "openni2:any", "openni2:drive.oni"}) {
+    EXPECT_THAT(Refusal(source), AllOf(HasSubstr("of OpenNI"), HasSubstr("push:SOCKET"))) << source;
+  }
 }
 
 TEST(ForeignFilesTest, AlsoWhereALayoutIsGiven) {

@@ -6,7 +6,6 @@
 #include <opencv2/imgproc.hpp>
 #include <optional>
 
-#include "client_agent/source_checks/depth_evidence.h"
 #include "slam/util/median.h"
 
 namespace corbslam::client_agent {
@@ -23,6 +22,10 @@ constexpr double kLateStep_frames = 0.25;
 constexpr double kNow_frames = 0.75;
 constexpr size_t kMinEdges = 200;
 constexpr size_t kMaxEdges = 500;
+constexpr double kNoDepth = 65535;
+// A pixel nearer than its neighbour by this share is an outline, not a slope.
+constexpr float kEdgeStep = 1.1F;
+constexpr int kEdgeReach_px = 3;
 
 // How well one frame's outlines agree with its picture, by shift.
 struct FrameAgreement {
@@ -38,6 +41,48 @@ cv::Mat Halved(const cv::Mat& image, int interpolation) {
   cv::Mat half;
   cv::resize(image, half, {}, kScale, kScale, interpolation);
   return half;
+}
+
+// The depths beside (x, y) are both there and one is much nearer.
+bool IsStep(float here, float beyond) { return here > 0 && beyond > kEdgeStep * here; }
+
+// Finds pixels on the near side of a step in depth: the outlines of things, which a picture taken
+// by the same eye at the same time shows too.
+std::vector<cv::Point> FindDepthEdges(const cv::Mat& depth) {
+  cv::Mat metres;
+  depth.convertTo(metres, CV_32F);
+  if (depth.type() == CV_16UC1) metres.setTo(0, depth == kNoDepth);
+  std::vector<cv::Point> edges;
+  for (int y = kEdgeReach_px; y < depth.rows - kEdgeReach_px; ++y) {
+    const auto* row = metres.ptr<float>(y);
+    const auto* above = metres.ptr<float>(y - kEdgeReach_px);
+    const auto* below = metres.ptr<float>(y + kEdgeReach_px);
+    for (int x = kEdgeReach_px; x < depth.cols - kEdgeReach_px; ++x) {
+      const float here = row[x];
+      if (IsStep(here, row[x - kEdgeReach_px]) || IsStep(here, row[x + kEdgeReach_px]) ||
+          IsStep(here, above[x]) || IsStep(here, below[x])) {
+        edges.emplace_back(x, y);
+      }
+    }
+  }
+  return edges;
+}
+
+// Returns how strongly grey values change at each pixel, 0 to 255, against their surroundings:
+// CV_8UC1.
+cv::Mat MeasureGreyEdges(const cv::Mat& grey) {
+  cv::Mat smooth;
+  cv::GaussianBlur(grey, smooth, {5, 5}, 1.0);
+  cv::Mat across;
+  cv::Mat along;
+  cv::Sobel(smooth, across, CV_16S, 1, 0);
+  cv::Sobel(smooth, along, CV_16S, 0, 1);
+  cv::Mat edges;
+  cv::Mat other;
+  cv::convertScaleAbs(across, edges, 0.5);
+  cv::convertScaleAbs(along, other, 0.5);
+  cv::max(edges, other, edges);
+  return edges;
 }
 
 std::vector<cv::Point> Thinned(std::vector<cv::Point> points) {

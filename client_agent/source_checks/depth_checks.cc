@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <functional>
 #include <opencv2/core.hpp>
 #include <string>
@@ -10,7 +11,6 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "client_agent/source_checks/depth_alignment.h"
-#include "client_agent/source_checks/depth_evidence.h"
 #include "client_agent/source_checks/depth_parallax.h"
 #include "slam/util/median.h"
 
@@ -30,8 +30,20 @@ constexpr double kLeastParallaxGain = 0.1;
 constexpr size_t kFewestAligned = 5;
 // Two measurements of one offset differ by no more: they are in steps of two pixels.
 constexpr double kSameOffset_px = 4;
+constexpr int kStep_px = 3;
+constexpr double kSaturated = 65535;
 
 using Statistics = std::vector<DepthStatistics>;
+
+double ValueAt(const cv::Mat& depth, int x, int y) {
+  if (depth.type() == CV_16UC1) return depth.at<uint16_t>(y, x);
+  const auto metres = static_cast<double>(depth.at<float>(y, x));
+  return std::isfinite(metres) && metres > 0 ? metres : 0;
+}
+
+double Rank(const std::vector<double>& sorted, double share) {
+  return sorted[static_cast<size_t>(share * static_cast<double>(sorted.size() - 1))];
+}
 
 bool IsDepth(const cv::Mat& depth) { return depth.type() == CV_16UC1 || depth.type() == CV_32FC1; }
 
@@ -214,6 +226,35 @@ void CheckAlignment(const RgbdCalibration& calibration, const Sample& sample,
 }
 
 }  // namespace
+
+DepthStatistics MeasureDepth(const cv::Mat& depth, double units_per_m) {
+  DepthStatistics statistics;
+  const double units = depth.type() == CV_16UC1 ? units_per_m : 1;
+  std::vector<double> values;
+  size_t pixels = 0;
+  size_t saturated = 0;
+  for (int y = kStep_px / 2; y < depth.rows; y += kStep_px) {
+    for (int x = kStep_px / 2; x < depth.cols; x += kStep_px) {
+      const double value = ValueAt(depth, x, y);
+      ++pixels;
+      if (depth.type() == CV_16UC1 && value == kSaturated) {
+        ++saturated;
+      } else if (value > 0) {
+        values.push_back(value / units);
+      }
+    }
+  }
+  if (pixels == 0) return statistics;
+  statistics.saturated_share = static_cast<double>(saturated) / static_cast<double>(pixels);
+  statistics.valid_share = static_cast<double>(values.size()) / static_cast<double>(pixels);
+  if (values.empty()) return statistics;
+  std::sort(values.begin(), values.end());
+  statistics.near_m = Rank(values, 0.05);
+  statistics.median_m = Rank(values, 0.5);
+  statistics.far_m = Rank(values, 0.95);
+  statistics.is_constant = values.front() == values.back();
+  return statistics;
+}
 
 SourceFindings CheckDepth(const RgbdCalibration& calibration, const Sample& sample) {
   SourceFindings findings;

@@ -115,9 +115,9 @@ TEST(PictureChecksTest, TakeAnEmptySample) {
 }
 
 TEST(SourceChecksTest, TellNothingMoreThanAnErrorOfThePictures) {
-  EXPECT_THAT(CodesOf(CheckSample(LayeredStereo().calibration, StereoSample("same"))),
+  EXPECT_THAT(CodesOf(JudgeSample(LayeredStereo().calibration, StereoSample("same")).findings),
               ElementsAre("error pair-same-picture"));
-  EXPECT_THAT(CodesOf(CheckSample(LayeredStereo().calibration, StereoSample("exchanged"))),
+  EXPECT_THAT(CodesOf(JudgeSample(LayeredStereo().calibration, StereoSample("exchanged")).findings),
               ElementsAre("error pair-exchanged"));
 }
 

@@ -37,7 +37,7 @@ TEST_P(RecordedChecksTest, FindTheDamageAndNothingElse) {
   ASSERT_TRUE(source.ok()) << source.status();
   const auto sample = TakeSample(*source, GetParam().damage, GetParam().amount);
   ASSERT_TRUE(sample.ok()) << sample.status();
-  const SourceFindings findings = CheckSample(source->calibration, *sample);
+  const SourceFindings findings = JudgeSample(source->calibration, *sample).findings;
   if (*GetParam().code == '\0') {
     EXPECT_THAT(CodesOf(findings), IsEmpty()) << findings[0].text;
   } else {

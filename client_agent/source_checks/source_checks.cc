@@ -10,7 +10,6 @@
 #include "client_agent/source_checks/picture_checks.h"
 
 namespace corbslam::client_agent {
-
 namespace {
 
 StereoJudgement Judge(const SensorCalibration& calibration, const Sample& sample) {
@@ -31,6 +30,44 @@ StereoJudgement Judge(const SensorCalibration& calibration, const Sample& sample
   return judgement;
 }
 
+struct SampleRead {
+  Sample frames;
+  size_t asked_for = 0;
+  size_t unreadable = 0;
+  std::string why;  // Why the first could not be read.
+};
+
+SampleRead ReadFrames(const FrameReader& reader, const std::vector<size_t>& numbers) {
+  SampleRead sample;
+  sample.asked_for = numbers.size();
+  for (const size_t number : numbers) {
+    absl::StatusOr<SensorImages> images = reader.Read(number);
+    if (images.ok()) {
+      sample.frames.push_back({number, *std::move(images)});
+    } else if (sample.unreadable++ == 0) {
+      sample.why = std::string(images.status().message());
+    }
+  }
+  return sample;
+}
+
+void TellUnreadable(const SampleRead& sample, SourceFindings& findings) {
+  if (sample.unreadable == 0) return;
+  const std::string text =
+      absl::StrCat(sample.unreadable, " of ", sample.asked_for,
+                   " frames that were looked at can't be read, the first because of ", sample.why);
+  const bool all = sample.frames.empty();
+  findings.push_back({all ? FindingLevel::kError : FindingLevel::kWarning, "pictures-unreadable",
+                      all ? text : absl::StrCat(text, ": such frames are left out")});
+}
+
+SampleRead ReadChosen(const FrameReader& reader, const SourceSpec& spec,
+                      const SampleOptions& options) {
+  const FrameRange range = SelectRange(spec.selection, reader.frame_count());
+  return ReadFrames(reader, ChooseSampleFrames(reader.calibration(), range.begin,
+                                               std::max(range.begin, range.end), options));
+}
+
 }  // namespace
 
 StereoJudgement JudgeSample(const SensorCalibration& calibration, const Sample& sample) {
@@ -43,8 +80,30 @@ StereoJudgement JudgeSample(const SensorCalibration& calibration, const Sample& 
   }
 }
 
-SourceFindings CheckSample(const SensorCalibration& calibration, const Sample& sample) {
-  return JudgeSample(calibration, sample).findings;
+Inspection LookIntoSource(const FrameReader& reader, const SourceSpec& spec,
+                          const SampleOptions& options) {
+  Inspection inspection;
+  SourceFindings& findings = inspection.findings;
+  findings = reader.description().remarks.findings;
+  SampleRead read = ReadChosen(reader, spec, options);
+  TellUnreadable(read, findings);
+  inspection.sample = std::move(read.frames);
+  if (inspection.sample.empty() || spec.layout == SourceLayout::kRegistered) return inspection;
+  StereoJudgement seen = JudgeSample(reader.calibration(), inspection.sample);
+  if (spec.layout == SourceLayout::kSevenScenes) {
+    // 65535 is what this layout says where there is no depth.
+    std::erase_if(seen.findings,
+                  [](const SourceFinding& f) { return f.code == "depth-saturated"; });
+  }
+  std::move(seen.findings.begin(), seen.findings.end(), std::back_inserter(findings));
+  inspection.pairs = std::move(seen.pairs);
+  return inspection;
+}
+
+SourceFindings InspectSource(const FrameReader& reader, const SourceSpec& spec,
+                             const SampleOptions& options) {
+  if (spec.layout == SourceLayout::kRegistered) return reader.description().remarks.findings;
+  return LookIntoSource(reader, spec, options).findings;
 }
 
 }  // namespace corbslam::client_agent

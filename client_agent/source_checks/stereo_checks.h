@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "client_agent/source/source_finding.h"
-#include "client_agent/source_checks/pair_sample.h"
+#include "client_agent/source_checks/pair_evidence.h"
 #include "client_agent/source_checks/sample.h"
 
 namespace corbslam::client_agent {
@@ -25,9 +25,6 @@ StereoJudgement JudgeStereoPair(const StereoCalibration& calibration, const Samp
 // Returns whether a late camera would explain what was found, and more frames in a row are needed
 // to say whether it is one: rows or signs are wrong, and not by the same in all frames.
 bool MayBeLate(const StereoJudgement& judgement);
-
-// Returns the findings alone.
-SourceFindings CheckStereoPair(const StereoCalibration& calibration, const Sample& sample);
 
 }  // namespace corbslam::client_agent
 

@@ -16,8 +16,9 @@ using ::testing::IsEmpty;
 
 SourceFindings Check(const SampleSource& source, const std::string& damage = "",
                      double amount = 0) {
-  return CheckStereoPair(std::get<StereoCalibration>(source.calibration),
-                         TakeSample(source, damage, amount).value());
+  return JudgeStereoPair(std::get<StereoCalibration>(source.calibration),
+                         TakeSample(source, damage, amount).value())
+      .findings;
 }
 
 StereoCalibration& CalibrationOf(SampleSource& source) {
@@ -127,13 +128,13 @@ TEST(StereoChecksTest, PassOverPicturesOfAnotherSizeAndAnEmptySample) {
   SampleSource source = LayeredStereo();
   CalibrationOf(source).camera.width_px = 320;
   EXPECT_THAT(CodesOf(Check(source, "exchanged")), IsEmpty());
-  EXPECT_THAT(CheckStereoPair(CalibrationOf(source), {}), IsEmpty());
+  EXPECT_THAT(JudgeStereoPair(CalibrationOf(source), {}).findings, IsEmpty());
 }
 
 TEST(StereoChecksTest, TellAnImpossibleCalibration) {
   StereoCalibration calibration;
   calibration.raw = RawStereo();
-  EXPECT_THAT(CodesOf(CheckStereoPair(calibration, {})),
+  EXPECT_THAT(CodesOf(JudgeStereoPair(calibration, {}).findings),
               ElementsAre("error calibration-impossible"));
 }
 

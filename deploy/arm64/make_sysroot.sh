@@ -27,7 +27,7 @@ wanted() {
   if [ -n "$kernels" ]; then
     sed 's/#.*//' "$here/packages_kernels.txt"
   else
-    sed 's/#.*//' "$here/../packages.txt" | grep -E '^(lib.*|nlohmann-json3|prometheus-cpp)-dev$'
+    sed 's/#.*//' "$here/../packages.txt" | grep -E '^(lib.*|nlohmann-json3|prometheus-cpp|zlib1g)-dev$'
     sed 's/#.*//' "$here/packages_libraries.txt"
   fi
   sed 's/#.*//' "$here/packages_target.txt"

@@ -404,7 +404,6 @@ void SyncReactor::Share() {
     pacer_.NoteSent(0, absl::Now());
     return;
   }
-  for (SyncObserver* observer : observers_) observer->OnShared(who_, **update);
   SendShared(**update);
   // There may be more to share.
   absl::MutexLock lock(&mutex_);

@@ -20,7 +20,6 @@ class ObservedAgent : public ForwardingAgent {
       : ForwardingAgent(agent), observers_(std::move(observers)) {}
 
   absl::StatusOr<TrackingResult> Track(const SensorImages& images) override {
-    for (FrameObserver* observer : observers_) observer->OnFrame(images.timestamp_ns);
     const absl::Time start = absl::Now();
     ASSIGN_OR_RETURN(const TrackingResult result, ForwardingAgent::Track(images));
     for (FrameObserver* observer : observers_) observer->OnTracked(result, absl::Now() - start);

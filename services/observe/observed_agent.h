@@ -2,7 +2,6 @@
 #ifndef CORBSLAM_SERVICES_OBSERVE_OBSERVED_AGENT_H_
 #define CORBSLAM_SERVICES_OBSERVE_OBSERVED_AGENT_H_
 
-#include <cstdint>
 #include <memory>
 #include <vector>
 
@@ -15,8 +14,6 @@ namespace corbslam::services {
 class FrameObserver {
  public:
   virtual ~FrameObserver() = default;
-  // Called when a frame of this time is there, before it is tracked.
-  virtual void OnFrame(int64_t timestamp_ns) = 0;
   virtual void OnTracked(const client_agent::TrackingResult& result, absl::Duration took) = 0;
 };
 

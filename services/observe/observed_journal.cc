@@ -73,9 +73,7 @@ class ObservedJournal : public Journal {
     return journal_->ReadList(list);
   }
   absl::Status DeleteMission(absl::string_view mission) override {
-    RETURN_IF_ERROR(journal_->DeleteMission(mission));
-    for (JournalObserver* observer : observers_) observer->OnDeleted(mission);
-    return absl::OkStatus();
+    return journal_->DeleteMission(mission);
   }
   void TidyUp(absl::string_view mission) override { journal_->TidyUp(mission); }
   absl::Status PutAside(absl::string_view mission, absl::string_view summary) override {

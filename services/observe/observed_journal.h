@@ -1,5 +1,5 @@
 // Makes a journal that tells others what passes through it. Whatever changes a mission passes
-// through it, so that metrics and traces need no hooks in the map store itself.
+// through it, so that metrics need no hooks in the map store itself.
 #ifndef CORBSLAM_SERVICES_OBSERVE_OBSERVED_JOURNAL_H_
 #define CORBSLAM_SERVICES_OBSERVE_OBSERVED_JOURNAL_H_
 
@@ -24,7 +24,6 @@ class JournalObserver {
   virtual void OnSnapshot(absl::Duration took, const absl::Status& status) = 0;
   // Called each time that somebody asked whether the journal takes records.
   virtual void OnChecked(const absl::Status& writable) = 0;
-  virtual void OnDeleted(absl::string_view mission) = 0;
 };
 
 // Makes a journal that owns `journal`. `observers` (not owned) must outlive the result. They don't

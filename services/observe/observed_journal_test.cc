@@ -62,9 +62,6 @@ class Notes : public JournalObserver {
   void OnChecked(const absl::Status& writable) override {
     notes.push_back("check " + Code(writable));
   }
-  void OnDeleted(absl::string_view mission) override {
-    notes.push_back(absl::StrCat("deleted ", mission));
-  }
 
   std::vector<std::string> notes;
 
@@ -102,8 +99,8 @@ TEST(ObservedJournalTest, ObserversHearWhatHappenedAndHowItEnded) {
   EXPECT_EQ(journal->Sync("m", 1), failure);
   EXPECT_EQ(journal->CheckWritable(), failure);
   EXPECT_THAT(notes.notes, ElementsAre("append lab 0 OK", "sync OK", "check OK", "snapshot OK",
-                                       "deleted lab", "append lab 0 RESOURCE_EXHAUSTED",
-                                       "sync RESOURCE_EXHAUSTED", "check RESOURCE_EXHAUSTED"));
+                                       "append lab 0 RESOURCE_EXHAUSTED", "sync RESOURCE_EXHAUSTED",
+                                       "check RESOURCE_EXHAUSTED"));
 }
 
 }  // namespace

@@ -54,10 +54,7 @@ class ObservedUplink : public Uplink, private UplinkListener {
   void OnLocalisedKept(const LocalisedKept& kept) override {
     listener_.load()->OnLocalisedKept(kept);
   }
-  void OnShared(SharedUpdate update) override {
-    for (UplinkObserver* observer : observers_) observer->OnShared(update);
-    listener_.load()->OnShared(std::move(update));
-  }
+  void OnShared(SharedUpdate update) override { listener_.load()->OnShared(std::move(update)); }
   void OnExactPlacesWanted() override { listener_.load()->OnExactPlacesWanted(); }
   void OnSessionClosed(const absl::Status& reason) override {
     for (UplinkObserver* observer : observers_) observer->OnClosed(reason);

@@ -1,4 +1,4 @@
-// Makes an uplink that tells others what goes up and what comes down.
+// Makes an uplink that tells others of its sessions and batches.
 #ifndef CORBSLAM_SERVICES_OBSERVE_OBSERVED_UPLINK_H_
 #define CORBSLAM_SERVICES_OBSERVE_OBSERVED_UPLINK_H_
 
@@ -12,7 +12,7 @@
 namespace corbslam::services {
 
 // Hears of an uplink, on the threads of the agent and of the uplink, several at once; its functions
-// must return soon. What comes down is heard here before the agent hears it.
+// must return soon. Sessions and acknowledgements are heard here before the agent hears them.
 class UplinkObserver {
  public:
   virtual ~UplinkObserver() = default;
@@ -22,7 +22,6 @@ class UplinkObserver {
   // the batch is sent again after a break. The batch may be acknowledged before this call.
   virtual void OnSent(const MapUpdateBatch&, absl::Time) {}
   virtual void OnAcknowledged(const Acknowledgement&) {}
-  virtual void OnShared(const SharedUpdate&) {}
   virtual void OnClosed(const absl::Status&) {}
 };
 

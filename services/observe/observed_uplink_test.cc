@@ -59,9 +59,6 @@ class Observer : public UplinkObserver {
   void OnAcknowledged(const Acknowledgement& up_to) override {
     notes_.push_back(absl::StrCat("acknowledged ", up_to.number));
   }
-  void OnShared(const SharedUpdate& update) override {
-    notes_.push_back(absl::StrCat("shared ", update.revision));
-  }
   void OnClosed(const absl::Status&) override { notes_.push_back("closed"); }
 
  private:
@@ -88,8 +85,8 @@ TEST(ObservedUplinkTest, ObserversHearAllAndTheAgentToo) {
   inner.listener_->OnShared(update);
   inner.listener_->OnSessionClosed(absl::UnavailableError("gone"));
   EXPECT_THAT(notes, ElementsAre("opening", "opened", "acknowledged 3", "agent opened", "sent 4",
-                                 "acknowledged 4", "agent acknowledged 4", "shared 9",
-                                 "agent shared 9", "closed", "agent closed"));
+                                 "acknowledged 4", "agent acknowledged 4", "agent shared 9",
+                                 "closed", "agent closed"));
   EXPECT_EQ(uplink->bytes_up(), 11u);
   EXPECT_EQ(uplink->bytes_down(), 22u);
 }

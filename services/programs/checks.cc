@@ -62,7 +62,6 @@ std::vector<absl::Status> CheckObserving(const ObserveFlags& flags) {
   if (!flags.metrics_listen.empty()) {
     found.push_back(OfFlag("--metrics-listen", CheckMetricsAddress(flags.metrics_listen)));
   }
-  if (!flags.trace_file.empty()) found.push_back(CheckFolderOf(flags.trace_file));
   return found;
 }
 

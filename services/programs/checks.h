@@ -19,7 +19,7 @@ absl::Status CheckFlagServer(absl::string_view flag, const std::string& address)
 absl::Status CheckFolder(absl::string_view flag, const std::string& path);
 // Checks the folder of a file that is going to be written.
 absl::Status CheckFolderOf(const std::string& file);
-// Checks the places that metrics and traces go to.
+// Checks the address that metrics are served on.
 std::vector<absl::Status> CheckObserving(const ObserveFlags& flags);
 // Reads every byte of the file.
 absl::Status CheckVocabulary(const std::string& path);

@@ -90,7 +90,6 @@ absl::Status Run(Flags flags) {
   LOG(INFO) << "serves " << server->address() << " " << DescribeServing(flags.security)
             << "; works on " << flags.service.threads << " requests at once, holds "
             << flags.service.max_requests;
-  const auto minutes = observers.LogEachMinute(service);
   AnnounceAddress(server->address());
   SelfWatch watch(
       {.address = server->reachable(), .on_change = [&server](const absl::Status& status) {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
 #include "fusion_worker/local_fusion_worker.h"
 #include "map_store/map_store.h"
@@ -18,7 +19,6 @@
 #include "services/command_line/values.h"
 #include "services/convert/resource_names.h"
 #include "services/map_store_service/map_store_service.h"
-#include "services/observe/event_log/server_minutes.h"
 #include "services/programs/backup_flags.h"
 #include "services/programs/checks.h"
 #include "services/programs/default_vocabulary.h"
@@ -147,6 +147,12 @@ std::vector<absl::Status> Check(const Flags& flags) {
   return found;
 }
 
+// Returns bytes for people, such as "1.5 MiB" or "20.0 GiB".
+std::string FormatBytes(uint64_t bytes) {
+  const double mib = static_cast<double>(bytes) / (1 << 20);
+  return mib < 10000 ? absl::StrFormat("%.1f MiB", mib) : absl::StrFormat("%.1f GiB", mib / 1024);
+}
+
 std::string DescribeStart(const Flags& flags, const std::string& address, size_t missions) {
   return absl::StrCat(
       "serves ", address, " ", DescribeServing(flags.security), "; ", missions,
@@ -170,15 +176,14 @@ absl::Status Run(Flags flags) {
   RETURN_IF_ERROR(CheckBackupFlags(flags.backup, flags.data_dir));
   for (const absl::Status& worker : CheckWorkers(flags)) RETURN_IF_ERROR(worker);
   ASSIGN_OR_RETURN(ServerSecurity security, MakeServerSecurity(flags.security));
-  ASSIGN_OR_RETURN(const std::unique_ptr<StoreObservers> observers,
-                   StoreObservers::Make(flags.observe));
+  StoreObservers observers(flags.observe);
   ASSIGN_OR_RETURN(std::shared_ptr<const Vocabulary> vocabulary,
                    Vocabulary::Load(flags.vocabulary));
   ASSIGN_OR_RETURN(const std::unique_ptr<FusionWorker> worker, MakeWorker(flags));
   RocksJournal* rocks = nullptr;
   ASSIGN_OR_RETURN(std::unique_ptr<Journal> journal, OpenJournal(flags, &rocks));
-  MapStore store(flags.store, vocabulary, observers->Watch(std::move(journal)),
-                 observers->Watch(worker.get()));
+  MapStore store(flags.store, vocabulary, observers.Watch(std::move(journal)),
+                 observers.Watch(worker.get()));
   store.SetExpiryListener(
       [auditor = security.server.auditor](const std::string& mission, const std::string& why) {
         if (auditor != nullptr) auditor->OnOwnDoing("mission_expired", MissionName(mission), why);
@@ -192,21 +197,20 @@ absl::Status Run(Flags flags) {
                    StoreBackups::Make(flags.backup, &store, rocks));
   MapStoreServiceOptions service_options = flags.service;
   SetChecks(security.access, service_options);
-  service_options.observers = observers->OfStreams();
+  service_options.observers = observers.OfStreams();
   service_options.backups = backups->backups();
   MapStoreService service(&store, service_options);
   GuardedMapStore guarded(&service, security.access);
   const RevokedStreamsEnder revoked(&service, security.access);
   ASSIGN_OR_RETURN(
       const auto metrics,
-      observers->Serve(store, service, backups->MakeCollector(),
-                       {{"journal", flags.data_dir, flags.min_free_mb << 20},
-                        {"backups", flags.data_dir.empty() ? "" : flags.backup.directory}}));
-  security.server.rpc_observer = observers->OfCalls();
+      observers.Serve(store, service, backups->MakeCollector(),
+                      {{"journal", flags.data_dir, flags.min_free_mb << 20},
+                       {"backups", flags.data_dir.empty() ? "" : flags.backup.directory}}));
+  security.server.rpc_observer = observers.OfCalls();
   ASSIGN_OR_RETURN(const std::unique_ptr<Server> server,
                    Server::Start(flags.listen, {&guarded}, security.server));
   LOG(INFO) << DescribeStart(flags, server->address(), store.ListLoads().size());
-  const auto minutes = observers->LogEachMinute(store, flags.data_dir);
   AnnounceAddress(server->address());
   SelfWatch watch(
       {.address = server->reachable(),
@@ -299,7 +303,6 @@ void AddFlags(CLI::App& app, Flags& flags) {
   AddServerFlags(app, flags.security);
   AddClientFlags(app, flags.security);
   AddMetricsFlag(app, flags.observe);
-  AddTraceFlag(app, flags.observe);
 }
 
 }  // namespace

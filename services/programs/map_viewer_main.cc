@@ -183,7 +183,6 @@ absl::Status Run(Flags flags) {
             << server->address() << " the maps of " << flags.store << " ("
             << DescribeCalling(flags.security) << "), "
             << (access == nullptr ? "to everybody" : "to who has a token");
-  const auto minutes = LogViewerEachMinute(channel, viewer, *server);
   AnnounceAddress(server->address());
   SelfWatch watch({.address = server->address()});
   WaitForStopSignal();

@@ -10,13 +10,10 @@ namespace corbslam::services {
 // An empty flag turns its part off, which then costs nothing.
 struct ObserveFlags {
   std::string metrics_listen;
-  std::string trace_file;
 };
 
 // Adds --metrics-listen (docs/metrics.md).
 void AddMetricsFlag(CLI::App& app, ObserveFlags& flags);
-// Adds --trace-file (docs/tracing.md).
-void AddTraceFlag(CLI::App& app, ObserveFlags& flags);
 
 }  // namespace corbslam::services
 

@@ -185,7 +185,6 @@ void AddRobotFlags(CLI::App& app, RobotFlags& flags) {
   AddServerFlags(app, flags.security);
   AddClientFlags(app, flags.security);
   AddMetricsFlag(app, flags.observe);
-  AddTraceFlag(app, flags.observe);
   app.add_flag("--listen-insecure", flags.listen_insecure,
                "Without TLS on --listen only, for a loopback address");
 }

@@ -2,7 +2,6 @@
 
 #include <vector>
 
-#include "absl/strings/str_cat.h"
 #include "services/observe/metrics/process_collector.h"
 #include "services/observe/metrics/robot_collector.h"
 #include "services/observe/metrics/security_collector.h"
@@ -13,17 +12,9 @@ namespace corbslam::services {
 
 using client_agent::Agent;
 
-absl::StatusOr<std::unique_ptr<RobotObservers>> RobotObservers::Make(const ObserveFlags& flags,
-                                                                     const std::string& mission,
-                                                                     const std::string& agent) {
-  std::unique_ptr<RobotObservers> observers(new RobotObservers(flags, mission, agent));
-  if (!flags.metrics_listen.empty()) observers->metrics_ = std::make_unique<Metrics>();
-  if (!flags.trace_file.empty()) {
-    const std::string process = absl::StrCat("client_agent ", mission, "/", agent);
-    ASSIGN_OR_RETURN(observers->trace_file_, TraceFile::Open(flags.trace_file, process));
-    observers->trace_ = std::make_unique<RobotTrace>(observers->trace_file_.get(), mission, agent);
-  }
-  return observers;
+RobotObservers::RobotObservers(const ObserveFlags& flags, std::string mission, std::string agent)
+    : flags_(flags), mission_(std::move(mission)), name_(std::move(agent)) {
+  if (!flags.metrics_listen.empty()) metrics_ = std::make_unique<Metrics>();
 }
 
 void RobotObservers::LogSessions(const ServerTarget& store, bool localise_only) {
@@ -39,40 +30,22 @@ std::function<absl::Status()> RobotObservers::OfSessions() const {
   return [this] { return sessions_->status(); };
 }
 
-void RobotObservers::WatchActivity(std::shared_ptr<const client_agent::ActivityWatch> activity,
-                                   bool localise_only) {
-  activity_ = std::move(activity);
-  localise_only_ = localise_only;
-}
-
 Uplink* RobotObservers::Watch(Uplink* uplink) {
   std::vector<UplinkObserver*> observers;
   if (sessions_ != nullptr) observers.push_back(sessions_.get());
   if (metrics_ != nullptr) observers.push_back(&metrics_->robot);
-  if (trace_ != nullptr) observers.push_back(trace_.get());
   if (observers.empty() || uplink == nullptr) return uplink;
   uplink_ = MakeObservedUplink(uplink, std::move(observers));
   return uplink_.get();
 }
 
 Agent* RobotObservers::Watch(Agent* agent) {
-  std::vector<FrameObserver*> observers = {&tally_};
-  if (metrics_ != nullptr) observers.push_back(&metrics_->robot);
-  if (trace_ != nullptr) observers.push_back(trace_.get());
-  agent_ = MakeObservedAgent(agent, std::move(observers));
+  if (metrics_ == nullptr) return agent;
+  agent_ = MakeObservedAgent(agent, {&metrics_->robot});
   return agent_.get();
 }
 
 RpcObserver* RobotObservers::OfCalls() { return metrics_ != nullptr ? &metrics_->rpc : nullptr; }
-
-std::unique_ptr<RobotMinutes> RobotObservers::LogEachMinute(const Agent* agent) {
-  RobotMinutesOptions options;
-  options.who = {.mission = sessions_ != nullptr ? mission_ : "", .agent = name_};
-  options.session = OfSessions();
-  options.activity = activity_;
-  options.localise_only = localise_only_;
-  return std::make_unique<RobotMinutes>(agent, &tally_, options);
-}
 
 void RobotObservers::LogEvents(std::shared_ptr<client_agent::AgentEvents> events) {
   events_ = std::make_unique<RobotEventLog>(std::move(events),
@@ -80,7 +53,6 @@ void RobotObservers::LogEvents(std::shared_ptr<client_agent::AgentEvents> events
 }
 
 void RobotObservers::SetDropped(uint64_t frames) {
-  tally_.SetDropped(frames);
   if (metrics_ != nullptr) metrics_->robot.SetDropped(frames);
 }
 

@@ -1,4 +1,4 @@
-// Makes what watches a robot at work: its log and, if the flags say so, metrics and a trace.
+// Makes what watches a robot at work: its log and, if the flags say so, metrics.
 #ifndef CORBSLAM_SERVICES_PROGRAMS_ROBOT_OBSERVERS_H_
 #define CORBSLAM_SERVICES_PROGRAMS_ROBOT_OBSERVERS_H_
 
@@ -14,13 +14,11 @@
 #include "client_agent/agent/agent.h"
 #include "services/client/reachability/cause.h"
 #include "services/observe/event_log/robot_events.h"
-#include "services/observe/event_log/robot_minutes.h"
 #include "services/observe/event_log/uplink_log.h"
 #include "services/observe/metrics/disk_collector.h"
 #include "services/observe/metrics/metrics_endpoint.h"
 #include "services/observe/metrics/robot_metrics.h"
 #include "services/observe/metrics/rpc_metrics.h"
-#include "services/observe/tracing/robot_trace.h"
 #include "services/programs/observe_flags.h"
 
 namespace corbslam::services {
@@ -29,10 +27,7 @@ namespace corbslam::services {
 // that it was given.
 class RobotObservers {
  public:
-  // Returns UNAVAILABLE if the trace file can't be written.
-  static absl::StatusOr<std::unique_ptr<RobotObservers>> Make(const ObserveFlags& flags,
-                                                              const std::string& mission,
-                                                              const std::string& agent);
+  RobotObservers(const ObserveFlags& flags, std::string mission, std::string agent);
 
   // Makes the sessions with this store be logged. The caller does so before the uplink is watched.
   void LogSessions(const ServerTarget& store, bool localise_only);
@@ -40,18 +35,16 @@ class RobotObservers {
   // LogSessions.
   std::function<absl::Status()> OfSessions() const;
 
-  // Makes log and metrics say what the robot is doing.
-  void WatchActivity(std::shared_ptr<const client_agent::ActivityWatch> activity,
-                     bool localise_only);
+  // Makes metrics say what the robot is doing.
+  void WatchActivity(std::shared_ptr<const client_agent::ActivityWatch> activity) {
+    activity_ = std::move(activity);
+  }
 
   // Each returns what it is given (null too), or a watched form of it, which the observers own.
   Uplink* Watch(Uplink* uplink);
   client_agent::Agent* Watch(client_agent::Agent* agent);
   // Returns the observer for ServerOptions.
   RpcObserver* OfCalls();
-  // Begins the log's line a minute. The result must be destroyed before `agent`, which the
-  // observers watch.
-  std::unique_ptr<RobotMinutes> LogEachMinute(const client_agent::Agent* agent);
   // Logs what fusion does to the robot, which its link notes here.
   void LogEvents(std::shared_ptr<client_agent::AgentEvents> events);
   void SetDropped(uint64_t frames);
@@ -68,18 +61,11 @@ class RobotObservers {
     RobotMetrics robot{*registry};
   };
 
-  RobotObservers(const ObserveFlags& flags, std::string mission, std::string agent)
-      : flags_(flags), mission_(std::move(mission)), name_(std::move(agent)) {}
-
   const ObserveFlags flags_;
   const std::string mission_;
   const std::string name_;
-  FrameTally tally_;
   std::shared_ptr<const client_agent::ActivityWatch> activity_;
-  bool localise_only_ = false;
   std::unique_ptr<Metrics> metrics_;
-  std::unique_ptr<TraceFile> trace_file_;
-  std::unique_ptr<RobotTrace> trace_;
   std::unique_ptr<UplinkLog> sessions_;
   std::unique_ptr<RobotEventLog> events_;
   std::unique_ptr<Uplink> uplink_;

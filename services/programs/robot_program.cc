@@ -254,9 +254,8 @@ absl::StatusOr<RobotFlags> Surround(const RobotFlags& given, const RobotSource& 
   // By now it is known how large the pictures are.
   RETURN_IF_ERROR(CheckSettable(flags));
   around.uplink = MakeUplink(flags, around.channel, *around.settings);
-  ASSIGN_OR_RETURN(around.observers,
-                   RobotObservers::Make(flags.observe, flags.mission, flags.agent));
-  around.observers->WatchActivity(around.activity, flags.localise_only);
+  around.observers = std::make_unique<RobotObservers>(flags.observe, flags.mission, flags.agent);
+  around.observers->WatchActivity(around.activity);
   if (around.uplink != nullptr) {
     around.observers->LogSessions({flags.server, kMapStoreService, flags.security},
                                   flags.localise_only);
@@ -338,7 +337,6 @@ absl::Status Drive(const RobotFlags& flags, const Surroundings& around, const Ro
   Agent* const watched = observers.Watch(agent.get());
   const auto recording =
       recorder != nullptr ? recorder->Watch(watched, options.orders.get()) : nullptr;
-  const auto minutes = observers.LogEachMinute(agent.get());
   AgentService service(agent.get(), uplink,
                        ServiceOptions(flags, around, recorded, options, ClockOf(*source.stream)));
   ASSIGN_OR_RETURN(const auto metrics, observers.Serve(agent.get(), uplink,

@@ -5,11 +5,9 @@
 #include <utility>
 #include <vector>
 
-#include "services/observe/event_log/server_minutes.h"
 #include "services/observe/metrics/families.h"
 #include "services/observe/metrics/process_collector.h"
 #include "services/observe/metrics/security_collector.h"
-#include "services/server/process_usage.h"
 #include "services/server/server.h"
 #include "slam/util/status_macros.h"
 
@@ -49,20 +47,6 @@ absl::StatusOr<std::unique_ptr<MetricsEndpoint>> ServeViewerMetrics(const Observ
                                            std::make_shared<ViewerCollector>(viewer, server)}));
   AnnounceMetrics(endpoint->address());
   return endpoint;
-}
-
-std::unique_ptr<MinuteLog> LogViewerEachMinute(std::shared_ptr<grpc::Channel> store,
-                                               const Viewer& viewer, const WebServer& server) {
-  return std::make_unique<MinuteLog>([store = std::move(store), &viewer, &server](absl::Duration) {
-    ViewerMinute minute;
-    // A channel that nobody uses is idle, which is no trouble.
-    minute.store_answers =
-        store->GetState(/*try_to_connect=*/false) != GRPC_CHANNEL_TRANSIENT_FAILURE;
-    minute.pages = static_cast<size_t>(server.streams());
-    minute.missions = viewer.missions();
-    minute.rss_bytes = GetRssBytes();
-    return FormatMinute(minute);
-  });
 }
 
 }  // namespace corbslam::services

@@ -1,13 +1,10 @@
-// Makes what watches a map viewer at work: its log and, if the flags say so, metrics.
+// Makes what watches a map viewer at work: metrics, if the flags say so.
 #ifndef CORBSLAM_SERVICES_PROGRAMS_VIEWER_OBSERVERS_H_
 #define CORBSLAM_SERVICES_PROGRAMS_VIEWER_OBSERVERS_H_
-
-#include <grpcpp/channel.h>
 
 #include <memory>
 
 #include "absl/status/statusor.h"
-#include "services/observe/event_log/minute_log.h"
 #include "services/observe/metrics/metrics_endpoint.h"
 #include "services/programs/observe_flags.h"
 #include "services/viewer/viewer.h"
@@ -20,10 +17,6 @@ namespace corbslam::services {
 absl::StatusOr<std::unique_ptr<MetricsEndpoint>> ServeViewerMetrics(const ObserveFlags& flags,
                                                                     const Viewer& viewer,
                                                                     const WebServer& server);
-
-// Begins the log's line a minute. `viewer` and `server` are not owned and must outlive the result.
-std::unique_ptr<MinuteLog> LogViewerEachMinute(std::shared_ptr<grpc::Channel> store,
-                                               const Viewer& viewer, const WebServer& server);
 
 }  // namespace corbslam::services
 

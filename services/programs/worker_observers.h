@@ -1,4 +1,4 @@
-// Makes what watches a fusion worker at work: its log and, if the flags say so, metrics.
+// Makes what watches a fusion worker at work: metrics, if the flags say so.
 #ifndef CORBSLAM_SERVICES_PROGRAMS_WORKER_OBSERVERS_H_
 #define CORBSLAM_SERVICES_PROGRAMS_WORKER_OBSERVERS_H_
 
@@ -8,8 +8,6 @@
 
 #include "absl/status/statusor.h"
 #include "services/fusion_worker_service/fusion_worker_service.h"
-#include "services/observe/event_log/call_tally.h"
-#include "services/observe/event_log/minute_log.h"
 #include "services/observe/metrics/metrics_endpoint.h"
 #include "services/observe/metrics/rpc_metrics.h"
 #include "services/programs/observe_flags.h"
@@ -26,9 +24,7 @@ class WorkerObservers {
   // Returns what it is given, or a watched form of it.
   FusionWorker* Watch(FusionWorker* worker);
   // Returns the observer for ServerOptions.
-  RpcObserver* OfCalls() { return tally_.get(); }
-  // Begins the log's line a minute. The result must be destroyed before the service.
-  std::unique_ptr<MinuteLog> LogEachMinute(const FusionWorkerService& service);
+  RpcObserver* OfCalls() { return metrics_ != nullptr ? &metrics_->rpc : nullptr; }
   // Serves the metrics, and announces the address; null if none are wanted. The result must be
   // destroyed before the service.
   absl::StatusOr<std::unique_ptr<MetricsEndpoint>> Serve(const FusionWorkerService& service);
@@ -42,7 +38,6 @@ class WorkerObservers {
 
   const ObserveFlags flags_;
   std::unique_ptr<Metrics> metrics_;
-  std::unique_ptr<CallTally> tally_;
 };
 
 }  // namespace corbslam::services

@@ -1,7 +1,7 @@
 // How likely each bit of a descriptor is, given those before it. The binary tests compare pixels of
 // one smoothed patch, so that many say nearly the same: a logistic regression of each bit on all
-// bits before it, learned from pictures (learn_bit_weights.cc), leaves about half of the 256 bits
-// (docs/adr/0018-coded-features.md). Whole numbers throughout: all machines agree.
+// bits before it, learned from pictures (tests/bench/learn_bit_weights.cc), leaves about half of
+// the 256 bits (docs/adr/0018-coded-features.md). Whole numbers throughout: all machines agree.
 #ifndef CORBSLAM_SLAM_CODING_DESCRIPTOR_MODEL_H_
 #define CORBSLAM_SLAM_CODING_DESCRIPTOR_MODEL_H_
 

@@ -90,8 +90,9 @@ void TransformDescriptors(benchmark::State& state) {
 
 // Makes bags as real pictures have them. The shipped vocabulary's words follow Zipf and
 // Mandelbrot's law, p(rank) ~ (rank + shift)^-exponent: over the 977 pictures of KITTI, TUM and the
-// training set (word_profile) a picture has 1,813 of 93,730 words and shares 143 with another one,
-// which is what this law gives. Evenly drawn words would share 35.
+// training set a picture has 1,813 of 93,730 words and shares 143 with another one, which is what
+// this law gives (docs/lab/2026-11-22-keyframe-database-by-size.md). Evenly drawn words would share
+// 35.
 class BagMaker {
  public:
   static constexpr uint32_t kVocabulary = 93730;

@@ -10,7 +10,6 @@
 #include "slam/solvers/pnp_ransac.h"
 #include "slam/solvers/similarity_ransac.h"
 #include "slam/solvers/triangulation.h"
-#include "slam/solvers/two_view.h"
 
 namespace corbslam {
 namespace {
@@ -163,69 +162,6 @@ TEST(TriangulatePointTest, NothingForParallelOrPartingRays) {
   EXPECT_FALSE(TriangulatePoint(camera, {}, {300, 200}, camera, right, {300, 200}).has_value());
   EXPECT_FALSE(TriangulatePoint(camera, {}, {300, 200}, camera, right, {330, 200}).has_value());
   EXPECT_TRUE(TriangulatePoint(camera, {}, {330, 200}, camera, right, {300, 200}).has_value());
-}
-
-std::vector<PixelMatch> PixelMatches(const std::vector<Eigen::Vector3d>& points) {
-  const Camera camera = testing::SyntheticCamera();
-  std::vector<PixelMatch> matches;
-  for (const Eigen::Vector3d& x : points) {
-    matches.push_back({Project(camera, x), Project(camera, kSecond * x)});
-  }
-  return matches;
-}
-
-TEST(EstimateTwoViewTest, FindsDirectionAndPointsUpToScale) {
-  auto matches = PixelMatches(RandomPoints(200));
-  for (size_t i = 0; i < 40; ++i) matches[i].pixel_in_b.y() += 30;
-  const auto found = EstimateTwoView(testing::SyntheticCamera(), matches, {});
-  ASSERT_TRUE(found.ok()) << found.status();
-  EXPECT_LT(found->b_from_a.rotation.angularDistance(kSecond.rotation), 2e-3);
-  EXPECT_GT(found->b_from_a.translation.dot(kSecond.translation.normalized()), 0.999);
-  EXPECT_GE(found->triangulated, 155);
-  EXPECT_FALSE(found->from_homography);
-}
-
-// A plane allows two motions. Here one of them puts half of the points behind a camera (sideways),
-// or both are the same (towards the plane).
-TEST(EstimateTwoViewTest, FindsMotionsBeforeAPlane) {
-  const Camera camera = testing::SyntheticCamera();
-  auto points = RandomPoints(300);
-  for (Eigen::Vector3d& x : points) x *= 5 / x.z();
-  const Rigid3d sideways{ExpSO3({0.01, -0.03, 0.05}), {0.8, 0.1, 0}};
-  const Rigid3d towards{ExpSO3({0, 0, 0.05}), {0, 0, -1.5}};
-  for (const Rigid3d& motion : {sideways, towards}) {
-    std::vector<PixelMatch> matches;
-    for (const Eigen::Vector3d& x : points) {
-      matches.push_back({Project(camera, x), Project(camera, motion * x)});
-    }
-    for (size_t i = 0; i < 40; ++i) matches[i].pixel_in_b.y() += 30;
-    const auto found = EstimateTwoView(camera, matches, {});
-    ASSERT_TRUE(found.ok()) << found.status();
-    EXPECT_TRUE(found->from_homography);
-    EXPECT_LT(found->b_from_a.rotation.angularDistance(motion.rotation), 5e-3);
-    EXPECT_GT(found->b_from_a.translation.dot(motion.translation.normalized()), 0.999);
-    EXPECT_GE(found->triangulated, 250);
-  }
-}
-
-// A plane allows two motions; here most points lie in front of both cameras in both.
-TEST(EstimateTwoViewTest, RefusesAFlatSceneThatTwoMotionsExplain) {
-  auto points = RandomPoints(200);
-  for (Eigen::Vector3d& x : points) x *= 2 / (0.5 * x.z() + 1.2 * x.y());
-  const absl::Status status =
-      EstimateTwoView(testing::SyntheticCamera(), PixelMatches(points), {}).status();
-  EXPECT_EQ(status.code(), absl::StatusCode::kNotFound);
-  EXPECT_NE(status.message().find("two solutions alike"), absl::string_view::npos) << status;
-}
-
-TEST(EstimateTwoViewTest, RefusesUnclearGeometry) {
-  const Camera camera = testing::SyntheticCamera();
-  const auto matches = PixelMatches(RandomPoints(200));
-  EXPECT_EQ(EstimateTwoView(camera, {matches.data(), 5}, {}).status().code(),
-            absl::StatusCode::kInvalidArgument);
-  auto still = matches;
-  for (PixelMatch& match : still) match.pixel_in_b = match.pixel_in_a;
-  EXPECT_EQ(EstimateTwoView(camera, still, {}).status().code(), absl::StatusCode::kNotFound);
 }
 
 }  // namespace

@@ -116,7 +116,6 @@ const std::map<absl::string_view, Heights>& Ladders() {
            {"fusion_worker_service", 3},
            {"map_store_service/streams", 3},
            {"map_store_service", 4},
-           {"observe/tracing", 5},
            {"security", 5},
            {"client/reachability", 6},
            {"observe/event_log", 6},

@@ -1,5 +1,4 @@
-// Tests that what the running programs say of themselves is what happened: metrics, traces and
-// logs.
+// Tests that what the running programs say of themselves is what happened: metrics and logs.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -13,7 +12,6 @@
 #include "services/client/reflection/generic_client.h"
 #include "services/client/remote/channel.h"
 #include "services/http/testing/raw_http.h"
-#include "services/observe/tracing/testing/read_trace.h"
 #include "tests/integration/mission_fixture.h"
 #include "tests/integration/observed_mission.h"
 
@@ -25,7 +23,6 @@ using services::MakeChannel;
 namespace {
 
 using nlohmann::json;
-using ::testing::IsSupersetOf;
 
 constexpr char kStatistics[] = "corbslam.v1.MapStore/GetStatistics";
 constexpr char kSync[] = "corbslam.v1.MapStore/Sync";
@@ -189,63 +186,7 @@ TEST_F(MetricsTest, AreAllThereIsAndNoRequestEndsAProgram) {
   }
 }
 
-class TraceTest : public ObservedMissionTest {
- protected:
-  std::vector<json> Events(const std::string& name) {
-    const auto events = testing::ReadTrace(FileOf(name));
-    EXPECT_TRUE(events.ok()) << events.status();
-    return events.value_or(std::vector<json>());
-  }
-};
-
-// Robots' and store's files share nothing but the keyframes' ids, and join by them.
-TEST_F(TraceTest, JoinsToTheWholeWayOfAKeyframe) {
-  StopAll();
-  const auto alpha = testing::WaysOf(Events("alpha.trace"));
-  const auto bravo = testing::WaysOf(Events("bravo.trace"));
-  const std::vector<json> store_events = Events("store.trace");
-  const auto store = testing::WaysOf(store_events);
-  int whole = 0;
-  for (const auto& [trace, way] : alpha) {
-    if (!way.contains("captured")) continue;
-    EXPECT_THAT(way, IsSupersetOf({"sent", "acknowledged"})) << trace;
-    ASSERT_TRUE(store.contains(trace)) << "acknowledged and unknown to the store: " << trace;
-    const std::set<std::string>& stored = store.at(trace);
-    EXPECT_THAT(stored, IsSupersetOf({"received", "durable"})) << trace;
-    const bool placed = stored.contains("placed") && stored.contains("adjusted");
-    const bool arrived = bravo.contains(trace) && bravo.at(trace).contains("arrived");
-    if (arrived) {
-      EXPECT_TRUE(stored.contains("shared")) << trace;
-    }
-    whole += placed && arrived && way.contains("global_pose");
-  }
-  EXPECT_GE(whole, 1) << "no keyframe went the whole way";
-}
-
-TEST_F(TraceTest, TimesGoTheKeyframesWay) {
-  StopAll();
-  std::map<std::string, std::map<std::string, int64_t>> first;
-  for (const char* file : {"alpha.trace", "store.trace"}) {
-    for (const json& event : Events(file)) {
-      if (event["ph"] != "n") continue;
-      first[event["args"]["trace"]].emplace(event["name"], event["ts"]);
-    }
-  }
-  // One machine, one clock.
-  const std::vector<std::string> order = {"captured", "sent", "received", "durable",
-                                          "acknowledged"};
-  int checked = 0;
-  for (const auto& [trace, times] : first) {
-    if (!times.contains("captured")) continue;
-    for (size_t i = 1; i < order.size(); ++i) {
-      EXPECT_LE(times.at(order[i - 1]), times.at(order[i])) << order[i] << " of " << trace;
-    }
-    ++checked;
-  }
-  EXPECT_GT(checked, 1);
-}
-
-TEST_F(TraceTest, JsonLogsSayWhoseSessionItIs) {
+TEST_F(ObservedMissionTest, JsonLogsSayWhoseSessionItIs) {
   StopAll();
   std::set<std::string> opened;
   int objects = 0;

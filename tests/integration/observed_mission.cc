@@ -76,7 +76,7 @@ void ObservedMissionTest::SetUp() {
   Start("worker", "fusion_worker", {"--listen", "127.0.0.1:0"});
   Start("store", "map_store",
         {"--listen", "127.0.0.1:0", "--worker", AddressOf("worker"), "--data-dir",
-         FileOf("missions"), "--trace-file", FileOf("store.trace"), "--log-format", "json"});
+         FileOf("missions"), "--log-format", "json"});
   store_address_ = AddressOf("store");
   ASSERT_FALSE(store_address_.empty());
   StartRobot("alpha", "0:85");
@@ -108,10 +108,10 @@ void ObservedMissionTest::Start(const std::string& name, const std::string& prog
 }
 
 void ObservedMissionTest::StartRobot(const std::string& name, const std::string& frames) {
-  Start(name, "client_agent",
-        {"--source", DemoSource(), "--frames", frames, "--server", store_address_, "--mission",
-         "lab", "--agent", name, "--listen", "127.0.0.1:0", "--trace-file", FileOf(name + ".trace"),
-         "--record", FileOf(name + ".drive"), "--stay"});
+  Start(
+      name, "client_agent",
+      {"--source", DemoSource(), "--frames", frames, "--server", store_address_, "--mission", "lab",
+       "--agent", name, "--listen", "127.0.0.1:0", "--record", FileOf(name + ".drive"), "--stay"});
 }
 
 std::string ObservedMissionTest::AddressOf(const std::string& name) {

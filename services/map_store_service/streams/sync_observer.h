@@ -48,8 +48,6 @@ class SyncObserver {
   // since its last part was read.
   virtual void OnApplied(const SessionAgent&, const MapUpdateBatch&, absl::Duration,
                          const absl::Status&) {}
-  // The update will be sent next.
-  virtual void OnShared(const SessionAgent&, const SharedUpdate&) {}
   // A shared update of so many bytes has waited for so long for the budget of the agent's link.
   virtual void OnShareDelayed(const SessionAgent&, size_t, absl::Duration) {}
 };

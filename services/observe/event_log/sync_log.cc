@@ -6,7 +6,6 @@
 
 #include "absl/time/clock.h"
 #include "services/observe/logging/log_fields.h"
-#include "services/observe/tracing/keyframe_events.h"
 
 namespace corbslam::services {
 namespace {
@@ -15,12 +14,6 @@ constexpr size_t kMaxRefused = 1000;
 
 LogFields Fields(const SessionAgent& agent) {
   return {.mission = agent.mission, .agent = agent.agent};
-}
-
-// Returns the trace id of the batch's first keyframe, which stands for the batch; empty if it has
-// none.
-std::string TraceOf(const MapUpdateBatch& batch) {
-  return batch.full_keyframes.empty() ? "" : TraceId(batch.full_keyframes.front().payload->id);
 }
 
 }  // namespace
@@ -57,9 +50,7 @@ void SyncLog::OnClosed(const SessionAgent& agent, const absl::Status& status) {
 void SyncLog::OnApplied(const SessionAgent& agent, const MapUpdateBatch& batch, absl::Duration,
                         const absl::Status& status) {
   if (status.ok()) return;
-  LogFields fields = Fields(agent);
-  fields.trace = TraceOf(batch);
-  LOG(WARNING) << fields << "batch " << batch.number << " of local map "
+  LOG(WARNING) << Fields(agent) << "batch " << batch.number << " of local map "
                << ToString(batch.local_map) << " is refused: " << status;
 }
 

@@ -29,7 +29,7 @@ std::string LogLineToJson(google::LogSeverity severity, absl::string_view file, 
       {"severity", google::GetLogSeverityName(severity)},
       {"file", std::string(file)},
       {"line", line}};
-  for (const char* name : {"mission", "agent", "trace"}) {
+  for (const char* name : {"mission", "agent"}) {
     std::string value;
     if (TakeField(name, message, value)) object[name] = value;
   }

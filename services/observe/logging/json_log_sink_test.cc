@@ -30,12 +30,11 @@ TEST(LogLineToJsonTest, SaysWhenWhereAndWhat) {
 
 TEST(LogLineToJsonTest, FieldsBecomeMembers) {
   std::ostringstream text;
-  text << LogFields{.mission = "lab", .agent = "alpha", .trace = "00ff"} << "session opened";
-  EXPECT_EQ(text.str(), "mission=lab agent=alpha trace=00ff session opened");
+  text << LogFields{.mission = "lab", .agent = "alpha"} << "session opened";
+  EXPECT_EQ(text.str(), "mission=lab agent=alpha session opened");
   const json line = Parse(text.str());
   EXPECT_EQ(line["mission"], "lab");
   EXPECT_EQ(line["agent"], "alpha");
-  EXPECT_EQ(line["trace"], "00ff");
   EXPECT_EQ(line["message"], "session opened");
 }
 

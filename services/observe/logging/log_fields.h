@@ -13,13 +13,11 @@ namespace corbslam::services {
 struct LogFields {
   std::string mission = "";
   std::string agent = "";
-  std::string trace = "";  // TraceId of a keyframe.
 };
 
 inline std::ostream& operator<<(std::ostream& out, const LogFields& fields) {
   if (!fields.mission.empty()) out << "mission=" << fields.mission << ' ';
   if (!fields.agent.empty()) out << "agent=" << fields.agent << ' ';
-  if (!fields.trace.empty()) out << "trace=" << fields.trace << ' ';
   return out;
 }
 

@@ -23,7 +23,6 @@ class JournalMetrics : public JournalObserver {
   void OnSynced(absl::Duration took, const absl::Status& status) override;
   void OnSnapshot(absl::Duration took, const absl::Status& status) override;
   void OnChecked(const absl::Status& writable) override;
-  void OnDeleted(absl::string_view) override {}
 
  private:
   // Metrics of one kind of write.

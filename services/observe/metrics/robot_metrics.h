@@ -25,7 +25,6 @@ class RobotMetrics : public FrameObserver, public UplinkObserver {
   // `registry` is not owned and must outlive it.
   explicit RobotMetrics(prometheus::Registry& registry);
 
-  void OnFrame(int64_t) override {}
   void OnTracked(const client_agent::TrackingResult& result, absl::Duration took) override;
   // Sets how many frames came too fast so far.
   void SetDropped(uint64_t frames);

@@ -5,7 +5,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
-#include "client_agent/source_checks/inspection.h"
+#include "client_agent/source_checks/source_checks.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::services {

@@ -5,7 +5,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
-#include "client_agent/source_checks/picture_statistics.h"
+#include "client_agent/source_checks/picture_checks.h"
 
 namespace corbslam::services {
 

@@ -13,7 +13,7 @@
 #include "absl/strings/str_format.h"
 #include "client_agent/source/frame_reader.h"
 #include "client_agent/source/live_opening.h"
-#include "client_agent/source_checks/inspection.h"
+#include "client_agent/source_checks/source_checks.h"
 #include "services/command_line/secrets.h"
 #include "services/programs/checks.h"
 #include "slam/util/folders.h"

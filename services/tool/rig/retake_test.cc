@@ -9,9 +9,9 @@
 #include <utility>
 #include <variant>
 
-#include "client_agent/source_checks/pair_regions.h"
 #include "client_agent/source_checks/testing/layered_scene.h"
 #include "client_agent/source_checks/testing/sample_source.h"
+#include "services/tool/rig/pair_regions.h"
 
 namespace corbslam::services {
 namespace {
@@ -87,7 +87,7 @@ TEST(RetakeTest, RectificationUndoesIt) {
     ASSERT_TRUE(preparation.ok()) << preparation.status();
     client_agent::Sample sample;
     for (size_t i = 0; i < 3; ++i) sample.push_back({i, (*reader)->Read(i).value()});
-    const auto measured = client_agent::MeasureRegions(*preparation, preparation->Judge(sample));
+    const auto measured = MeasureRegions(*preparation, preparation->Judge(sample));
     EXPECT_GT(measured.all.matches, 150u) << NameOf(lens);
     EXPECT_LT(measured.all.row_error_px, 0.5) << NameOf(lens);
     EXPECT_LT(measured.negative_share, 0.1) << NameOf(lens);

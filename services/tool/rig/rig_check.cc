@@ -7,29 +7,23 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "client_agent/source/source_description.h"
-#include "client_agent/source_checks/inspection.h"
-#include "client_agent/source_checks/live_sample.h"
-#include "client_agent/source_checks/picture_statistics.h"
+#include "client_agent/source_checks/picture_checks.h"
 #include "client_agent/source_checks/source_checks.h"
+#include "services/tool/rig/live_sample.h"
 #include "services/tool/rig/rig_findings.h"
 #include "services/tool/rig/rig_picture.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::services {
 
-using client_agent::CheckLiveSample;
 using client_agent::FindingLevel;
 using client_agent::FrameReader;
 using client_agent::FrameStream;
 using client_agent::Inspection;
 using client_agent::JudgeSample;
-using client_agent::LiveSample;
 using client_agent::LookIntoSource;
-using client_agent::MeasureRegions;
 using client_agent::PairPreparation;
-using client_agent::PairRegions;
 using client_agent::PictureStatistics;
-using client_agent::RegionRows;
 using client_agent::Sample;
 using client_agent::SampleFrame;
 using client_agent::SampleOptions;
@@ -39,7 +33,6 @@ using client_agent::SourceFindings;
 using client_agent::SourceLayout;
 using client_agent::SourceSpec;
 using client_agent::StereoJudgement;
-using client_agent::TakeLiveSample;
 
 namespace {
 

@@ -12,7 +12,7 @@
 #include "client_agent/source/frame_reader.h"
 #include "client_agent/source/frame_stream.h"
 #include "client_agent/source/source_finding.h"
-#include "client_agent/source_checks/pair_regions.h"
+#include "services/tool/rig/pair_regions.h"
 
 namespace corbslam::services {
 
@@ -20,7 +20,7 @@ struct RigCheck {
   // What is known of the source and its camera: a name and a value for each line.
   std::vector<std::pair<std::string, std::string>> description;
   client_agent::SourceFindings findings;
-  std::optional<client_agent::PairRegions> regions;  // Stereo only.
+  std::optional<PairRegions> regions;  // Stereo only.
   // Rectified pictures of a pair, or the grey picture and its depth, as the system sees them, with
   // rows drawn through both and matches: green where rows agree, red where they don't.
   cv::Mat picture;

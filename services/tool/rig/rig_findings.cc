@@ -11,8 +11,6 @@
 namespace corbslam::services {
 
 using client_agent::FindingLevel;
-using client_agent::PairRegions;
-using client_agent::RegionRows;
 using client_agent::SourceFinding;
 using client_agent::SourceFindings;
 

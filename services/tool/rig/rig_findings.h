@@ -5,7 +5,7 @@
 #include <cstddef>
 
 #include "client_agent/source/source_finding.h"
-#include "client_agent/source_checks/pair_regions.h"
+#include "services/tool/rig/pair_regions.h"
 
 namespace corbslam::services {
 
@@ -13,14 +13,14 @@ namespace corbslam::services {
 inline constexpr size_t kRegionMatches = 100;
 
 // Returns how many regions have enough matches to be judged.
-size_t JudgedRegions(const client_agent::PairRegions& measured);
+size_t JudgedRegions(const PairRegions& measured);
 
 // Returns `pair-not-judged`, an error, where no pair could be judged (and `found`
 // has no error that says why), and `lens-rows-apart` where
 // rows are apart in a part of the pictures: what a wrong lens or focal length does. The latter not
 // where `found` has another cause (pair-late, pair-exchanged); where it has pair-rows-apart,
 // regions are held against what all have in common.
-client_agent::SourceFindings FindingsOfRegions(const client_agent::PairRegions& measured,
+client_agent::SourceFindings FindingsOfRegions(const PairRegions& measured,
                                                const client_agent::SourceFindings& found);
 
 }  // namespace corbslam::services

@@ -7,7 +7,6 @@ namespace corbslam::services {
 namespace {
 
 using client_agent::FindingLevel;
-using client_agent::PairRegions;
 using client_agent::SourceFindings;
 using ::testing::HasSubstr;
 using ::testing::Not;

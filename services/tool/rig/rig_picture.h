@@ -5,7 +5,7 @@
 #include <opencv2/core/mat.hpp>
 #include <vector>
 
-#include "client_agent/source_checks/pair_sample.h"
+#include "client_agent/source_checks/pair_evidence.h"
 #include "client_agent/source_checks/sample.h"
 
 namespace corbslam::services {

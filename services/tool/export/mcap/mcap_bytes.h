@@ -3,6 +3,8 @@
 #ifndef CORBSLAM_SERVICES_TOOL_EXPORT_MCAP_MCAP_BYTES_H_
 #define CORBSLAM_SERVICES_TOOL_EXPORT_MCAP_MCAP_BYTES_H_
 
+#include <zlib.h>
+
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
@@ -26,15 +28,17 @@ enum class McapOpcode : uint8_t {
   kStatistics = 0x0b,
   kMetadata = 0x0c,
   kMetadataIndex = 0x0d,
-  kSummaryOffset = 0x0e,
   kDataEnd = 0x0f,
 };
 
 // What a file begins and ends with.
 inline constexpr absl::string_view kMcapMagic = "\x89MCAP0\r\n";
 
-// Bytes of a record's opcode and length.
-inline constexpr size_t kMcapRecordHead = 9;
+// Returns the checksum (CRC-32) of what `crc` is of and these bytes behind it; of nothing it is 0.
+inline uint32_t ExtendMcapCrc(uint32_t crc, absl::string_view bytes) {
+  return static_cast<uint32_t>(
+      crc32_z(crc, reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size()));
+}
 
 // A record's content, or part of it, that grows at its end.
 class McapBytes {

@@ -11,9 +11,8 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
-#include "services/tool/export/mcap/mcap_chunk.h"
-#include "services/tool/export/mcap/mcap_output.h"
-#include "services/tool/export/mcap/mcap_summary.h"
+#include "services/tool/export/mcap/mcap_bytes.h"
+#include "slam/util/whole_file.h"
 
 namespace corbslam::services {
 
@@ -23,9 +22,9 @@ struct McapSchema {
   std::string data;
 };
 
-// One file, in chunks without compression, with all indexes and checksums. It holds one chunk and
-// the indexes of those before. Not thread-safe. Errors of the file name it, and are those of
-// WholeFile; after an error the caller gives the writer up.
+// One file, in chunks without compression, with the indexes and checksums that readers use. It
+// holds one chunk and the indexes of those before. Not thread-safe. Errors of the file name it, and
+// are those of WholeFile; after an error the caller gives the writer up.
 class McapWriter {
  public:
   using Metadata = std::map<std::string, std::string>;
@@ -50,15 +49,41 @@ class McapWriter {
   size_t bytes_held() const { return chunk_.size(); }
 
  private:
-  McapWriter(McapOutput output, size_t chunk_bytes)
-      : output_(std::move(output)), chunk_bytes_(chunk_bytes) {}
+  // Times of some messages, from the first to the last; both are 0 where there is none.
+  struct Span {
+    uint64_t first_ns = 0;
+    uint64_t last_ns = 0;
+    bool is_empty = true;
 
+    void Add(uint64_t time_ns);
+  };
+
+  McapWriter(WholeFile file, size_t chunk_bytes)
+      : file_(std::move(file)), chunk_bytes_(chunk_bytes) {}
+
+  absl::Status Append(absl::string_view bytes);
+  // Adds a record to the chunk, and to the summary that repeats it.
+  void AddToBoth(McapOpcode opcode, const McapBytes& content);
+  absl::Status WriteRecords();
   absl::Status WriteChunk();
+  absl::Status WriteSummary();
 
-  McapOutput output_;
+  WholeFile file_;
   size_t chunk_bytes_;
-  McapChunk chunk_;
-  McapSummary summary_;
+  uint64_t offset_ = 0;
+  uint32_t crc_ = 0;  // Of all that was appended.
+  // The chunk's records, and the time and offset of its messages by their channel.
+  McapBytes chunk_;
+  std::map<uint16_t, McapBytes> chunk_index_;
+  Span chunk_span_;
+  // What stands at the file's end, by its kind, and what is counted there.
+  std::map<McapOpcode, McapBytes> summary_;
+  std::map<uint16_t, uint64_t> messages_;  // How many each channel has.
+  Span span_;
+  uint16_t schemas_ = 0;
+  uint16_t channels_ = 0;
+  uint32_t chunks_ = 0;
+  uint32_t metadata_ = 0;
 };
 
 }  // namespace corbslam::services

@@ -8,7 +8,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/string_view.h"
-#include "services/tool/export/mcap/crc32.h"
+#include "services/tool/export/mcap/mcap_bytes.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::testing {
@@ -119,7 +119,7 @@ class Reader {
   }
 
   absl::Status CheckCrc(uint32_t crc, absl::string_view data, absl::string_view what) {
-    if (services::ExtendCrc32(0, data) == crc) return absl::OkStatus();
+    if (services::ExtendMcapCrc(0, data) == crc) return absl::OkStatus();
     return absl::DataLossError(absl::StrCat("the checksum of the ", what, " is wrong"));
   }
 

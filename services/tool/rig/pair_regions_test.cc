@@ -1,4 +1,4 @@
-#include "client_agent/source_checks/pair_regions.h"
+#include "services/tool/rig/pair_regions.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,13 @@
 #include "client_agent/source_checks/testing/layered_scene.h"
 #include "client_agent/source_checks/testing/sample_source.h"
 
-namespace corbslam::client_agent {
+namespace corbslam::services {
+
+using client_agent::LayeredStereo;
+using client_agent::PairPreparation;
+using client_agent::SampleSource;
+using client_agent::TakeSample;
+
 namespace {
 
 PairRegions Measure(const std::string& damage, double amount) {
@@ -50,4 +56,4 @@ TEST(PairRegionsTest, ExchangedCamerasHaveTheWrongSign) {
 }
 
 }  // namespace
-}  // namespace corbslam::client_agent
+}  // namespace corbslam::services

@@ -1,13 +1,13 @@
 // Measures how well the rows of a rectified pair agree, in each part of its pictures.
-#ifndef CORBSLAM_CLIENT_AGENT_SOURCE_CHECKS_PAIR_REGIONS_H_
-#define CORBSLAM_CLIENT_AGENT_SOURCE_CHECKS_PAIR_REGIONS_H_
+#ifndef CORBSLAM_SERVICES_TOOL_RIG_PAIR_REGIONS_H_
+#define CORBSLAM_SERVICES_TOOL_RIG_PAIR_REGIONS_H_
 
 #include <array>
 #include <vector>
 
-#include "client_agent/source_checks/pair_sample.h"
+#include "client_agent/source_checks/pair_evidence.h"
 
-namespace corbslam::client_agent {
+namespace corbslam::services {
 
 struct RegionRows {
   size_t matches = 0;
@@ -32,9 +32,9 @@ struct PairRegions {
 };
 
 // Measures pairs that `preparation` has judged. Pure.
-PairRegions MeasureRegions(const PairPreparation& preparation,
-                           const std::vector<JudgedPair>& pairs);
+PairRegions MeasureRegions(const client_agent::PairPreparation& preparation,
+                           const std::vector<client_agent::JudgedPair>& pairs);
 
-}  // namespace corbslam::client_agent
+}  // namespace corbslam::services
 
-#endif  // CORBSLAM_CLIENT_AGENT_SOURCE_CHECKS_PAIR_REGIONS_H_
+#endif  // CORBSLAM_SERVICES_TOOL_RIG_PAIR_REGIONS_H_

@@ -1,4 +1,4 @@
-#include "client_agent/source_checks/live_sample.h"
+#include "services/tool/rig/live_sample.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -6,7 +6,18 @@
 #include <utility>
 #include <vector>
 
-namespace corbslam::client_agent {
+namespace corbslam::services {
+
+using client_agent::CameraCounts;
+using client_agent::FrameStream;
+using client_agent::LeftOutFrames;
+using client_agent::NextFrame;
+using client_agent::SampleOptions;
+using client_agent::SourceFinding;
+using client_agent::SourceFindings;
+using client_agent::StreamEnd;
+using client_agent::StreamFrame;
+
 namespace {
 
 using ::testing::HasSubstr;
@@ -107,4 +118,4 @@ TEST(LiveSampleTest, ACameraWithoutFramesIsAnError) {
 }
 
 }  // namespace
-}  // namespace corbslam::client_agent
+}  // namespace corbslam::services

@@ -1,11 +1,16 @@
-#include "client_agent/source_checks/pair_regions.h"
+#include "services/tool/rig/pair_regions.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include "slam/util/median.h"
 
-namespace corbslam::client_agent {
+namespace corbslam::services {
+
+using client_agent::FeatureMatch;
+using client_agent::JudgedPair;
+using client_agent::PairPreparation;
+
 namespace {
 
 constexpr double kNearMedian_px = 3;
@@ -76,4 +81,4 @@ PairRegions MeasureRegions(const PairPreparation& preparation,
   return measured;
 }
 
-}  // namespace corbslam::client_agent
+}  // namespace corbslam::services

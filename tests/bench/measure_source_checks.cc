@@ -19,12 +19,10 @@
 #include "client_agent/source/frame_reader.h"
 #include "client_agent/source_checks/depth_alignment.h"
 #include "client_agent/source_checks/depth_checks.h"
-#include "client_agent/source_checks/depth_evidence.h"
 #include "client_agent/source_checks/depth_parallax.h"
 #include "client_agent/source_checks/input_watch.h"
-#include "client_agent/source_checks/pair_sample.h"
+#include "client_agent/source_checks/pair_evidence.h"
 #include "client_agent/source_checks/picture_checks.h"
-#include "client_agent/source_checks/picture_statistics.h"
 #include "client_agent/source_checks/stereo_checks.h"
 #include "client_agent/source_checks/testing/damage.h"
 
@@ -190,8 +188,9 @@ int Run(int argc, char** argv) {
   std::printf("CheckPictures %.1f ms\n", Now_ms() - end);
   if (const auto* stereo = std::get_if<StereoCalibration>(&reader->calibration())) {
     const double at = Now_ms();
-    for (const SourceFinding& f : CheckStereoPair(*stereo, sample)) findings.push_back(f);
-    std::printf("CheckStereoPair %.1f ms\n", Now_ms() - at);
+    const StereoJudgement judgement = JudgeStereoPair(*stereo, sample);
+    findings.insert(findings.end(), judgement.findings.begin(), judgement.findings.end());
+    std::printf("JudgeStereoPair %.1f ms\n", Now_ms() - at);
   } else {
     const double at = Now_ms();
     for (const SourceFinding& f :

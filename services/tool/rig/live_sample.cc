@@ -1,4 +1,4 @@
-#include "client_agent/source_checks/live_sample.h"
+#include "services/tool/rig/live_sample.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,7 +9,19 @@
 #include "absl/time/clock.h"
 #include "slam/util/median.h"
 
-namespace corbslam::client_agent {
+namespace corbslam::services {
+
+using client_agent::CameraCounts;
+using client_agent::FindingLevel;
+using client_agent::FrameStream;
+using client_agent::NextFrame;
+using client_agent::Sample;
+using client_agent::SampleOptions;
+using client_agent::SourceFindings;
+using client_agent::SourceFrame;
+using client_agent::StreamEnd;
+using client_agent::StreamFrame;
+
 namespace {
 
 constexpr absl::Duration kWait = absl::Milliseconds(200);
@@ -157,4 +169,4 @@ SourceFindings CheckLiveSample(const LiveSample& sample, std::optional<double> e
   return findings;
 }
 
-}  // namespace corbslam::client_agent
+}  // namespace corbslam::services
