@@ -5,10 +5,9 @@
 #include <optional>
 #include <utility>
 
-#include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/string_view.h"
-#include "absl/strings/strip.h"
+#include "services/runtime/address.h"
 #include "services/runtime/listen_errors.h"
 #include "slam/util/status_macros.h"
 
@@ -23,18 +22,12 @@ constexpr auto kBeforeNextTry = std::chrono::milliseconds(100);
 
 // Returns nullopt for what is not "HOST:PORT" with an IP address.
 std::optional<tcp::endpoint> ParseEndpoint(absl::string_view address) {
-  const size_t colon = address.rfind(':');
-  int port = 0;
-  if (colon == absl::string_view::npos || !absl::SimpleAtoi(address.substr(colon + 1), &port) ||
-      port < 0 || port > 65535 || address.substr(colon + 1).find_first_of("+- ") == 0) {
-    return std::nullopt;
-  }
-  absl::string_view host = address.substr(0, colon);
-  const bool in_brackets = absl::ConsumePrefix(&host, "[") && absl::ConsumeSuffix(&host, "]");
+  const absl::StatusOr<HostPort> parsed = ParseListenAddress(address);
+  if (!parsed.ok()) return std::nullopt;
   Error error;
-  const auto ip = boost::asio::ip::make_address(std::string(host), error);
-  if (error || ip.is_v6() != in_brackets) return std::nullopt;
-  return tcp::endpoint(ip, static_cast<uint16_t>(port));
+  const auto ip = boost::asio::ip::make_address(parsed->host, error);
+  if (error) return std::nullopt;
+  return tcp::endpoint(ip, static_cast<uint16_t>(parsed->port));
 }
 
 }  // namespace

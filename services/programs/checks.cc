@@ -60,7 +60,7 @@ absl::Status CheckFolderOf(const std::string& file) {
 std::vector<absl::Status> CheckObserving(const ObserveFlags& flags) {
   std::vector<absl::Status> found;
   if (!flags.metrics_listen.empty()) {
-    found.push_back(OfFlag("--metrics-listen", CheckMetricsAddress(flags.metrics_listen)));
+    found.push_back(OfFlag("--metrics-listen", CheckHttpAddress(flags.metrics_listen)));
   }
   if (!flags.trace_file.empty()) found.push_back(CheckFolderOf(flags.trace_file));
   return found;

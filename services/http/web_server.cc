@@ -1,4 +1,4 @@
-#include "services/viewer/web/web_server.h"
+#include "services/http/web_server.h"
 
 #include <algorithm>
 #include <atomic>
@@ -8,12 +8,16 @@
 #include <utility>
 
 #include "services/http/http_listener.h"
+#include "services/http/web_connection.h"
 #include "services/runtime/file_limit.h"
-#include "services/viewer/web/web_connection.h"
 #include "slam/util/status_macros.h"
+#include "slam/util/thread_priority.h"
 
 namespace corbslam::services {
 namespace {
+
+// Priority is lowered as much as for the threads of look-ups: both hold locks that robots wait for.
+constexpr int kStepsLower = 5;
 
 // Half of the pages may be of one host, and a quarter of one token.
 WorkLimits PageLimits(size_t pages) {
@@ -32,6 +36,7 @@ class WebServer::Loop {
       : options_(options),
         shared_{*handler, options_, std::make_shared<LoopPoster>(&context_),
                 WorkSlots(PageLimits(options_.max_streams))},
+        connector_(options_.connector != nullptr ? options_.connector : PlainConnector()),
         listener_(context_) {}
   ~Loop() {
     shared_.poster->End();
@@ -47,7 +52,10 @@ class WebServer::Loop {
   }
   void Start() {
     listener_.Accept([this](boost::asio::ip::tcp::socket socket) { Serve(std::move(socket)); });
-    thread_ = std::thread([this] { context_.run(); });
+    thread_ = std::thread([this] {
+      if (options_.steps_behind) StepBehindRobots(kStepsLower, "scrapes");
+      context_.run();
+    });
   }
   size_t streams() const { return shared_.streams; }
   ConnectionCounts connections() const {
@@ -72,7 +80,7 @@ class WebServer::Loop {
     if (verdict.makes_room.has_value()) MakeRoom(*verdict.makes_room);
     boost::system::error_code ignored;
     socket.set_option(boost::asio::ip::tcp::no_delay(true), ignored);
-    const auto connection = MakeWebConnection(std::move(socket), peer, shared_);
+    const auto connection = connector_->Connect(std::move(socket), peer, shared_);
     open_.emplace(peer.id, connection);
     Count();
     connection->Start();
@@ -101,6 +109,7 @@ class WebServer::Loop {
 
   const WebServerOptions options_;
   WebShared shared_;
+  const std::shared_ptr<const WebConnector> connector_;
   boost::asio::io_context context_{/*concurrency_hint=*/1};
   HttpListener listener_;
   ConnectionBook::Id next_id_ = 1;
