@@ -16,7 +16,6 @@
 #include "absl/strings/str_cat.h"
 #include "absl/synchronization/notification.h"
 #include "absl/time/clock.h"
-#include "services/http/http_listener.h"
 #include "services/http/testing/raw_http.h"
 #include "services/http/web_server.h"
 

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "absl/time/time.h"
 #include "services/http/web_message.h"
@@ -48,6 +49,10 @@ struct WebServerOptions {
   absl::Duration stay_interval = absl::Seconds(1);
 };
 
+// Checks that an address is "HOST:PORT" with an IP address as HOST (IPv6 in brackets) and a port of
+// 0 to 65535. INVALID_ARGUMENT otherwise.
+absl::Status CheckHttpAddress(const std::string& address);
+
 // One thread of its own does everything and never waits for a client. Bodies of requests are not
 // read, and a WebSocket's messages from a browser are passed over. Thread-safe.
 class WebServer {
@@ -60,22 +65,12 @@ class WebServer {
                                                           const WebServerOptions& options = {});
   // Waits for a call of the handler that is under way, and for no client. Ends all connections;
   // WebSockets are closed with 1001 (going away) as far as that goes at once.
-  ~WebServer();
-  WebServer(const WebServer&) = delete;
-  WebServer& operator=(const WebServer&) = delete;
+  virtual ~WebServer() = default;
 
   // Returns "HOST:PORT" with the port that was chosen.
-  const std::string& address() const { return address_; }
-  size_t streams() const;
-  ConnectionCounts connections() const;
-
- private:
-  class Loop;
-
-  WebServer(std::string address, std::unique_ptr<Loop> loop);
-
-  const std::string address_;
-  const std::unique_ptr<Loop> loop_;
+  virtual const std::string& address() const = 0;
+  virtual size_t streams() const = 0;
+  virtual ConnectionCounts connections() const = 0;
 };
 
 }  // namespace corbslam::services

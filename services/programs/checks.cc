@@ -6,6 +6,7 @@
 #include <system_error>
 
 #include "absl/strings/str_cat.h"
+#include "services/http/web_server.h"
 #include "services/observe/metrics/metrics_endpoint.h"
 #include "services/runtime/address.h"
 #include "slam/util/folders.h"

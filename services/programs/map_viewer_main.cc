@@ -14,7 +14,6 @@
 #include "services/client/remote/channel.h"
 #include "services/convert/resource_names.h"
 #include "services/http/browser_options.h"
-#include "services/http/http_listener.h"
 #include "services/http/web_host.h"
 #include "services/http/web_server.h"
 #include "services/programs/checks.h"
