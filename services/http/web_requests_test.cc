@@ -49,7 +49,7 @@ WebResponse Text(std::string body) {
   return {.body = std::make_shared<const std::string>(std::move(body))};
 }
 
-WebResponse Echo(const WebRequest& request) {
+WebResponse Repeat(const WebRequest& request) {
   return Text(absl::StrCat(request.method, " ", request.path));
 }
 
@@ -71,7 +71,7 @@ class WebRequestsTest : public ::testing::Test {
 };
 
 TEST_F(WebRequestsTest, AnswersARequestAndCloses) {
-  Start(Echo);
+  Start(Repeat);
   EXPECT_THAT(address(), MatchesRegex("127.0.0.1:[1-9][0-9]*"));
   const std::string answer = Ask(address(), MakeRequest("GET", "/here"));
   EXPECT_EQ(StatusOf(answer), 200) << answer;
@@ -81,7 +81,7 @@ TEST_F(WebRequestsTest, AnswersARequestAndCloses) {
 }
 
 TEST_F(WebRequestsTest, FindsThePathInWhateverStandsThere) {
-  Start(Echo);
+  Start(Repeat);
   EXPECT_EQ(Get("/a/b?c=d#e"), "GET /a/b");
   EXPECT_EQ(Get("http://host:1234/a?b"), "GET /a");
   EXPECT_EQ(Get("http://host"), "GET /");
@@ -92,7 +92,7 @@ TEST_F(WebRequestsTest, FindsThePathInWhateverStandsThere) {
 }
 
 TEST_F(WebRequestsTest, TellsHeadTheLengthAndSendsNoBody) {
-  Start(Echo);
+  Start(Repeat);
   const std::string answer = Ask(address(), MakeRequest("HEAD", "/here"));
   EXPECT_EQ(StatusOf(answer), 200);
   EXPECT_THAT(answer, HasSubstr("Content-Length: 10\r\n"));
@@ -108,7 +108,7 @@ TEST_F(WebRequestsTest, ALongAnswerArrivesWholeAlsoWhereABodyWasNotRead) {
 }
 
 TEST_F(WebRequestsTest, RefusesWhatIsNoRequest) {
-  Start(Echo);
+  Start(Repeat);
   const struct {
     std::string what;
     std::string bytes;
@@ -140,7 +140,7 @@ TEST_F(WebRequestsTest, RefusesWhatIsNoRequest) {
 }
 
 TEST_F(WebRequestsTest, TakesWhateverHeadersSayOfABodyOrOfAnotherProtocol) {
-  Start(Echo);
+  Start(Repeat);
   for (const char* headers :
        {"Content-Length: 9223372036854775807\r\n", "Transfer-Encoding: chunked\r\n",
         "Expect: 100-continue\r\nContent-Length: 5\r\n", "Connection: Upgrade\r\nUpgrade: h2c\r\n",
@@ -151,7 +151,7 @@ TEST_F(WebRequestsTest, TakesWhateverHeadersSayOfABodyOrOfAnotherProtocol) {
 }
 
 TEST_F(WebRequestsTest, WhoEndsSendingBeforeARequestIsThereIsLeft) {
-  Start(Echo);
+  Start(Repeat);
   for (const char* bytes : {"", "G", "GET / HTTP/1.1\r\nA: b\r\n"}) {
     RawConnection connection(address());
     EXPECT_TRUE(connection.Send(bytes));
@@ -166,7 +166,7 @@ TEST_F(WebRequestsTest, WhoEndsSendingBeforeARequestIsThereIsLeft) {
 }
 
 TEST_F(WebRequestsTest, SlowClientsEndInTimeAndNobodyWaitsForThem) {
-  Start(Echo, {.first_patience = absl::Seconds(1)});
+  Start(Repeat, {.first_patience = absl::Seconds(1)});
   RawConnection silent(address());
   RawConnection slow(address());
   ASSERT_TRUE(slow.Send("GET / HT"));
@@ -194,9 +194,9 @@ TEST_F(WebRequestsTest, WhoDoesNotReadTheAnswerEndsInTime) {
 }
 
 TEST_F(WebRequestsTest, ManyConnectionsMakeRoomForTheNext) {
-  Start(Echo, {.connections = {.all = 4, .of_host = 4},
-               .first_patience = absl::Hours(1),
-               .patience = absl::Hours(1)});
+  Start(Repeat, {.connections = {.all = 4, .of_host = 4},
+                 .first_patience = absl::Hours(1),
+                 .patience = absl::Hours(1)});
   std::vector<RawConnection> idle;
   for (int i = 0; i < 100; ++i) {
     idle.emplace_back(address());
@@ -212,7 +212,7 @@ TEST_F(WebRequestsTest, ManyConnectionsMakeRoomForTheNext) {
 }
 
 TEST_F(WebRequestsTest, WithoutFileDescriptorsItWaitsForOne) {
-  Start(Echo);
+  Start(Repeat);
   rlimit before;
   ASSERT_EQ(getrlimit(RLIMIT_NOFILE, &before), 0);
   RawConnection connection(address());
@@ -235,7 +235,7 @@ TEST_F(WebRequestsTest, WhatTheHandlerThrowsIsAnswered) {
 }
 
 TEST_F(WebRequestsTest, EndsWithoutWaitingForClients) {
-  Start(Echo, {.first_patience = absl::Hours(1), .patience = absl::Hours(1)});
+  Start(Repeat, {.first_patience = absl::Hours(1), .patience = absl::Hours(1)});
   RawConnection silent(address());
   EXPECT_EQ(Get("/"), "GET /");
   server_.reset();
@@ -254,7 +254,7 @@ TEST_F(WebRequestsTest, ItsThreadHasLessOfAProcessor) {
 }
 
 TEST_F(WebRequestsTest, TwoDoNotShareAPortAndItIsSaidWhoHasIt) {
-  Start(Echo);
+  Start(Repeat);
   const auto second = WebServer::Start(address(), handler_.get());
   EXPECT_TRUE(absl::IsUnavailable(second.status())) << second.status();
   EXPECT_THAT(std::string(second.status().message()),
@@ -262,7 +262,7 @@ TEST_F(WebRequestsTest, TwoDoNotShareAPortAndItIsSaidWhoHasIt) {
 }
 
 TEST_F(WebRequestsTest, ThePortIsFreeAgainAtOnce) {
-  Start(Echo);
+  Start(Repeat);
   const std::string before = address();
   EXPECT_EQ(Get("/"), "GET /");
   server_.reset();
@@ -271,7 +271,7 @@ TEST_F(WebRequestsTest, ThePortIsFreeAgainAtOnce) {
 }
 
 TEST(HttpAddressTest, IsAnIpAddressAndAPort) {
-  Answering handler(Echo);
+  Answering handler(Repeat);
   for (const char* good : {"127.0.0.1:0", "0.0.0.0:65535", "[::1]:9464", "[::]:0"}) {
     EXPECT_TRUE(CheckHttpAddress(good).ok()) << good;
   }
