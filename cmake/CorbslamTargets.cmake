@@ -68,7 +68,7 @@ function(corbslam_test NAME)
   math(EXPR ARG_TIMEOUT "${CORBSLAM_TIMEOUT_FACTOR} * ${ARG_TIMEOUT}")
   corbslam_test_program(${NAME} SOURCES ${ARG_SOURCES} DEPS ${ARG_DEPS})
   target_compile_definitions(${NAME} PRIVATE ${ARG_DEFINITIONS})
-  gtest_discover_tests(${NAME} TEST_PREFIX "${NAME}." DISCOVERY_MODE PRE_TEST DISCOVERY_TIMEOUT 120
+  gtest_discover_tests(${NAME} TEST_PREFIX "${NAME}." NO_PRETTY_VALUES DISCOVERY_MODE PRE_TEST DISCOVERY_TIMEOUT 120
                        PROPERTIES TIMEOUT ${ARG_TIMEOUT} LABELS "${ARG_LABELS}")
 endfunction()
 

@@ -385,7 +385,8 @@ TEST_P(SharedMapRandomTest, PieceByPieceIsAsAllAtOnce) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Seeds, SharedMapRandomTest, ::testing::Range(0u, 40u));
+INSTANTIATE_TEST_SUITE_P(Seeds, SharedMapRandomTest, ::testing::Range(0u, 40u),
+                         ::testing::PrintToStringParamName());
 
 }  // namespace
 }  // namespace corbslam::client_agent

@@ -12,6 +12,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_split.h"
+#include "slam/util/testing/case_name.h"
 
 namespace corbslam::client_agent {
 namespace {
@@ -541,7 +542,8 @@ INSTANTIATE_TEST_SUITE_P(
         BadList{"utf16",
                 "\xff\xfe"
                 "1,a",
-                "data.csv:1: is UTF-16 text"}));
+                "data.csv:1: is UTF-16 text"}),
+    testing::NamedBy(&BadList::name));
 
 TEST(EurocSourceTest, RefusesAModelItDoesNotKnow) {
   EXPECT_THAT(
@@ -575,7 +577,8 @@ TEST_P(RecordedSourceTest, Opens) {
 INSTANTIATE_TEST_SUITE_P(All, RecordedSourceTest,
                          ::testing::Values(Recorded{"kitti:kitti_00_first201", 201},
                                            Recorded{"tum:tum_fr1_xyz_15hz", 396},
-                                           Recorded{"euroc:euroc_v1_01_first40", 40}));
+                                           Recorded{"euroc:euroc_v1_01_first40", 40}),
+                         testing::NamedBy(&Recorded::spec));
 
 }  // namespace
 }  // namespace corbslam::client_agent

@@ -7,6 +7,7 @@
 
 #include "client_agent/source_checks/testing/damage.h"
 #include "client_agent/source_checks/testing/layered_scene.h"
+#include "slam/util/testing/case_name.h"
 
 namespace corbslam::client_agent {
 namespace {
@@ -54,7 +55,8 @@ INSTANTIATE_TEST_SUITE_P(
         DepthCase{"depth_scale", 0.1, "warning depth-units-implausible", "5000 depth units"},
         DepthCase{"depth_late", 2, "warning depth-late", "behind their pictures"},
         DepthCase{"depth_shift", 12, "warning depth-not-registered", "px beside their pictures"},
-        DepthCase{"depth_shift", -20, "warning depth-not-registered", "px beside"}));
+        DepthCase{"depth_shift", -20, "warning depth-not-registered", "px beside"}),
+    testing::DamageName<DepthCase>);
 
 // Depth of a second camera lies elsewhere beside what is near than beside what is far.
 TEST(DepthChecksTest, NameNoOffsetWhereThereIsNotOne) {

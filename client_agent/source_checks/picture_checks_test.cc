@@ -7,6 +7,7 @@
 
 #include "client_agent/source_checks/source_checks.h"
 #include "client_agent/source_checks/testing/layered_scene.h"
+#include "slam/util/testing/case_name.h"
 
 namespace corbslam::client_agent {
 namespace {
@@ -47,7 +48,8 @@ INSTANTIATE_TEST_SUITE_P(All, PictureLightTest,
                                            Light{"dark", 16, "warning pictures-nearly-black"},
                                            Light{"dark", 64, "warning pictures-nearly-black"},
                                            Light{"dark", 1e6, "error pictures-constant"},
-                                           Light{"bright", 8, "warning pictures-overexposed"}));
+                                           Light{"bright", 8, "warning pictures-overexposed"}),
+                         testing::DamageName<Light>);
 
 TEST(PictureChecksTest, SayWhichCameraAndHowDark) {
   Sample sample = StereoSample();

@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "client_agent/source_checks/testing/layered_scene.h"
+#include "slam/util/testing/case_name.h"
 
 namespace corbslam::client_agent {
 namespace {
@@ -56,7 +57,8 @@ INSTANTIATE_TEST_SUITE_P(
         PairCase{"rows", 8, "error pair-rows-apart", "rows of left and right pictures are"},
         PairCase{"roll", 1, "warning pair-rows-apart", "turned by"},
         PairCase{"late", 1, "warning pair-late", "the right camera is a frame or more behind"},
-        PairCase{"mirrored", 0, "error pair-unrelated", "hardly have anything in common"}));
+        PairCase{"mirrored", 0, "error pair-unrelated", "hardly have anything in common"}),
+    testing::DamageName<PairCase>);
 
 TEST(StereoChecksTest, TellALateLeftCamera) {
   const SampleSource source = LayeredStereo();

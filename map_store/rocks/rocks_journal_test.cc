@@ -134,7 +134,8 @@ TEST_P(PowerCutTest, KeepsWhatWasAcknowledgedIfAndOnlyIfItSyncs) {
     EXPECT_GT(CountLost(acknowledged, found), 0) << "the test can't tell";
   }
 }
-INSTANTIATE_TEST_SUITE_P(Synced, PowerCutTest, ::testing::Bool());
+INSTANTIATE_TEST_SUITE_P(Synced, PowerCutTest, ::testing::Bool(),
+                         ::testing::PrintToStringParamName());
 
 // CORBSLAM_TORN_LOGS says how many logs are cut, and in how many a bit is turned.
 int LogsWanted() {

@@ -148,7 +148,8 @@ TEST(MeasuredMemoryTest, ALocalMapThatHasGoneHasNoPoses) {
   EXPECT_LE(EstimateMemory(state), with - 20 * sizeof(PoseTable::Standing));
 }
 
-INSTANTIATE_TEST_SUITE_P(Features, MeasuredMissionTest, ::testing::Values(300, 1000, 2000));
+INSTANTIATE_TEST_SUITE_P(Features, MeasuredMissionTest, ::testing::Values(300, 1000, 2000),
+                         ::testing::PrintToStringParamName());
 
 }  // namespace
 }  // namespace corbslam::map_store

@@ -6,6 +6,7 @@
 #include <system_error>
 
 #include "absl/strings/str_cat.h"
+#include "services/http/web_server.h"
 #include "services/observe/metrics/metrics_endpoint.h"
 #include "services/runtime/address.h"
 #include "slam/util/folders.h"
@@ -60,7 +61,7 @@ absl::Status CheckFolderOf(const std::string& file) {
 std::vector<absl::Status> CheckObserving(const ObserveFlags& flags) {
   std::vector<absl::Status> found;
   if (!flags.metrics_listen.empty()) {
-    found.push_back(OfFlag("--metrics-listen", CheckMetricsAddress(flags.metrics_listen)));
+    found.push_back(OfFlag("--metrics-listen", CheckHttpAddress(flags.metrics_listen)));
   }
   return found;
 }

@@ -13,7 +13,9 @@
 #include "absl/strings/str_split.h"
 #include "services/client/remote/channel.h"
 #include "services/convert/resource_names.h"
-#include "services/http/http_listener.h"
+#include "services/http/browser_options.h"
+#include "services/http/web_host.h"
+#include "services/http/web_server.h"
 #include "services/programs/checks.h"
 #include "services/programs/observe_flags.h"
 #include "services/programs/program.h"
@@ -21,12 +23,11 @@
 #include "services/programs/viewer_observers.h"
 #include "services/security/flags.h"
 #include "services/server/self_watch.h"
+#include "services/server/served_ports.h"
 #include "services/server/server.h"
 #include "services/viewer/page_files.h"
 #include "services/viewer/truths.h"
 #include "services/viewer/viewer.h"
-#include "services/viewer/web/web_host.h"
-#include "services/viewer/web/web_server.h"
 #include "services/viewer/web_certificate.h"
 #include "slam/util/status_macros.h"
 
@@ -48,7 +49,7 @@ struct Flags {
   std::string token_key;
   SecurityOptions tokens;  // What --help-all shows about browsers' tokens.
   bool open = false;
-  WebServerOptions web;
+  size_t max_pages = BrowserOptions().max_streams;
   ViewerOptions viewer;
   ObserveFlags observe;
 };
@@ -162,24 +163,26 @@ absl::Status Run(Flags flags) {
   RETURN_IF_ERROR(CheckFlagServer("--store", flags.store));
   ASSIGN_OR_RETURN(const auto credentials, MakeChannelCredentials(flags.security));
   ASSIGN_OR_RETURN(const auto access, MakeAccess(flags));
-  ASSIGN_OR_RETURN(flags.web.tls, MakeWebTls(flags));
-  ASSIGN_OR_RETURN(flags.web.hosts, MakeWebHosts(flags));
+  ASSIGN_OR_RETURN(const auto tls, MakeWebTls(flags));
+  WebServerOptions web = BrowserOptions(tls);
+  web.max_streams = flags.max_pages;
+  ASSIGN_OR_RETURN(web.hosts, MakeWebHosts(flags));
   ASSIGN_OR_RETURN(MissionFeeds::Robots robots, MakeRobots(flags, credentials));
   ASSIGN_OR_RETURN(flags.viewer.truths, ReadTruths(flags.truths));
   absl::StatusOr<PageFiles> page = PageFiles::Load(flags.page);
   if (!page.ok()) LOG(ERROR) << page.status().message();
-  WarnOfOpenDoors(flags, access == nullptr, flags.web.tls != nullptr);
+  WarnOfOpenDoors(flags, access == nullptr, tls != nullptr);
   // Each page has more connections for what it asks.
-  flags.web.connections.all = std::max(flags.web.connections.all, 4 * flags.web.max_streams);
-  flags.web.connections.of_host =
-      std::max(flags.web.connections.of_host, 2 * flags.web.max_streams);
+  web.connections.all = std::max(web.connections.all, 4 * web.max_streams);
+  web.connections.of_host = std::max(web.connections.of_host, 2 * web.max_streams);
   const auto channel = MakeChannel(flags.store, credentials);
   ASSIGN_OR_RETURN(flags.viewer.token_channel, MakeTokenChannel(flags, access != nullptr));
   Viewer viewer(channel, std::move(robots), access, std::move(page), flags.viewer);
   ASSIGN_OR_RETURN(const std::unique_ptr<WebServer> server,
-                   WebServer::Start(flags.listen, &viewer, flags.web));
+                   WebServer::Start(flags.listen, &viewer, web));
+  const ServedPort port("web", [&server] { return server->connections(); });
   ASSIGN_OR_RETURN(const auto metrics, ServeViewerMetrics(flags.observe, viewer, *server));
-  LOG(INFO) << "shows browsers at " << (flags.web.tls != nullptr ? "https://" : "http://")
+  LOG(INFO) << "shows browsers at " << (tls != nullptr ? "https://" : "http://")
             << server->address() << " the maps of " << flags.store << " ("
             << DescribeCalling(flags.security) << "), "
             << (access == nullptr ? "to everybody" : "to who has a token");
@@ -211,7 +214,7 @@ void AddFlags(CLI::App& app, Flags& flags) {
                  "PEM file of Ed25519 public keys whose tokens browsers show");
   AddTokenFlags(app, flags.tokens);
   app.add_flag("--open", flags.open, "Everybody who reaches it may look at every mission");
-  app.add_option("--max-pages", flags.web.max_streams, "Pages that are open at once")
+  app.add_option("--max-pages", flags.max_pages, "Pages that are open at once")
       ->check(CLI::Range(1, 10000))
       ->capture_default_str();
   app.add_option("--max-missions", flags.viewer.feeds.max_missions,

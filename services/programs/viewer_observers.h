@@ -5,10 +5,10 @@
 #include <memory>
 
 #include "absl/status/statusor.h"
+#include "services/http/web_server.h"
 #include "services/observe/metrics/metrics_endpoint.h"
 #include "services/programs/observe_flags.h"
 #include "services/viewer/viewer.h"
-#include "services/viewer/web/web_server.h"
 
 namespace corbslam::services {
 

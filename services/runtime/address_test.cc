@@ -5,6 +5,8 @@
 
 #include <string>
 
+#include "slam/util/testing/case_name.h"
+
 namespace corbslam::services {
 namespace {
 
@@ -48,7 +50,8 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"[store.lan]:50051", "between its brackets"}, Case{"[::1:50051", "has a bracket"},
         Case{":50051", "this machine 127.0.0.1:50051"}, Case{" 127.0.0.1:50051", "has a blank"},
         Case{"127.0.0.1:50051\n", "has a blank"}, Case{"127.0.0.1 50051", "has a blank"},
-        Case{"a:1,b:2", "has a comma"}));
+        Case{"a:1,b:2", "has a comma"}),
+    testing::NamedBy(&Case::address));
 
 struct GoodCase {
   const char* address;
@@ -75,7 +78,8 @@ INSTANTIATE_TEST_SUITE_P(Addresses, GoodServerAddressTest,
                                            GoodCase{"dns:store.lan:50051", "store.lan", 50051},
                                            GoodCase{"dns:50051", "dns", 50051},
                                            GoodCase{"ipv4:10.0.0.5:50051", "10.0.0.5", 50051},
-                                           GoodCase{"ipv6:[::1]:50051", "::1", 50051}));
+                                           GoodCase{"ipv6:[::1]:50051", "::1", 50051}),
+                         testing::NamedBy(&GoodCase::address));
 
 TEST(AddressTest, ServersMayLeaveOutTheHostAndLetThePortBeChosen) {
   EXPECT_EQ(ParseListenAddress("127.0.0.1:0")->port, 0);

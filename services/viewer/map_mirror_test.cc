@@ -148,7 +148,8 @@ TEST_P(PictureTest, PiecesAreBounded) {
   EXPECT_EQ(keyframes, mirror.keyframes());
 }
 
-INSTANTIATE_TEST_SUITE_P(Lives, PictureTest, ::testing::Range(1, 41));
+INSTANTIATE_TEST_SUITE_P(Lives, PictureTest, ::testing::Range(1, 41),
+                         ::testing::PrintToStringParamName());
 
 }  // namespace
 }  // namespace corbslam::services

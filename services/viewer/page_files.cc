@@ -49,11 +49,7 @@ absl::StatusOr<std::string> ReadWhole(const fs::path& path) {
 }
 
 WebResponse Missing(const std::string& path) {
-  WebResponse response;
-  response.status = 404;
-  response.body =
-      std::make_shared<const std::string>(absl::StrCat("there is no ", path.substr(0, 200), "\n"));
-  return response;
+  return WordsResponse(404, absl::StrCat("there is no ", path.substr(0, 200)));
 }
 
 }  // namespace

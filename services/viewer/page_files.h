@@ -7,7 +7,7 @@
 #include <string>
 
 #include "absl/status/statusor.h"
-#include "services/viewer/web/web_message.h"
+#include "services/http/web_message.h"
 
 namespace corbslam::services {
 

@@ -13,11 +13,11 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "corbslam/v1/map_store_service.grpc.pb.h"
+#include "services/http/web_message.h"
 #include "services/server/work_slots.h"
 #include "services/viewer/answer_memory.h"
 #include "services/viewer/browser_access.h"
 #include "services/viewer/truths.h"
-#include "services/viewer/web/web_message.h"
 
 namespace corbslam::services {
 

@@ -33,13 +33,6 @@ void AddSafety(WebResponse& response) {
   response.headers["Referrer-Policy"] = "no-referrer";
 }
 
-WebResponse Say(int status, absl::string_view text) {
-  WebResponse response;
-  response.status = status;
-  response.body = std::make_shared<const std::string>(absl::StrCat(text, "\n"));
-  return response;
-}
-
 uint16_t CloseCodeOf(const absl::Status& status) {
   if (absl::IsUnauthenticated(status)) return kUnauthenticated;
   if (absl::IsPermissionDenied(status)) return kForbidden;
@@ -109,8 +102,8 @@ Viewer::Viewer(const std::shared_ptr<grpc::Channel>& store, MissionFeeds::Robots
       pool_(4 * options.threads) {}
 
 WebResponse Viewer::AnswerPage(const WebRequest& request) const {
-  if (request.path == "/healthz") return Say(200, "ok");
-  if (!page_.ok()) return Say(503, page_.status().message());
+  if (request.path == "/healthz") return WordsResponse(200, "ok");
+  if (!page_.ok()) return WordsResponse(503, page_.status().message());
   return page_->Answer(request);
 }
 
@@ -120,7 +113,7 @@ void Viewer::Answer(const WebRequest& request, Respond respond) {
     respond(std::move(response));
   };
   if (request.method != "GET" && request.method != "HEAD") {
-    WebResponse refusal = Say(405, "a viewer only shows");
+    WebResponse refusal = WordsResponse(405, "a viewer only shows");
     refusal.headers["Allow"] = "GET, HEAD";
     return safely(std::move(refusal));
   }

@@ -10,6 +10,7 @@
 #include <string>
 
 #include "absl/status/statusor.h"
+#include "services/http/web_message.h"
 #include "services/server/task_pool.h"
 #include "services/server/work_slots.h"
 #include "services/viewer/browser_access.h"
@@ -19,7 +20,6 @@
 #include "services/viewer/store_api.h"
 #include "services/viewer/token_watch.h"
 #include "services/viewer/truths.h"
-#include "services/viewer/web/web_message.h"
 
 namespace corbslam::services {
 

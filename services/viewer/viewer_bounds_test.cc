@@ -11,16 +11,16 @@
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
 #include "services/client/remote/channel.h"
+#include "services/http/browser_options.h"
 #include "services/http/testing/raw_http.h"
+#include "services/http/testing/web_client.h"
 #include "services/programs/default_vocabulary.h"
 #include "services/security/guarded_map_store.h"
 #include "services/security/security_options.h"
 #include "services/security/testing/test_certificates.h"
 #include "services/security/testing/token_keys.h"
 #include "services/server/server.h"
-#include "services/viewer/testing/web_client.h"
 #include "services/viewer/viewer.h"
-#include "services/viewer/web/web_server.h"
 
 namespace corbslam::services {
 namespace {
@@ -45,7 +45,8 @@ constexpr char kStream[] = "/stream/missions/lab";
 // A viewer of no store, whose tokens can be revoked.
 class ViewerBoundsTest : public ::testing::Test {
  protected:
-  void Start(const ViewerOptions& options = {}, const WebServerOptions& web_options = {}) {
+  void Start(const ViewerOptions& options = {},
+             const WebServerOptions& web_options = BrowserOptions()) {
     AccessControlOptions access;
     access.tokens = *TokenVerifier::FromPem(keys_.public_pem);
     access_ = std::make_shared<AccessControl>(access);
@@ -112,7 +113,7 @@ TEST_F(ViewerBoundsTest, SoDoesOneThatExpiresOrWhoseKeyIsTakenAway) {
 }
 
 TEST_F(ViewerBoundsTest, OneTokenDoesNotOpenAllPages) {
-  WebServerOptions options;
+  WebServerOptions options = BrowserOptions();
   options.max_streams = 8;
   Start({}, options);
   std::vector<std::unique_ptr<WebSocketClient>> pages;
@@ -124,7 +125,7 @@ TEST_F(ViewerBoundsTest, OneTokenDoesNotOpenAllPages) {
 }
 
 TEST_F(ViewerBoundsTest, WhoIsRefusedTakesNoPage) {
-  WebServerOptions options;
+  WebServerOptions options = BrowserOptions();
   options.max_streams = 4;
   Start({}, options);
   std::vector<std::unique_ptr<WebSocketClient>> refused;
@@ -147,7 +148,7 @@ TEST_F(ViewerBoundsTest, WhoIsRefusedOftenWaitsAndOthersDoNot) {
 }
 
 TEST_F(ViewerBoundsTest, TheProbeIsAnsweredBesideIdleConnections) {
-  WebServerOptions options;
+  WebServerOptions options = BrowserOptions();
   options.connections = {.all = 40, .of_host = 20};
   Start({}, options);
   std::vector<RawConnection> idle;
@@ -175,7 +176,7 @@ TEST(ViewerRobotsTest, RobotsThatAreOffAreAskedSideBySide) {
   }
   Viewer viewer(grpc::CreateChannel("127.0.0.1:1", grpc::InsecureChannelCredentials()), robots,
                 nullptr, PageFiles::Load("/nowhere"));
-  const auto web = WebServer::Start("127.0.0.1:0", &viewer);
+  const auto web = WebServer::Start("127.0.0.1:0", &viewer, BrowserOptions());
   ASSERT_TRUE(web.ok()) << web.status();
   const absl::Time begin = absl::Now();
   WebSocketClient page((*web)->address(), kStream);

@@ -11,6 +11,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
 #include "services/client/remote/channel.h"
+#include "services/http/browser_options.h"
 #include "services/http/testing/raw_http.h"
 #include "services/programs/default_vocabulary.h"
 #include "services/security/guarded_map_store.h"
@@ -18,7 +19,6 @@
 #include "services/security/testing/test_certificates.h"
 #include "services/server/server.h"
 #include "services/viewer/viewer.h"
-#include "services/viewer/web/web_server.h"
 
 namespace corbslam::services {
 namespace {
@@ -94,7 +94,7 @@ TEST(ViewerCredentialsTest, AStoreOfAnotherAuthorityIsFollowedWithoutARestart) {
   ASSERT_TRUE(credentials.ok()) << credentials.status();
   Viewer viewer(MakeChannel(address, *credentials), {}, nullptr, PageFiles::Load("/nowhere"),
                 ViewerOptions());
-  const auto web = WebServer::Start("127.0.0.1:0", &viewer);
+  const auto web = WebServer::Start("127.0.0.1:0", &viewer, BrowserOptions());
   ASSERT_TRUE(web.ok()) << web.status();
   // The store answers that it has no such mission.
   const auto ask = [&web] {

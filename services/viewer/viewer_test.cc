@@ -22,14 +22,14 @@
 #include "map_store/testing/grey_jpeg.h"
 #include "services/client/remote/remote_uplink.h"
 #include "services/convert/testing/test_data.h"
+#include "services/http/browser_options.h"
 #include "services/http/testing/raw_http.h"
+#include "services/http/testing/web_client.h"
 #include "services/map_store_service/map_store_service.h"
 #include "services/programs/default_vocabulary.h"
 #include "services/security/testing/token_keys.h"
 #include "services/server/server.h"
 #include "services/testing/uplink_notes.h"
-#include "services/viewer/testing/web_client.h"
-#include "services/viewer/web/web_server.h"
 
 namespace corbslam::services {
 namespace {
@@ -81,7 +81,7 @@ class ViewerTest : public ::testing::Test {
              const ViewerOptions& options = {}) {
     viewer_ = std::make_unique<Viewer>(channel_, MissionFeeds::Robots(), std::move(access),
                                        PageFiles::Load(folder_), options);
-    auto web = WebServer::Start("127.0.0.1:0", viewer_.get());
+    auto web = WebServer::Start("127.0.0.1:0", viewer_.get(), BrowserOptions());
     ASSERT_TRUE(web.ok()) << web.status();
     web_ = *std::move(web);
   }

@@ -29,9 +29,8 @@ absl::StatusOr<std::string> ReadPair(const std::string& certificate_path,
 
 // `pem` has both, of which readers take what they look for.
 absl::Status Take(const std::string& pem, WatchedTls& watched) {
-  const KeyPair pair = {pem, pem};
-  if (watched.tls != nullptr) return watched.tls->Replace(pair);
-  ASSIGN_OR_RETURN(watched.tls, WebTls::Make(pair));
+  if (watched.tls != nullptr) return watched.tls->Replace(pem, pem);
+  ASSIGN_OR_RETURN(watched.tls, WebTls::Make(pem, pem));
   return absl::OkStatus();
 }
 

@@ -7,8 +7,8 @@
 
 #include "absl/status/statusor.h"
 #include "absl/time/time.h"
+#include "services/http/web_tls.h"
 #include "services/security/credential_watch.h"
-#include "services/viewer/web/web_tls.h"
 
 namespace corbslam::services {
 

@@ -17,9 +17,9 @@
 #include "absl/strings/str_cat.h"
 #include "absl/synchronization/mutex.h"
 #include "absl/time/clock.h"
+#include "services/http/browser_options.h"
+#include "services/http/testing/web_client.h"
 #include "services/security/testing/test_certificates.h"
-#include "services/viewer/testing/web_client.h"
-#include "services/viewer/web/web_server.h"
 
 namespace corbslam::services {
 namespace {
@@ -115,9 +115,7 @@ class WebCertificateTest : public ::testing::Test {
   void SetUp() override {
     auto tls = WatchWebCertificate(certificate_, key_, kInterval);
     ASSERT_TRUE(tls.ok()) << tls.status();
-    WebServerOptions options;
-    options.tls = *tls;
-    auto server = WebServer::Start("127.0.0.1:0", &pushed_, options);
+    auto server = WebServer::Start("127.0.0.1:0", &pushed_, BrowserOptions(*tls));
     ASSERT_TRUE(server.ok()) << server.status();
     server_ = *std::move(server);
   }

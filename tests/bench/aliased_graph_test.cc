@@ -6,6 +6,7 @@
 
 #include <map>
 
+#include "absl/strings/str_cat.h"
 #include "slam/verification/testing/synthetic_world.h"
 #include "tests/bench/robust_solvers.h"
 
@@ -43,7 +44,11 @@ TEST_P(ClustersTest, TrueOverlapsWin) {
 
 INSTANTIATE_TEST_SUITE_P(FoundWrong, ClustersTest,
                          ::testing::Values(Case{2, 20, 5}, Case{3, 30, 4}, Case{4, 10, 4},
-                                           Case{4, 20, 9}, Case{4, 30, 5}, Case{4, 30, 9}));
+                                           Case{4, 20, 9}, Case{4, 30, 5}, Case{4, 30, 9}),
+                         [](const auto& info) {
+                           return absl::StrCat(info.param.maps, "_maps_", info.param.wrong_percent,
+                                               "_percent_seed_", info.param.seed);
+                         });
 
 }  // namespace
 }  // namespace corbslam::tests

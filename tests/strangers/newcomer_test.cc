@@ -5,6 +5,7 @@
 #include <string>
 
 #include "absl/strings/str_cat.h"
+#include "slam/util/testing/case_name.h"
 #include "tests/strangers/newcomer_mistakes.h"
 
 namespace corbslam::tests {
@@ -27,7 +28,12 @@ TEST_P(NewcomerTest, GetsWordsThatHelp) {
   EXPECT_THAT(said.text, ::testing::HasSubstr(mistake.says)) << mistake.mistake;
 }
 
-INSTANTIATE_TEST_SUITE_P(All, NewcomerTest, ::testing::Range(size_t{0}, All().size()));
+INSTANTIATE_TEST_SUITE_P(All, NewcomerTest, ::testing::Range(size_t{0}, All().size()),
+                         [](const auto& info) {
+                           const NewcomerMistake mistake = All()[info.param];
+                           return testing::CaseName(
+                               absl::StrCat(mistake.dataset, " ", mistake.mistake));
+                         });
 
 }  // namespace
 }  // namespace corbslam::tests

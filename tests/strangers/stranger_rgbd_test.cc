@@ -14,6 +14,7 @@
 #include "absl/strings/str_replace.h"
 #include "absl/strings/str_split.h"
 #include "services/tool/doctor/local_checks.h"
+#include "slam/util/testing/case_name.h"
 #include "slam/util/text_file.h"
 #include "tests/strangers/strange_recordings.h"
 
@@ -175,7 +176,8 @@ INSTANTIATE_TEST_SUITE_P(
                                  cv::imread(path, cv::IMREAD_UNCHANGED));
                    }
                  },
-                 Level::kOk, ""}));
+                 Level::kOk, ""}),
+    testing::NamedBy(&Stranger::name));
 
 INSTANTIATE_TEST_SUITE_P(
     Calibrations, StrangerRgbdTest,
@@ -220,7 +222,8 @@ INSTANTIATE_TEST_SUITE_P(
         Stranger{
             "principal_point_off",
             Calibration({"fx: 517", "fy: 516", "cx: 420", "cy: 255", "depth_units_per_m: 5000"}),
-            Level::kWarn, "calibration-improbable"}));
+            Level::kWarn, "calibration-improbable"}),
+    testing::NamedBy(&Stranger::name));
 
 INSTANTIATE_TEST_SUITE_P(
     Times, StrangerRgbdTest,
@@ -279,7 +282,8 @@ INSTANTIATE_TEST_SUITE_P(
                    }
                    WriteAllLines(folder + "/associated.txt", lines);
                  },
-                 Level::kFail, "associated.txt:1: the picture is of"}));
+                 Level::kFail, "associated.txt:1: the picture is of"}),
+    testing::NamedBy(&Stranger::name));
 
 INSTANTIATE_TEST_SUITE_P(
     Pictures, StrangerRgbdTest,
@@ -306,7 +310,8 @@ INSTANTIATE_TEST_SUITE_P(
                    ChangePictures(folder, "rgb", cv::IMREAD_UNCHANGED,
                                   [&](const cv::Mat&) { return first; });
                  },
-                 Level::kWarn, "camera-stuck"}));
+                 Level::kWarn, "camera-stuck"}),
+    testing::NamedBy(&Stranger::name));
 
 INSTANTIATE_TEST_SUITE_P(
     Depths, StrangerRgbdTest,
@@ -337,7 +342,8 @@ INSTANTIATE_TEST_SUITE_P(
                      return cv::Mat(depth, cv::Rect(0, 0, 320, 240)).clone();
                    });
                  },
-                 Level::kFail, "320x240 pixels, the calibration is of 640x480"}));
+                 Level::kFail, "320x240 pixels, the calibration is of 640x480"}),
+    testing::NamedBy(&Stranger::name));
 
 }  // namespace
 }  // namespace corbslam::tests

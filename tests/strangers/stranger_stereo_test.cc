@@ -14,6 +14,7 @@
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_split.h"
 #include "services/tool/doctor/local_checks.h"
+#include "slam/util/testing/case_name.h"
 #include "tests/strangers/strange_recordings.h"
 
 namespace corbslam::tests {
@@ -138,7 +139,8 @@ INSTANTIATE_TEST_SUITE_P(
                    const std::vector<std::string> files = FilesOf(f + "/image_1");
                    for (size_t i = 1; i < files.size(); i += 3) fs::remove(files[i]);
                  },
-                 Level::kWarn, "pictures-missing"}));
+                 Level::kWarn, "pictures-missing"}),
+    testing::NamedBy(&Stranger::name));
 
 INSTANTIATE_TEST_SUITE_P(
     Calibrations, StrangerKittiTest,
@@ -161,7 +163,8 @@ INSTANTIATE_TEST_SUITE_P(
                      });
                    }
                  },
-                 Level::kFail, "are these numbers of pictures of another size"}));
+                 Level::kFail, "are these numbers of pictures of another size"}),
+    testing::NamedBy(&Stranger::name));
 
 INSTANTIATE_TEST_SUITE_P(
     Pairs, StrangerKittiTest,
@@ -185,7 +188,8 @@ INSTANTIATE_TEST_SUITE_P(
         Stranger{"right_black", ChangeRight([](const cv::Mat& image) {
                    return cv::Mat(cv::Mat::zeros(image.size(), image.type()));
                  }),
-                 Level::kFail, ""}));
+                 Level::kFail, ""}),
+    testing::NamedBy(&Stranger::name));
 
 class StrangerEurocTest : public ::testing::TestWithParam<Stranger> {};
 
@@ -257,7 +261,8 @@ INSTANTIATE_TEST_SUITE_P(
                  Level::kFail, "mostly along +x"},
         Stranger{"pictures_exchanged",
                  [](const std::string& f) { Exchange(f, "/mav0/cam0/data", "/mav0/cam1/data"); },
-                 Level::kFail, "pair-exchanged"}));
+                 Level::kFail, "pair-exchanged"}),
+    testing::NamedBy(&Stranger::name));
 
 }  // namespace
 }  // namespace corbslam::tests

@@ -11,6 +11,7 @@
 #include "client_agent/source/calibration/euroc_calibration.h"
 #include "client_agent/source/calibration/kitti_calibration.h"
 #include "client_agent/source/calibration/rgbd_calibration.h"
+#include "slam/util/testing/case_name.h"
 
 namespace corbslam::client_agent {
 namespace {
@@ -175,7 +176,8 @@ INSTANTIATE_TEST_SUITE_P(
                       // The numbers are for pictures of twice the size, and of half.
                       RgbdCase{"cx: 639.5", "cx 639.5 px of 640 can't be"},
                       RgbdCase{"cy: 119.5", "cy 119.5 px of 480 can't be"},
-                      RgbdCase{"fx: 20", "fx 20 px with 640 px of width can't be"}));
+                      RgbdCase{"fx: 20", "fx 20 px with 640 px of width can't be"}),
+    testing::NamedBy(&RgbdCase::line));
 
 TEST(RgbdCalibrationTest, NeedsEachIntrinsic) {
   for (const char* field : {"fx", "fy", "cx", "cy"}) {
@@ -331,7 +333,8 @@ INSTANTIATE_TEST_SUITE_P(
                       Replaced{"-386.1448 0", "-386.1448", ":2: P1 has 11 numbers"},
                       Replaced{"-386.1448", "nan", ":2: field 4 is no number"},
                       Replaced{"0 0 1 0\nP1", "0 0 2 0\nP1", ":1: P0 is no projection"},
-                      Replaced{"607.1928", "1241", "cx 1241 px of 1241 can't be"}));
+                      Replaced{"607.1928", "1241", "cx 1241 px of 1241 can't be"}),
+    testing::NamedBy(&Replaced::says));
 
 TEST(KittiCalibrationTest, HonoursAnotherPrincipalColumnOfTheRightCamera) {
   const auto found =

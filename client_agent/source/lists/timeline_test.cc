@@ -3,6 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "absl/strings/str_cat.h"
+#include "slam/util/testing/case_name.h"
+
 namespace corbslam::client_agent {
 namespace {
 
@@ -72,7 +75,8 @@ INSTANTIATE_TEST_SUITE_P(
                               "line 2 too"},
                       Refused{{0, 0, 0}, "times.txt:2"},
                       Refused{{-100, 0}, "times.txt:1: the time -0.100000000 s is negative"},
-                      Refused{{900, 800, 700, 600}, "put the list in the order of time"}));
+                      Refused{{900, 800, 700, 600}, "put the list in the order of time"}),
+    testing::NamedBy(&Refused::says));
 
 std::vector<int64_t> Regular(size_t count, int64_t step_ns) {
   std::vector<int64_t> times_ns;
@@ -126,13 +130,14 @@ TEST_P(TimeUnitTest, IsJudgedByTheRate) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, TimeUnitTest,
-                         ::testing::Values(Unit{33'333'333, false, 0},        // 30 Hz.
-                                           Unit{1'000'000'000, false, 0},     // A frame a second.
-                                           Unit{5'000'000, false, 0},         // 200 Hz.
-                                           Unit{1'000'000, false, 1},         // 1,000 Hz.
-                                           Unit{10'000'000'000, false, 1},    // Every 10 s.
-                                           Unit{50'000, true, 0},             // us for ns.
-                                           Unit{100'000'000'000, true, 0}));  // ms for s.
+                         ::testing::Values(Unit{33'333'333, false, 0},       // 30 Hz.
+                                           Unit{1'000'000'000, false, 0},    // A frame a second.
+                                           Unit{5'000'000, false, 0},        // 200 Hz.
+                                           Unit{1'000'000, false, 1},        // 1,000 Hz.
+                                           Unit{10'000'000'000, false, 1},   // Every 10 s.
+                                           Unit{50'000, true, 0},            // us for ns.
+                                           Unit{100'000'000'000, true, 0}),  // ms for s.
+                         [](const auto& info) { return absl::StrCat(info.param.step_ns, "_ns"); });
 
 TEST(MeasureTimesTest, SaysNothingOfASingleFrame) {
   SourceFindings findings;

@@ -6,6 +6,8 @@
 #include <opencv2/core.hpp>
 #include <vector>
 
+#include "absl/strings/str_cat.h"
+
 namespace corbslam::client_agent {
 namespace {
 
@@ -43,7 +45,10 @@ TEST_P(GreyBitsTest, ComeBackAsTheEightThatTheyWere) {
 
 INSTANTIATE_TEST_SUITE_P(All, GreyBitsTest,
                          ::testing::Values(Bits{1, 8}, Bits{4, 10}, Bits{16, 12}, Bits{64, 14},
-                                           Bits{256, 16}, Bits{257, 16}));
+                                           Bits{256, 16}, Bits{257, 16}),
+                         [](const auto& info) {
+                           return absl::StrCat("times_", info.param.factor);
+                         });
 
 TEST(GreyDepthTest, DecidesForTheWholeSourceByItsBrightestPicture) {
   EXPECT_EQ(DecideGreyDepth({MakeRamp(2), MakeRamp(16), MakeRamp(4)}).used_bits, 12);

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "slam/util/testing/case_name.h"
 
 namespace corbslam::client_agent {
 namespace {
@@ -116,7 +117,8 @@ INSTANTIATE_TEST_SUITE_P(All, CutPictureTest,
                                            Broken{"half.png", 0.5}, Broken{"most.png", 0.95},
                                            Broken{"none.png", 0}, Broken{"none.jpg", 0},
                                            Broken{"half.bmp", 0.5}, Broken{"half.pgm", 0.5},
-                                           Broken{"half.tif", 0.5}));
+                                           Broken{"half.tif", 0.5}),
+                         testing::NamedBy(&Broken::name));
 
 TEST(ReadGreyImageTest, NamesWhatIsNoPicture) {
   const std::string path = WriteBytes("text.png", "not a picture\n");

@@ -5,7 +5,6 @@
 #include <iterator>
 
 #include "absl/strings/str_cat.h"
-#include "slam/util/status_macros.h"
 
 namespace corbslam::services {
 namespace {
@@ -20,37 +19,39 @@ std::string Scrape(const MetricsEndpoint::Collectables& collectables) {
   return prometheus::TextSerializer().Serialize(families);
 }
 
-HttpResponse Answer(const MetricsEndpoint::Collectables& collectables, const HttpRequest& request) {
-  if (request.method != "GET" && request.method != "HEAD") {
-    return {.status = 405, .body = "metrics are only read\n", .allow = "GET, HEAD"};
+class ScrapeHandler : public WebHandler {
+ public:
+  explicit ScrapeHandler(MetricsEndpoint::Collectables collectables)
+      : collectables_(std::move(collectables)) {}
+
+  void Answer(const WebRequest& request, Respond respond) override { respond(Answer(request)); }
+
+ private:
+  WebResponse Answer(const WebRequest& request) const {
+    if (request.method != "GET" && request.method != "HEAD") {
+      WebResponse refusal = WordsResponse(405, "metrics are only read");
+      refusal.headers["Allow"] = "GET, HEAD";
+      return refusal;
+    }
+    if (request.path != "/metrics") return WordsResponse(404, "there is nothing but /metrics");
+    return {.body = std::make_shared<const std::string>(Scrape(collectables_))};
   }
-  if (request.path != "/metrics") {
-    return {.status = 404, .body = "there is nothing but /metrics\n"};
-  }
-  return {.body = Scrape(collectables)};
-}
+
+  const MetricsEndpoint::Collectables collectables_;
+};
 
 }  // namespace
 
-absl::Status CheckMetricsAddress(const std::string& address) {
-  if (CheckHttpAddress(address).ok()) return absl::OkStatus();
-  return absl::InvalidArgumentError(
-      absl::StrCat("the metrics' address is \"", address,
-                   "\", must be HOST:PORT with an IP address and a port of 0 to 65535"));
-}
-
 absl::StatusOr<std::unique_ptr<MetricsEndpoint>> MetricsEndpoint::Start(const std::string& address,
                                                                         Collectables collectables) {
-  RETURN_IF_ERROR(CheckMetricsAddress(address));
-  auto server = HttpServer::Start(
-      address, [collectables = std::move(collectables)](const HttpRequest& request) {
-        return Answer(collectables, request);
-      });
+  auto handler = std::make_unique<ScrapeHandler>(std::move(collectables));
+  auto server = WebServer::Start(address, handler.get());
   if (!server.ok()) {
     return absl::Status(server.status().code(),
                         absl::StrCat("metrics: ", server.status().message()));
   }
-  return std::unique_ptr<MetricsEndpoint>(new MetricsEndpoint(*std::move(server)));
+  return std::unique_ptr<MetricsEndpoint>(
+      new MetricsEndpoint(std::move(handler), *std::move(server)));
 }
 
 }  // namespace corbslam::services

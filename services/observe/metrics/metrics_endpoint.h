@@ -9,15 +9,10 @@
 #include <utility>
 #include <vector>
 
-#include "absl/status/status.h"
 #include "absl/status/statusor.h"
-#include "services/http/http_server.h"
+#include "services/http/web_server.h"
 
 namespace corbslam::services {
-
-// Checks that an address is "HOST:PORT" with an IP address as HOST and a port of 0 to 65535.
-// INVALID_ARGUMENT otherwise.
-absl::Status CheckMetricsAddress(const std::string& address);
 
 // A read-only HTTP server without TLS and without a password: for a loopback address or a network
 // of the operators' own. /metrics takes GET and HEAD; other methods get 405, other paths 404. Each
@@ -26,7 +21,7 @@ class MetricsEndpoint {
  public:
   using Collectables = std::vector<std::shared_ptr<prometheus::Collectable>>;
 
-  // Listens on an address that CheckMetricsAddress takes; for port 0 the system chooses one. The
+  // Listens on an address that CheckHttpAddress takes; for port 0 the system chooses one. The
   // destructor waits for a scrape that is under way. UNAVAILABLE if it can't listen; the message
   // says why.
   static absl::StatusOr<std::unique_ptr<MetricsEndpoint>> Start(const std::string& address,
@@ -36,9 +31,12 @@ class MetricsEndpoint {
   const std::string& address() const { return server_->address(); }
 
  private:
-  explicit MetricsEndpoint(std::unique_ptr<HttpServer> server) : server_(std::move(server)) {}
+  MetricsEndpoint(std::unique_ptr<WebHandler> handler, std::unique_ptr<WebServer> server)
+      : handler_(std::move(handler)), server_(std::move(server)) {}
 
-  const std::unique_ptr<HttpServer> server_;
+  const std::unique_ptr<WebHandler> handler_;
+  // Declared last, so that it ends first.
+  const std::unique_ptr<WebServer> server_;
 };
 
 }  // namespace corbslam::services

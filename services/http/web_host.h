@@ -1,6 +1,6 @@
 // Knows by which names browsers may call a server.
-#ifndef CORBSLAM_SERVICES_VIEWER_WEB_WEB_HOST_H_
-#define CORBSLAM_SERVICES_VIEWER_WEB_WEB_HOST_H_
+#ifndef CORBSLAM_SERVICES_HTTP_WEB_HOST_H_
+#define CORBSLAM_SERVICES_HTTP_WEB_HOST_H_
 
 #include <string>
 #include <vector>
@@ -25,4 +25,4 @@ absl::Status CheckHostName(absl::string_view what, absl::string_view name);
 
 }  // namespace corbslam::services
 
-#endif  // CORBSLAM_SERVICES_VIEWER_WEB_WEB_HOST_H_
+#endif  // CORBSLAM_SERVICES_HTTP_WEB_HOST_H_

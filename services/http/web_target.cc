@@ -1,4 +1,4 @@
-#include "services/viewer/web/web_target.h"
+#include "services/http/web_target.h"
 
 #include <vector>
 
@@ -17,6 +17,14 @@ std::vector<absl::string_view> SplitProtocols(absl::string_view protocols) {
   std::vector<absl::string_view> parts = absl::StrSplit(protocols, ',');
   for (absl::string_view& part : parts) part = absl::StripAsciiWhitespace(part);
   return parts;
+}
+
+// Returns "/path" of "http://host/path".
+absl::string_view WithoutHost(absl::string_view target) {
+  const size_t scheme = target.find("://");
+  if (absl::StartsWith(target, "/") || scheme == absl::string_view::npos) return target;
+  const size_t path = target.find_first_of("/?", scheme + 3);
+  return path == absl::string_view::npos ? "/" : target.substr(path);
 }
 
 }  // namespace
@@ -40,8 +48,8 @@ std::optional<std::string> DecodePercent(absl::string_view text, bool plus_is_sp
 }
 
 bool ReadTarget(absl::string_view target, WebRequest& request) {
-  target = target.substr(0, target.find('#'));
-  if (!absl::StartsWith(target, "/")) return false;
+  target = WithoutHost(target.substr(0, target.find('#')));
+  if (!absl::StartsWith(target, "/") && target != "*") return false;
   const std::pair<absl::string_view, absl::string_view> parts =
       absl::StrSplit(target, absl::MaxSplits('?', 1));
   const std::optional<std::string> path = DecodePercent(parts.first, false);

@@ -1,15 +1,16 @@
 // Holds the key pair that a web server's next connections go by.
-#ifndef CORBSLAM_SERVICES_VIEWER_WEB_WEB_TLS_H_
-#define CORBSLAM_SERVICES_VIEWER_WEB_WEB_TLS_H_
+#ifndef CORBSLAM_SERVICES_HTTP_WEB_TLS_H_
+#define CORBSLAM_SERVICES_HTTP_WEB_TLS_H_
 
 #include <boost/asio/ssl/context.hpp>
 #include <memory>
+#include <string>
+#include <utility>
 
 #include "absl/base/thread_annotations.h"
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "absl/synchronization/mutex.h"
-#include "services/security/pem_files.h"
 
 namespace corbslam::services {
 
@@ -17,11 +18,13 @@ namespace corbslam::services {
 class WebTls {
  public:
   // INVALID_ARGUMENT if the key pair can't be used.
-  static absl::StatusOr<std::unique_ptr<WebTls>> Make(const KeyPair& pair);
+  static absl::StatusOr<std::unique_ptr<WebTls>> Make(const std::string& certificate_pem,
+                                                      const std::string& key_pem);
 
   // Connections that are made from now on go by this pair; those that stand keep theirs.
   // INVALID_ARGUMENT if it can't be used, and then the one before stays.
-  absl::Status Replace(const KeyPair& pair) ABSL_LOCKS_EXCLUDED(mutex_);
+  absl::Status Replace(const std::string& certificate_pem, const std::string& key_pem)
+      ABSL_LOCKS_EXCLUDED(mutex_);
   // Never null.
   std::shared_ptr<boost::asio::ssl::context> context() const ABSL_LOCKS_EXCLUDED(mutex_);
 
@@ -35,4 +38,4 @@ class WebTls {
 
 }  // namespace corbslam::services
 
-#endif  // CORBSLAM_SERVICES_VIEWER_WEB_WEB_TLS_H_
+#endif  // CORBSLAM_SERVICES_HTTP_WEB_TLS_H_

@@ -1,6 +1,6 @@
-// Serves one connection of a browser, over TCP or TLS, from its acceptance to its end.
-#ifndef CORBSLAM_SERVICES_VIEWER_WEB_WEB_CONNECTION_H_
-#define CORBSLAM_SERVICES_VIEWER_WEB_WEB_CONNECTION_H_
+// Serves one connection of a client, from its acceptance to its end.
+#ifndef CORBSLAM_SERVICES_HTTP_WEB_CONNECTION_H_
+#define CORBSLAM_SERVICES_HTTP_WEB_CONNECTION_H_
 
 #include <atomic>
 #include <boost/asio/io_context.hpp>
@@ -12,10 +12,10 @@
 
 #include "absl/base/thread_annotations.h"
 #include "absl/synchronization/mutex.h"
+#include "services/http/web_message.h"
+#include "services/http/web_server.h"
 #include "services/runtime/connection_book.h"
 #include "services/server/work_slots.h"
-#include "services/viewer/web/web_message.h"
-#include "services/viewer/web/web_server.h"
 
 namespace corbslam::services {
 
@@ -65,6 +65,7 @@ class WebUse {
   const ConnectionBook::Id id_;
 };
 
+// A connection lives as long as one of its operations is under way, or an answer is awaited.
 class WebConnection {
  public:
   virtual ~WebConnection() = default;
@@ -74,11 +75,15 @@ class WebConnection {
   virtual void Close() = 0;
 };
 
-// A connection lives as long as one of its operations is under way, or an answer is awaited. It
-// goes by the key pair that the options' TLS has now; without TLS: over TCP.
-std::shared_ptr<WebConnection> MakeWebConnection(boost::asio::ip::tcp::socket socket, WebPeer peer,
-                                                 WebShared& shared);
+class WebConnector {
+ public:
+  virtual ~WebConnector() = default;
+  virtual std::shared_ptr<WebConnection> Connect(boost::asio::ip::tcp::socket socket, WebPeer peer,
+                                                 WebShared& shared) const = 0;
+};
+
+std::shared_ptr<const WebConnector> PlainConnector();
 
 }  // namespace corbslam::services
 
-#endif  // CORBSLAM_SERVICES_VIEWER_WEB_WEB_CONNECTION_H_
+#endif  // CORBSLAM_SERVICES_HTTP_WEB_CONNECTION_H_

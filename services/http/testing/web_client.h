@@ -1,6 +1,6 @@
 // A WebSocket client for tests.
-#ifndef CORBSLAM_SERVICES_VIEWER_TESTING_WEB_CLIENT_H_
-#define CORBSLAM_SERVICES_VIEWER_TESTING_WEB_CLIENT_H_
+#ifndef CORBSLAM_SERVICES_HTTP_TESTING_WEB_CLIENT_H_
+#define CORBSLAM_SERVICES_HTTP_TESTING_WEB_CLIENT_H_
 
 #include <cstdint>
 #include <memory>
@@ -45,4 +45,4 @@ class WebSocketClient {
 
 }  // namespace corbslam::testing
 
-#endif  // CORBSLAM_SERVICES_VIEWER_TESTING_WEB_CLIENT_H_
+#endif  // CORBSLAM_SERVICES_HTTP_TESTING_WEB_CLIENT_H_

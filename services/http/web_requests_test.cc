@@ -1,4 +1,4 @@
-#include "services/http/http_server.h"
+// Tests a web server as operators and strangers meet it, by bytes.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <functional>
 #include <memory>
 #include <stdexcept>
 #include <string>
@@ -16,6 +17,7 @@
 #include "absl/synchronization/notification.h"
 #include "absl/time/clock.h"
 #include "services/http/testing/raw_http.h"
+#include "services/http/web_server.h"
 
 namespace corbslam::services {
 namespace {
@@ -31,14 +33,31 @@ using testing::StatusOf;
 
 constexpr char kAnyPort[] = "127.0.0.1:0";
 
-HttpResponse Echo(const HttpRequest& request) {
-  return {.body = absl::StrCat(request.method, " ", request.path)};
+using AnswerOf = std::function<WebResponse(const WebRequest&)>;
+
+// Answers by a function.
+class Answering : public WebHandler {
+ public:
+  explicit Answering(AnswerOf answer) : answer_(std::move(answer)) {}
+  void Answer(const WebRequest& request, Respond respond) override { respond(answer_(request)); }
+
+ private:
+  const AnswerOf answer_;
+};
+
+WebResponse Text(std::string body) {
+  return {.body = std::make_shared<const std::string>(std::move(body))};
 }
 
-class HttpServerTest : public ::testing::Test {
+WebResponse Repeat(const WebRequest& request) {
+  return Text(absl::StrCat(request.method, " ", request.path));
+}
+
+class WebRequestsTest : public ::testing::Test {
  protected:
-  void Start(const HttpHandler& handler, const HttpServerOptions& options = {}) {
-    auto server = HttpServer::Start(kAnyPort, handler, options);
+  void Start(const AnswerOf& answer, const WebServerOptions& options = {}) {
+    handler_ = std::make_unique<Answering>(answer);
+    auto server = WebServer::Start(kAnyPort, handler_.get(), options);
     ASSERT_TRUE(server.ok()) << server.status();
     server_ = *std::move(server);
   }
@@ -47,11 +66,12 @@ class HttpServerTest : public ::testing::Test {
     return BodyOf(Ask(address(), MakeRequest("GET", target)));
   }
 
-  std::unique_ptr<HttpServer> server_;
+  std::unique_ptr<Answering> handler_;
+  std::unique_ptr<WebServer> server_;
 };
 
-TEST_F(HttpServerTest, AnswersARequestAndCloses) {
-  Start(Echo);
+TEST_F(WebRequestsTest, AnswersARequestAndCloses) {
+  Start(Repeat);
   EXPECT_THAT(address(), MatchesRegex("127.0.0.1:[1-9][0-9]*"));
   const std::string answer = Ask(address(), MakeRequest("GET", "/here"));
   EXPECT_EQ(StatusOf(answer), 200) << answer;
@@ -60,8 +80,8 @@ TEST_F(HttpServerTest, AnswersARequestAndCloses) {
                             HasSubstr("Content-Type: text/plain; charset=utf-8\r\n")));
 }
 
-TEST_F(HttpServerTest, FindsThePathInWhateverStandsThere) {
-  Start(Echo);
+TEST_F(WebRequestsTest, FindsThePathInWhateverStandsThere) {
+  Start(Repeat);
   EXPECT_EQ(Get("/a/b?c=d#e"), "GET /a/b");
   EXPECT_EQ(Get("http://host:1234/a?b"), "GET /a");
   EXPECT_EQ(Get("http://host"), "GET /");
@@ -71,24 +91,24 @@ TEST_F(HttpServerTest, FindsThePathInWhateverStandsThere) {
   EXPECT_EQ(BodyOf(Ask(address(), MakeRequest("BREW", "/pot"))), "BREW /pot");
 }
 
-TEST_F(HttpServerTest, TellsHeadTheLengthAndSendsNoBody) {
-  Start(Echo);
+TEST_F(WebRequestsTest, TellsHeadTheLengthAndSendsNoBody) {
+  Start(Repeat);
   const std::string answer = Ask(address(), MakeRequest("HEAD", "/here"));
   EXPECT_EQ(StatusOf(answer), 200);
   EXPECT_THAT(answer, HasSubstr("Content-Length: 10\r\n"));
   EXPECT_EQ(BodyOf(answer), "");
 }
 
-TEST_F(HttpServerTest, ALongAnswerArrivesWholeAlsoWhereABodyWasNotRead) {
-  Start([](const HttpRequest&) { return HttpResponse{.body = std::string(3 << 20, 'x')}; });
+TEST_F(WebRequestsTest, ALongAnswerArrivesWholeAlsoWhereABodyWasNotRead) {
+  Start([](const WebRequest&) { return Text(std::string(3 << 20, 'x')); });
   RawConnection connection(address());
   ASSERT_TRUE(connection.Send(MakeRequest("POST", "/", "Content-Length: 100000\r\n")));
   EXPECT_TRUE(connection.Send(std::string(100000, 'y')));
   EXPECT_EQ(BodyOf(connection.ReadToEnd()).size(), size_t{3 << 20});
 }
 
-TEST_F(HttpServerTest, RefusesWhatIsNoRequest) {
-  Start(Echo);
+TEST_F(WebRequestsTest, RefusesWhatIsNoRequest) {
+  Start(Repeat);
   const struct {
     std::string what;
     std::string bytes;
@@ -119,8 +139,8 @@ TEST_F(HttpServerTest, RefusesWhatIsNoRequest) {
   EXPECT_EQ(Get("/still"), "GET /still");
 }
 
-TEST_F(HttpServerTest, TakesWhateverHeadersSayOfABodyOrOfAnotherProtocol) {
-  Start(Echo);
+TEST_F(WebRequestsTest, TakesWhateverHeadersSayOfABodyOrOfAnotherProtocol) {
+  Start(Repeat);
   for (const char* headers :
        {"Content-Length: 9223372036854775807\r\n", "Transfer-Encoding: chunked\r\n",
         "Expect: 100-continue\r\nContent-Length: 5\r\n", "Connection: Upgrade\r\nUpgrade: h2c\r\n",
@@ -130,8 +150,8 @@ TEST_F(HttpServerTest, TakesWhateverHeadersSayOfABodyOrOfAnotherProtocol) {
   }
 }
 
-TEST_F(HttpServerTest, WhoEndsSendingBeforeARequestIsThereIsLeft) {
-  Start(Echo);
+TEST_F(WebRequestsTest, WhoEndsSendingBeforeARequestIsThereIsLeft) {
+  Start(Repeat);
   for (const char* bytes : {"", "G", "GET / HTTP/1.1\r\nA: b\r\n"}) {
     RawConnection connection(address());
     EXPECT_TRUE(connection.Send(bytes));
@@ -145,8 +165,8 @@ TEST_F(HttpServerTest, WhoEndsSendingBeforeARequestIsThereIsLeft) {
   EXPECT_EQ(BodyOf(half.ReadToEnd()), "GET /") << "the rest is still wanted";
 }
 
-TEST_F(HttpServerTest, SlowClientsEndInTimeAndNobodyWaitsForThem) {
-  Start(Echo, {.max_connection_time = absl::Seconds(1)});
+TEST_F(WebRequestsTest, SlowClientsEndInTimeAndNobodyWaitsForThem) {
+  Start(Repeat, {.first_patience = absl::Seconds(1)});
   RawConnection silent(address());
   RawConnection slow(address());
   ASSERT_TRUE(slow.Send("GET / HT"));
@@ -157,14 +177,13 @@ TEST_F(HttpServerTest, SlowClientsEndInTimeAndNobodyWaitsForThem) {
   EXPECT_TRUE(slow.has_ended());
 }
 
-TEST_F(HttpServerTest, WhoDoesNotReadTheAnswerEndsInTime) {
+TEST_F(WebRequestsTest, WhoDoesNotReadTheAnswerEndsInTime) {
   constexpr size_t kMoreThanSocketsHold = 64 << 20;
   constexpr absl::Duration kMaxTime = absl::Seconds(1);
-  const auto handler = [](const HttpRequest& request) {
-    return HttpResponse{.body =
-                            std::string(request.path == "/long" ? kMoreThanSocketsHold : 1, 'x')};
+  const auto answer = [](const WebRequest& request) {
+    return Text(std::string(request.path == "/long" ? kMoreThanSocketsHold : 1, 'x'));
   };
-  Start(handler, {.max_connection_time = kMaxTime});
+  Start(answer, {.first_patience = kMaxTime});
   RawConnection first(address());
   first.Send(MakeRequest("GET", "/long"));
   EXPECT_EQ(Get("/short"), "x") << "while the first one's answer stands still";
@@ -174,8 +193,10 @@ TEST_F(HttpServerTest, WhoDoesNotReadTheAnswerEndsInTime) {
   EXPECT_TRUE(first.has_ended());
 }
 
-TEST_F(HttpServerTest, ManyConnectionsMakeRoomForTheNext) {
-  Start(Echo, {.connections = {.all = 4, .of_host = 4}, .max_connection_time = absl::Hours(1)});
+TEST_F(WebRequestsTest, ManyConnectionsMakeRoomForTheNext) {
+  Start(Repeat, {.connections = {.all = 4, .of_host = 4},
+                 .first_patience = absl::Hours(1),
+                 .patience = absl::Hours(1)});
   std::vector<RawConnection> idle;
   for (int i = 0; i < 100; ++i) {
     idle.emplace_back(address());
@@ -190,8 +211,8 @@ TEST_F(HttpServerTest, ManyConnectionsMakeRoomForTheNext) {
   EXPECT_FALSE(idle.back().has_ended()) << "one of the youngest stays";
 }
 
-TEST_F(HttpServerTest, WithoutFileDescriptorsItWaitsForOne) {
-  Start(Echo);
+TEST_F(WebRequestsTest, WithoutFileDescriptorsItWaitsForOne) {
+  Start(Repeat);
   rlimit before;
   ASSERT_EQ(getrlimit(RLIMIT_NOFILE, &before), 0);
   RawConnection connection(address());
@@ -206,15 +227,15 @@ TEST_F(HttpServerTest, WithoutFileDescriptorsItWaitsForOne) {
   EXPECT_EQ(Get("/again"), "GET /again");
 }
 
-TEST_F(HttpServerTest, WhatTheHandlerThrowsIsAnswered) {
-  Start([](const HttpRequest&) -> HttpResponse { throw std::runtime_error("secret"); });
+TEST_F(WebRequestsTest, WhatTheHandlerThrowsIsAnswered) {
+  Start([](const WebRequest&) -> WebResponse { throw std::runtime_error("secret"); });
   const std::string answer = Ask(address(), MakeRequest("GET", "/"));
   EXPECT_EQ(StatusOf(answer), 500);
   EXPECT_EQ(answer.find("secret"), std::string::npos);
 }
 
-TEST_F(HttpServerTest, EndsWithoutWaitingForClients) {
-  Start(Echo, {.max_connection_time = absl::Hours(1)});
+TEST_F(WebRequestsTest, EndsWithoutWaitingForClients) {
+  Start(Repeat, {.first_patience = absl::Hours(1), .patience = absl::Hours(1)});
   RawConnection silent(address());
   EXPECT_EQ(Get("/"), "GET /");
   server_.reset();
@@ -222,34 +243,35 @@ TEST_F(HttpServerTest, EndsWithoutWaitingForClients) {
   EXPECT_TRUE(silent.has_ended());
 }
 
-TEST_F(HttpServerTest, ItsThreadHasLessOfAProcessor) {
+TEST_F(WebRequestsTest, ItsThreadHasLessOfAProcessor) {
   int niceness = 0;
-  Start([&niceness](const HttpRequest&) {
+  Start([&niceness](const WebRequest&) {
     niceness = getpriority(PRIO_PROCESS, static_cast<id_t>(gettid()));
-    return HttpResponse();
+    return WebResponse();
   });
   Get("/");
   EXPECT_EQ(niceness, std::min(19, getpriority(PRIO_PROCESS, 0) + 5));
 }
 
-TEST_F(HttpServerTest, TwoDoNotShareAPortAndItIsSaidWhoHasIt) {
-  Start(Echo);
-  const auto second = HttpServer::Start(address(), Echo);
+TEST_F(WebRequestsTest, TwoDoNotShareAPortAndItIsSaidWhoHasIt) {
+  Start(Repeat);
+  const auto second = WebServer::Start(address(), handler_.get());
   EXPECT_TRUE(absl::IsUnavailable(second.status())) << second.status();
   EXPECT_THAT(std::string(second.status().message()),
               AllOf(HasSubstr(address()), HasSubstr("this process itself has this port")));
 }
 
-TEST_F(HttpServerTest, ThePortIsFreeAgainAtOnce) {
-  Start(Echo);
+TEST_F(WebRequestsTest, ThePortIsFreeAgainAtOnce) {
+  Start(Repeat);
   const std::string before = address();
   EXPECT_EQ(Get("/"), "GET /");
   server_.reset();
-  const auto again = HttpServer::Start(before, Echo);
+  const auto again = WebServer::Start(before, handler_.get());
   EXPECT_TRUE(again.ok()) << again.status();
 }
 
 TEST(HttpAddressTest, IsAnIpAddressAndAPort) {
+  Answering handler(Repeat);
   for (const char* good : {"127.0.0.1:0", "0.0.0.0:65535", "[::1]:9464", "[::]:0"}) {
     EXPECT_TRUE(CheckHttpAddress(good).ok()) << good;
   }
@@ -257,7 +279,7 @@ TEST(HttpAddressTest, IsAnIpAddressAndAPort) {
                           "127.0.0.1:65536", "127.0.0.1:-1", "127.0.0.1:+1", "::1:9464", "1.2.3:1",
                           "localhost:9464", "[127.0.0.1]:1", "[::1:1", "127.0.0.1:1,0.0.0.0:2"}) {
     EXPECT_TRUE(absl::IsInvalidArgument(CheckHttpAddress(bad))) << bad;
-    EXPECT_TRUE(absl::IsInvalidArgument(HttpServer::Start(bad, Echo).status())) << bad;
+    EXPECT_TRUE(absl::IsInvalidArgument(WebServer::Start(bad, &handler).status())) << bad;
   }
 }
 

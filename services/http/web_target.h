@@ -1,12 +1,12 @@
 // Reads what stands in a request's head.
-#ifndef CORBSLAM_SERVICES_VIEWER_WEB_WEB_TARGET_H_
-#define CORBSLAM_SERVICES_VIEWER_WEB_WEB_TARGET_H_
+#ifndef CORBSLAM_SERVICES_HTTP_WEB_TARGET_H_
+#define CORBSLAM_SERVICES_HTTP_WEB_TARGET_H_
 
 #include <optional>
 #include <string>
 
 #include "absl/strings/string_view.h"
-#include "services/viewer/web/web_message.h"
+#include "services/http/web_message.h"
 
 namespace corbslam::services {
 
@@ -14,8 +14,9 @@ namespace corbslam::services {
 // zero byte.
 std::optional<std::string> DecodePercent(absl::string_view text, bool plus_is_space);
 
-// Sets the path and the query of a request from its target, "/path?name=value". Returns false if it
-// can't be read.
+// Sets the path and the query of a request from its target: "/path?name=value",
+// "http://host/path?name=value" as a proxy would send it, or "*". Returns false if it can't be
+// read.
 bool ReadTarget(absl::string_view target, WebRequest& request);
 
 // Returns what follows "token." in a list of WebSocket protocols, "corbslam, token.abc"; empty:
@@ -29,4 +30,4 @@ bool IsSameOrigin(absl::string_view origin, absl::string_view host);
 
 }  // namespace corbslam::services
 
-#endif  // CORBSLAM_SERVICES_VIEWER_WEB_WEB_TARGET_H_
+#endif  // CORBSLAM_SERVICES_HTTP_WEB_TARGET_H_

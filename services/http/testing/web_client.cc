@@ -1,4 +1,4 @@
-#include "services/viewer/testing/web_client.h"
+#include "services/http/testing/web_client.h"
 
 #include <openssl/pem.h>
 #include <openssl/ssl.h>

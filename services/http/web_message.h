@@ -1,6 +1,6 @@
-// Holds what browsers ask and are answered, without the library that reads and writes it.
-#ifndef CORBSLAM_SERVICES_VIEWER_WEB_WEB_MESSAGE_H_
-#define CORBSLAM_SERVICES_VIEWER_WEB_WEB_MESSAGE_H_
+// Holds what clients ask and are answered, without the library that reads and writes it.
+#ifndef CORBSLAM_SERVICES_HTTP_WEB_MESSAGE_H_
+#define CORBSLAM_SERVICES_HTTP_WEB_MESSAGE_H_
 
 #include <cstdint>
 #include <functional>
@@ -8,6 +8,7 @@
 #include <memory>
 #include <string>
 
+#include "absl/strings/string_view.h"
 #include "absl/time/time.h"
 
 namespace corbslam::services {
@@ -23,18 +24,17 @@ struct WebRequest {
   bool takes_gzip = false;
 };
 
-// Returns the next piece of a body, null at its end. Called on the server's thread.
-using BodySource = std::function<std::shared_ptr<const std::string>()>;
-
 struct WebResponse {
   int status = 200;
   std::string content_type = "text/plain; charset=utf-8";
-  std::shared_ptr<const std::string> body;     // Null: empty.
-  BodySource rest;                             // What comes behind `body`, if set.
-  std::map<std::string, std::string> headers;  // Further ones.
+  std::shared_ptr<const std::string> body = nullptr;  // Null: empty.
+  std::map<std::string, std::string> headers = {};    // Further ones.
   // The answer is held back for so long; the connection may make room for others meanwhile.
   absl::Duration held_back = absl::ZeroDuration();
 };
+
+// Returns an answer of one line of words.
+WebResponse WordsResponse(int status, absl::string_view words);
 
 // Takes the answer to a request, once; from any thread.
 using Respond = std::function<void(WebResponse)>;
@@ -67,7 +67,7 @@ struct OpenedStream {
 class WebHandler {
  public:
   virtual ~WebHandler() = default;
-  // Both are called on the server's thread and must return soon.
+  // All are called on the server's thread and must return soon. What Answer throws is a 500.
   virtual void Answer(const WebRequest& request, Respond respond) = 0;
   // Returns a name of who asks, for people; empty: nobody knows. Of one name a quarter of the
   // streams may be.
@@ -75,10 +75,14 @@ class WebHandler {
     (void)request;
     return "";
   }
-  // `wake` may be called from any thread, also after the stream is gone.
-  virtual OpenedStream Open(const WebRequest& request, std::function<void()> wake) = 0;
+  // `wake` may be called from any thread, also after the stream is gone. As it is: never called,
+  // since there are no WebSockets without BrowserOptions (browser_options.h).
+  virtual OpenedStream Open(const WebRequest& request, std::function<void()> wake) {
+    (void)request, (void)wake;
+    return {};
+  }
 };
 
 }  // namespace corbslam::services
 
-#endif  // CORBSLAM_SERVICES_VIEWER_WEB_WEB_MESSAGE_H_
+#endif  // CORBSLAM_SERVICES_HTTP_WEB_MESSAGE_H_

@@ -1,4 +1,4 @@
-#include "services/viewer/web/web_tls.h"
+#include "services/http/web_tls.h"
 
 #include <boost/asio/buffer.hpp>
 #include <utility>
@@ -11,14 +11,15 @@ namespace {
 
 using TlsContext = boost::asio::ssl::context;
 
-absl::StatusOr<std::shared_ptr<TlsContext>> MakeContext(const KeyPair& pair) {
+absl::StatusOr<std::shared_ptr<TlsContext>> MakeContext(const std::string& certificate_pem,
+                                                        const std::string& key_pem) {
   auto tls = std::make_shared<TlsContext>(TlsContext::tls_server);
   boost::system::error_code error;
   tls->set_options(TlsContext::default_workarounds | TlsContext::no_sslv2 | TlsContext::no_sslv3 |
                    TlsContext::no_tlsv1 | TlsContext::no_tlsv1_1);
-  tls->use_certificate_chain(boost::asio::buffer(pair.certificate_pem), error);
+  tls->use_certificate_chain(boost::asio::buffer(certificate_pem), error);
   if (!error) {
-    tls->use_private_key(boost::asio::buffer(pair.key_pem), TlsContext::pem, error);
+    tls->use_private_key(boost::asio::buffer(key_pem), TlsContext::pem, error);
   }
   if (!error) return tls;
   return absl::InvalidArgumentError(
@@ -27,13 +28,14 @@ absl::StatusOr<std::shared_ptr<TlsContext>> MakeContext(const KeyPair& pair) {
 
 }  // namespace
 
-absl::StatusOr<std::unique_ptr<WebTls>> WebTls::Make(const KeyPair& pair) {
-  ASSIGN_OR_RETURN(std::shared_ptr<TlsContext> context, MakeContext(pair));
+absl::StatusOr<std::unique_ptr<WebTls>> WebTls::Make(const std::string& certificate_pem,
+                                                     const std::string& key_pem) {
+  ASSIGN_OR_RETURN(std::shared_ptr<TlsContext> context, MakeContext(certificate_pem, key_pem));
   return std::unique_ptr<WebTls>(new WebTls(std::move(context)));
 }
 
-absl::Status WebTls::Replace(const KeyPair& pair) {
-  ASSIGN_OR_RETURN(std::shared_ptr<TlsContext> context, MakeContext(pair));
+absl::Status WebTls::Replace(const std::string& certificate_pem, const std::string& key_pem) {
+  ASSIGN_OR_RETURN(std::shared_ptr<TlsContext> context, MakeContext(certificate_pem, key_pem));
   absl::MutexLock lock(&mutex_);
   context_ = std::move(context);
   return absl::OkStatus();

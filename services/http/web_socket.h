@@ -1,6 +1,6 @@
 // Sends one browser a stream over its WebSocket.
-#ifndef CORBSLAM_SERVICES_VIEWER_WEB_WEB_SOCKET_H_
-#define CORBSLAM_SERVICES_VIEWER_WEB_WEB_SOCKET_H_
+#ifndef CORBSLAM_SERVICES_HTTP_WEB_SOCKET_H_
+#define CORBSLAM_SERVICES_HTTP_WEB_SOCKET_H_
 
 #include <boost/asio/steady_timer.hpp>
 #include <boost/beast/core/flat_buffer.hpp>
@@ -14,8 +14,8 @@
 #include <string>
 #include <utility>
 
-#include "services/viewer/web/web_connection.h"
-#include "services/viewer/web/web_target.h"
+#include "services/http/web_connection.h"
+#include "services/http/web_target.h"
 
 namespace corbslam::services {
 
@@ -192,4 +192,4 @@ class WebSocket : public WebConnection, public std::enable_shared_from_this<WebS
 
 }  // namespace corbslam::services
 
-#endif  // CORBSLAM_SERVICES_VIEWER_WEB_WEB_SOCKET_H_
+#endif  // CORBSLAM_SERVICES_HTTP_WEB_SOCKET_H_

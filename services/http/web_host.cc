@@ -1,4 +1,4 @@
-#include "services/viewer/web/web_host.h"
+#include "services/http/web_host.h"
 
 #include <arpa/inet.h>
 #include <netinet/in.h>

@@ -1,4 +1,4 @@
-#include "services/viewer/web/web_target.h"
+#include "services/http/web_target.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -16,8 +16,19 @@ TEST(WebTargetTest, SplitsAndDecodes) {
   EXPECT_THAT(request.query, ElementsAre(Pair("x", "1"), Pair("y", "a b+c"), Pair("z", "")));
 }
 
+TEST(WebTargetTest, TakesWhateverOtherFormThereIs) {
+  for (const auto& [target, path] : {std::pair("http://host/a?b", "/a"),
+                                     {"http://host", "/"},
+                                     {"/a://b/c", "/a://b/c"},
+                                     {"*", "*"}}) {
+    WebRequest request;
+    ASSERT_TRUE(ReadTarget(target, request)) << target;
+    EXPECT_EQ(request.path, path);
+  }
+}
+
 TEST(WebTargetTest, RefusesWhatIsNoTarget) {
-  for (const char* target : {"", "x", "http://host/", "/%", "/%4", "/%zz", "/%00", "/?a=%1"}) {
+  for (const char* target : {"", "x", "http://host?a", "/%", "/%4", "/%zz", "/%00", "/?a=%1"}) {
     WebRequest request;
     EXPECT_FALSE(ReadTarget(target, request)) << target;
   }
