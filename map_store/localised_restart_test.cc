@@ -123,31 +123,6 @@ TEST_F(LocalisedRestartTest, ALongTrajectoryIsCoarserAndThatIsSaid) {
   EXPECT_EQ(dropped_, 3u);
 }
 
-TEST_F(LocalisedRestartTest, AStateFromBeforeHasNoTrajectories) {
-  EXPECT_EQ(Send(OpenGuest(), 1), 1u);
-  MissionBackup backup = *store_->BackUpMission(kMission);
-  MissionRestorer restorer = store_->StartRestoring();
-  for (std::string piece = backup.Next(1 << 20); !piece.empty(); piece = backup.Next(1 << 20)) {
-    ASSERT_TRUE(restorer.Add(piece).ok());
-  }
-  MissionState state = *restorer.Finish();
-  EXPECT_EQ(CountFrames(state.agents.at("guest").track), 2u);
-  for (auto& [name, agent] : state.agents) agent.track = {};
-  std::string bytes = map_store::EncodeState(state);
-  // Of each agent two numbers say that there is none; behind them stands when local maps arrived, a
-  // uid, which takes eight bytes more than it has digits, and whose local maps these are.
-  ArchiveWriter whose;
-  whose(state.arrivals.of_agents());
-  bytes.resize(bytes.size() - 16 * state.agents.size() - 16 - 16 * state.order.size() - 8 -
-               state.uid.size() - whose.Take().size());
-  EXPECT_FALSE(map_store::DecodeState(bytes, nullptr).ok());
-  const uint32_t format = 8;
-  std::memcpy(bytes.data(), &format, sizeof(format));
-  const auto read = map_store::DecodeState(bytes, nullptr);
-  ASSERT_TRUE(read.ok()) << read.status();
-  EXPECT_TRUE(read->agents.at("guest").track.runs.empty());
-}
-
 TEST_F(LocalisedRestartTest, WhatMeansNothingIsRefusedAndNotKept) {
   LocalisedFrames part = Part(1);
   part.tracked_frames[1].reference_from_camera.translation.x() = NAN;

@@ -23,7 +23,6 @@ class ArrivalBook {
  public:
   ArrivalBook() = default;
   // Begins for a state from which so many names were gone by then: deleted, or parts of others.
-  explicit ArrivalBook(uint64_t gone) : gone_(gone) {}
   // As it was when it was written. Of names that are in `names` alone nobody knows the agent.
   ArrivalBook(uint64_t gone, std::map<uint64_t, LocalMapId> names,
               std::map<std::string, std::vector<LocalMapId>> of_agents)
