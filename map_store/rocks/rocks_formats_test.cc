@@ -9,11 +9,11 @@
 
 #include "absl/strings/str_cat.h"
 #include "map_store/archive/archive.h"
-#include "map_store/journal_check.h"
 #include "map_store/rocks/journal_folder.h"
 #include "map_store/rocks/journal_keys.h"
 #include "map_store/rocks/mission_header.h"
 #include "map_store/rocks/rocks_journal.h"
+#include "map_store/store/journal_check.h"
 #include "map_store/testing/rocks_store.h"
 #include "map_store/testing/store_dump.h"
 

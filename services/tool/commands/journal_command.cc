@@ -4,7 +4,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
-#include "map_store/journal_check.h"
+#include "map_store/store/journal_check.h"
 #include "services/tool/commands/commands.h"
 #include "services/tool/commands/journal_actions.h"
 #include "services/tool/output/progress.h"

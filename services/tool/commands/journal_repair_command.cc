@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
-#include "map_store/journal_repair.h"
+#include "map_store/store/journal_repair.h"
 #include "services/tool/commands/commands.h"
 #include "services/tool/commands/journal_actions.h"
 #include "services/tool/output/result.h"
