@@ -17,7 +17,7 @@ absl::Status NoSuchMission(absl::string_view name) {
 
 }  // namespace
 
-void Sleeper::NoteAsleep(uint64_t disk_bytes) {
+void EvictedMission::NoteEvicted(uint64_t disk_bytes) {
   summary.info.asleep = true;
   summary.info.disk_bytes = summary.load.disk_bytes = disk_bytes;
   summary.load.memory_bytes = 0;
@@ -59,40 +59,40 @@ absl::Status MissionDirectory::CheckUsable(absl::string_view name, const Entry& 
 }
 
 absl::Status MissionDirectory::Await(absl::string_view name, Entry& entry) {
-  const bool others_wake_it = entry.stage == Stage::kWaking;
+  const bool others_wake_it = entry.stage == Stage::kLoading;
   const auto has_arrived = [&entry] {
-    return entry.gone || (entry.stage != Stage::kWaking && entry.stage != Stage::kFallingAsleep);
+    return entry.gone || (entry.stage != Stage::kLoading && entry.stage != Stage::kBeingEvicted);
   };
   mutex_.Await(absl::Condition(&has_arrived));
   RETURN_IF_ERROR(CheckUsable(name, entry));
-  if (entry.stage != Stage::kAsleep) return absl::OkStatus();
+  if (entry.stage != Stage::kEvicted) return absl::OkStatus();
   // One attempt serves all who came meanwhile.
   if (others_wake_it) RETURN_IF_ERROR(entry.wake_error);
-  entry.stage = Stage::kWaking;
+  entry.stage = Stage::kLoading;
   return absl::OkStatus();
 }
 
 absl::StatusOr<MissionDirectory::Lease> MissionDirectory::Wake(const std::string& name,
                                                                const EntryPtr& entry) {
-  std::shared_ptr<const Sleeper> sleeper;
+  std::shared_ptr<const EvictedMission> evicted;
   {
     absl::MutexLock lock(&mutex_);
-    sleeper = entry->sleeper;
+    evicted = entry->evicted;
   }
-  absl::StatusOr<std::shared_ptr<Mission>> loaded = load_(name, *sleeper);
+  absl::StatusOr<std::shared_ptr<Mission>> loaded = load_(name, *evicted);
   absl::MutexLock lock(&mutex_);
   entry->wake_error = loaded.status();
   if (loaded.ok()) {
     entry->mission = *std::move(loaded);
-    entry->stage = Stage::kAwake;
-    entry->sleeper.reset();
+    entry->stage = Stage::kLoaded;
+    entry->evicted.reset();
     return LeaseOf(entry);
   }
   const bool is_damaged = absl::IsDataLoss(loaded.status());
-  entry->stage = is_damaged ? Stage::kUnreadable : Stage::kAsleep;
+  entry->stage = is_damaged ? Stage::kUnreadable : Stage::kEvicted;
   if (!is_damaged) return loaded.status();
   entry->damage = loaded.status();
-  entry->sleeper.reset();
+  entry->evicted.reset();
   return CheckUsable(name, *entry);
 }
 
@@ -102,7 +102,7 @@ absl::StatusOr<MissionDirectory::Lease> MissionDirectory::Use(absl::string_view 
     absl::MutexLock lock(&mutex_);
     ASSIGN_OR_RETURN(entry, Find(name));
     RETURN_IF_ERROR(Await(name, *entry));
-    if (entry->stage == Stage::kAwake) return LeaseOf(entry);
+    if (entry->stage == Stage::kLoaded) return LeaseOf(entry);
   }
   return Wake(std::string(name), entry);
 }
@@ -124,22 +124,22 @@ absl::StatusOr<MissionDirectory::Lease> MissionDirectory::UseOrMake(absl::string
     }
     RETURN_IF_ERROR(CheckUsable(name, *it->second));
     // One that nothing was written of must not go before this user has it.
-    if (it->second->stage == Stage::kAwake) return LeaseOf(it->second);
+    if (it->second->stage == Stage::kLoaded) return LeaseOf(it->second);
   }
   return Use(name);
 }
 
-MissionDirectory::Lease MissionDirectory::UseIfAwake(absl::string_view name) {
+MissionDirectory::Lease MissionDirectory::UseIfLoaded(absl::string_view name) {
   absl::MutexLock lock(&mutex_);
   const absl::StatusOr<EntryPtr> entry = Find(name);
-  return entry.ok() && (*entry)->stage == Stage::kAwake ? LeaseOf(*entry) : nullptr;
+  return entry.ok() && (*entry)->stage == Stage::kLoaded ? LeaseOf(*entry) : nullptr;
 }
 
-absl::StatusOr<MissionDirectory::Lease> MissionDirectory::UseAwake(absl::string_view name) {
+absl::StatusOr<MissionDirectory::Lease> MissionDirectory::UseLoaded(absl::string_view name) {
   absl::MutexLock lock(&mutex_);
   ASSIGN_OR_RETURN(const EntryPtr entry, Find(name));
   RETURN_IF_ERROR(CheckUsable(name, *entry));
-  if (entry->stage == Stage::kAwake) return LeaseOf(entry);
+  if (entry->stage == Stage::kLoaded) return LeaseOf(entry);
   return AsleepError(name);
 }
 
@@ -156,12 +156,12 @@ void MissionDirectory::Release(const EntryPtr& entry) {
   --entry->users;
   entry->last_used = clock_();
   const bool may_go = entry->users == 0 && entry->may_be_vacant && !entry->gone &&
-                      entry->stage == Stage::kAwake && !entry->being_deleted;
+                      entry->stage == Stage::kLoaded && !entry->being_deleted;
   if (may_go && entry->mission->IsVacant()) Erase(entry);
 }
 
 KnownMission MissionDirectory::Describe(const std::string& name, const Entry& entry) {
-  return {name, entry.mission, entry.sleeper, entry.damage, entry.last_used, entry.users > 0};
+  return {name, entry.mission, entry.evicted, entry.damage, entry.last_used, entry.users > 0};
 }
 
 absl::StatusOr<KnownMission> MissionDirectory::Look(absl::string_view name) const {
@@ -181,11 +181,11 @@ std::vector<KnownMission> MissionDirectory::List(absl::string_view after, size_t
   return known;
 }
 
-std::vector<std::weak_ptr<Mission>> MissionDirectory::ListAwake() const {
+std::vector<std::weak_ptr<Mission>> MissionDirectory::ListLoaded() const {
   std::vector<std::weak_ptr<Mission>> missions;
   absl::MutexLock lock(&mutex_);
   for (const auto& [name, entry] : entries_) {
-    if (entry->stage == Stage::kAwake) missions.push_back(entry->mission);
+    if (entry->stage == Stage::kLoaded) missions.push_back(entry->mission);
   }
   return missions;
 }
@@ -193,7 +193,7 @@ std::vector<std::weak_ptr<Mission>> MissionDirectory::ListAwake() const {
 MissionDirectory::Counts MissionDirectory::CountLocked() const {
   Counts counts;
   for (const auto& [name, entry] : entries_) {
-    ++(entry->stage == Stage::kAsleep ? counts.asleep : counts.in_memory);
+    ++(entry->stage == Stage::kEvicted ? counts.asleep : counts.in_memory);
   }
   return counts;
 }
@@ -208,12 +208,12 @@ void MissionDirectory::Add(const std::string& name, std::shared_ptr<Mission> mis
   Insert(name)->mission = std::move(mission);
 }
 
-void MissionDirectory::AddAsleep(const std::string& name, Sleeper sleeper) {
+void MissionDirectory::AddEvicted(const std::string& name, EvictedMission evicted) {
   absl::MutexLock lock(&mutex_);
   const EntryPtr& entry = Insert(name);
-  entry->stage = Stage::kAsleep;
-  entry->last_used = absl::FromUnixNanos(sleeper.summary.info.profile.last_used_ns);
-  entry->sleeper = std::make_shared<const Sleeper>(std::move(sleeper));
+  entry->stage = Stage::kEvicted;
+  entry->last_used = absl::FromUnixNanos(evicted.summary.info.profile.last_used_ns);
+  entry->evicted = std::make_shared<const EvictedMission>(std::move(evicted));
 }
 
 void MissionDirectory::AddUnreadable(const std::string& name, absl::Status damage) {
@@ -259,7 +259,7 @@ absl::StatusOr<std::shared_ptr<Mission>> MissionDirectory::BeginDeletion(
     return absl::NotFoundError(absl::StrCat("mission ", name, " is deleted"));
   }
   const auto has_arrived = [&entry] {
-    return entry->gone || (entry->stage != Stage::kWaking && entry->stage != Stage::kFallingAsleep);
+    return entry->gone || (entry->stage != Stage::kLoading && entry->stage != Stage::kBeingEvicted);
   };
   mutex_.Await(absl::Condition(&has_arrived));
   if (entry->gone) return NoSuchMission(name);
@@ -283,7 +283,7 @@ std::optional<KnownMission> MissionDirectory::BeginExpiry(
   const absl::StatusOr<EntryPtr> found = Find(name);
   if (!found.ok()) return std::nullopt;
   Entry& entry = **found;
-  const bool may_go = (entry.stage == Stage::kAwake || entry.stage == Stage::kAsleep) &&
+  const bool may_go = (entry.stage == Stage::kLoaded || entry.stage == Stage::kEvicted) &&
                       entry.users == 0 && !entry.being_deleted;
   KnownMission known = Describe(std::string(name), entry);
   if (!may_go || !is_due(known)) return std::nullopt;
@@ -306,7 +306,7 @@ std::vector<MissionDirectory::Unused> MissionDirectory::ListUnused() const {
   {
     absl::MutexLock lock(&mutex_);
     for (const auto& [name, entry] : entries_) {
-      if (entry->stage != Stage::kAwake || entry->users > 0 || entry->being_deleted) continue;
+      if (entry->stage != Stage::kLoaded || entry->users > 0 || entry->being_deleted) continue;
       unused.push_back({name, entry->mission, entry->last_used});
     }
   }
@@ -321,32 +321,32 @@ bool MissionDirectory::IsUnused(const Unused& unused) const {
 }
 
 bool MissionDirectory::MayRest(const Entry& entry, const Unused& unused) {
-  return entry.stage == Stage::kAwake && entry.mission == unused.mission && entry.users == 0 &&
+  return entry.stage == Stage::kLoaded && entry.mission == unused.mission && entry.users == 0 &&
          entry.last_used == unused.last_used && !entry.being_deleted;
 }
 
-bool MissionDirectory::BeginSleep(const Unused& unused) {
+bool MissionDirectory::BeginEviction(const Unused& unused) {
   absl::MutexLock lock(&mutex_);
   const absl::StatusOr<EntryPtr> entry = Find(unused.name);
   if (!entry.ok() || !MayRest(**entry, unused)) return false;
-  (*entry)->stage = Stage::kFallingAsleep;
+  (*entry)->stage = Stage::kBeingEvicted;
   return true;
 }
 
-void MissionDirectory::CancelSleep(const Unused& unused) {
+void MissionDirectory::CancelEviction(const Unused& unused) {
   absl::MutexLock lock(&mutex_);
   const absl::StatusOr<EntryPtr> entry = Find(unused.name);
-  if (entry.ok()) (*entry)->stage = Stage::kAwake;
+  if (entry.ok()) (*entry)->stage = Stage::kLoaded;
 }
 
-void MissionDirectory::EndSleep(const Unused& unused, Sleeper sleeper) {
-  auto asleep = std::make_shared<const Sleeper>(std::move(sleeper));
+void MissionDirectory::EndEviction(const Unused& unused, EvictedMission evicted) {
+  auto kept = std::make_shared<const EvictedMission>(std::move(evicted));
   absl::MutexLock lock(&mutex_);
   const absl::StatusOr<EntryPtr> found = Find(unused.name);
   if (!found.ok()) return;
   Entry& entry = **found;
-  entry.stage = Stage::kAsleep;
-  entry.sleeper = std::move(asleep);
+  entry.stage = Stage::kEvicted;
+  entry.evicted = std::move(kept);
   entry.mission.reset();
   entry.may_be_vacant = false;
 }

@@ -27,19 +27,19 @@
 namespace corbslam::map_store {
 
 // A mission that is on the disk alone.
-struct Sleeper {
+struct EvictedMission {
   MissionSummary summary;
   EventBook::Past events;
 
   // Says of the summary what holds from now on: nobody is in the mission, and it takes no memory.
-  void NoteAsleep(uint64_t disk_bytes);
+  void NoteEvicted(uint64_t disk_bytes);
 };
 
 // What there is of one mission: it is in memory, asleep or damaged.
 struct KnownMission {
   std::string name;
   std::shared_ptr<Mission> mission;
-  std::shared_ptr<const Sleeper> sleeper;
+  std::shared_ptr<const EvictedMission> evicted;
   absl::Status damage;
   absl::Time last_used;
   bool is_used = false;  // Somebody holds a lease.
@@ -53,8 +53,8 @@ class MissionDirectory {
   using Lease = std::shared_ptr<Mission>;
   // Reads a mission that sleeps. DATA_LOSS: it is damaged, and stays so; after other errors it
   // sleeps on.
-  using Load = std::function<absl::StatusOr<std::shared_ptr<Mission>>(const std::string& name,
-                                                                      const Sleeper& sleeper)>;
+  using Load = std::function<absl::StatusOr<std::shared_ptr<Mission>>(
+      const std::string& name, const EvictedMission& evicted)>;
   struct Counts {
     size_t in_memory =
         0;  // Those on their way there or back, and those damaged or being made, too.
@@ -75,10 +75,10 @@ class MissionDirectory {
   // what it makes goes with its last user, unless something was written of it (Mission::IsVacant).
   absl::StatusOr<Lease> UseOrMake(absl::string_view name, Make make) ABSL_LOCKS_EXCLUDED(mutex_);
   // Returns the mission if it is in memory, else null; nobody waits.
-  Lease UseIfAwake(absl::string_view name) ABSL_LOCKS_EXCLUDED(mutex_);
+  Lease UseIfLoaded(absl::string_view name) ABSL_LOCKS_EXCLUDED(mutex_);
   // Returns the mission if it is in memory, else an error: NOT_FOUND, DATA_LOSS, or UNAVAILABLE for
   // one that is asleep, wakes or falls asleep.
-  absl::StatusOr<Lease> UseAwake(absl::string_view name) ABSL_LOCKS_EXCLUDED(mutex_);
+  absl::StatusOr<Lease> UseLoaded(absl::string_view name) ABSL_LOCKS_EXCLUDED(mutex_);
 
   // Those who only look: what they get may leave memory, and they are no users.
 
@@ -87,13 +87,13 @@ class MissionDirectory {
   // Returns those behind `after` in the order of names, `count` at most.
   std::vector<KnownMission> List(absl::string_view after, size_t count) const
       ABSL_LOCKS_EXCLUDED(mutex_);
-  std::vector<std::weak_ptr<Mission>> ListAwake() const ABSL_LOCKS_EXCLUDED(mutex_);
+  std::vector<std::weak_ptr<Mission>> ListLoaded() const ABSL_LOCKS_EXCLUDED(mutex_);
   Counts Count() const ABSL_LOCKS_EXCLUDED(mutex_);
 
   // Missions that come and go.
 
   void Add(const std::string& name, std::shared_ptr<Mission> mission) ABSL_LOCKS_EXCLUDED(mutex_);
-  void AddAsleep(const std::string& name, Sleeper sleeper) ABSL_LOCKS_EXCLUDED(mutex_);
+  void AddEvicted(const std::string& name, EvictedMission evicted) ABSL_LOCKS_EXCLUDED(mutex_);
   void AddUnreadable(const std::string& name, absl::Status damage) ABSL_LOCKS_EXCLUDED(mutex_);
   // Keeps the name for a mission that is being made. ALREADY_EXISTS or DATA_LOSS where there is
   // one; `check_room`, called with the lock held, has its say.
@@ -137,17 +137,17 @@ class MissionDirectory {
   bool IsUnused(const Unused& unused) const ABSL_LOCKS_EXCLUDED(mutex_);
   // Returns false if the mission has a user again. Else whoever wants it waits from here on, until
   // one of the two calls below.
-  bool BeginSleep(const Unused& unused) ABSL_LOCKS_EXCLUDED(mutex_);
-  void CancelSleep(const Unused& unused) ABSL_LOCKS_EXCLUDED(mutex_);
-  void EndSleep(const Unused& unused, Sleeper sleeper) ABSL_LOCKS_EXCLUDED(mutex_);
+  bool BeginEviction(const Unused& unused) ABSL_LOCKS_EXCLUDED(mutex_);
+  void CancelEviction(const Unused& unused) ABSL_LOCKS_EXCLUDED(mutex_);
+  void EndEviction(const Unused& unused, EvictedMission evicted) ABSL_LOCKS_EXCLUDED(mutex_);
 
  private:
-  enum class Stage { kAwake, kFallingAsleep, kAsleep, kWaking, kUnreadable, kBeingMade };
+  enum class Stage { kLoaded, kBeingEvicted, kEvicted, kLoading, kUnreadable, kBeingMade };
   struct Entry {
-    Stage stage = Stage::kAwake;
-    std::shared_ptr<Mission> mission;        // kAwake, kFallingAsleep.
-    std::shared_ptr<const Sleeper> sleeper;  // kAsleep, kWaking.
-    absl::Status damage;                     // kUnreadable.
+    Stage stage = Stage::kLoaded;
+    std::shared_ptr<Mission> mission;               // kLoaded, kBeingEvicted.
+    std::shared_ptr<const EvictedMission> evicted;  // kEvicted, kLoading.
+    absl::Status damage;                            // kUnreadable.
     size_t users = 0;
     absl::Time last_used;
     // It was made for a robot that has not written anything yet, as far as anybody knew.
@@ -166,11 +166,11 @@ class MissionDirectory {
   static KnownMission Describe(const std::string& name, const Entry& entry);
   Counts CountLocked() const ABSL_SHARED_LOCKS_REQUIRED(mutex_);
   // Waits while the mission is on its way. OK: it is awake, or asleep and this caller is to wake it
-  // (its stage is kWaking then).
+  // (its stage is kLoading then).
   absl::Status Await(absl::string_view name, Entry& entry) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   // Returns an error for a mission that nobody can use, whatever they wait for.
   static absl::Status CheckUsable(absl::string_view name, const Entry& entry);
-  // Reads the mission, whose stage is kWaking.
+  // Reads the mission, whose stage is kLoading.
   absl::StatusOr<Lease> Wake(const std::string& name, const EntryPtr& entry)
       ABSL_LOCKS_EXCLUDED(mutex_);
   static bool MayRest(const Entry& entry, const Unused& unused);

@@ -11,10 +11,10 @@
 #include "map_store/process/memory_budget.h"
 #include "map_store/process/mission.h"
 #include "map_store/process/mission_directory.h"
+#include "map_store/process/mission_evictor.h"
+#include "map_store/process/mission_loader.h"
 #include "map_store/process/mission_tender.h"
-#include "map_store/process/mission_waker.h"
 #include "map_store/process/promised_uids.h"
-#include "map_store/process/sleepers.h"
 #include "map_store/process/snapshot_keeper.h"
 #include "map_store/records/restored_state.h"
 #include "map_store/state/mission_uid.h"
@@ -55,13 +55,13 @@ MapStore::MapStore(const MapStoreOptions& options, std::shared_ptr<const Vocabul
       departed_(std::make_unique<DepartedMissions>()),
       promised_uids_(std::make_unique<PromisedUids>(*journal_)) {
   directory_ = std::make_unique<MissionDirectory>(
-      clock_, [this](const std::string& name, const Sleeper& sleeper) {
-        return LoadSleeper(name, sleeper);
+      clock_, [this](const std::string& name, const EvictedMission& evicted) {
+        return LoadEvicted(name, evicted);
       });
-  StartSleep();
+  StartEviction();
   memory_returner_->Start();
   if (options_.deterministic) return;
-  const auto list_missions = [this] { return directory_->ListAwake(); };
+  const auto list_missions = [this] { return directory_->ListLoaded(); };
   executor_->Start(list_missions, options_.fusion_threads);
   snapshots_->Start(list_missions, [this] { memory_returner_->Wake(); });
   tender_->Start();
@@ -71,7 +71,7 @@ MapStore::~MapStore() {
   tender_->Stop();
   snapshots_->Stop();
   executor_->Stop();
-  EndSleep();
+  EndEviction();
 }
 
 void MapStore::Wake() {
@@ -81,7 +81,7 @@ void MapStore::Wake() {
 
 absl::StatusOr<std::shared_ptr<Mission>> MapStore::FindMission(absl::string_view name) const {
   absl::StatusOr<std::shared_ptr<Mission>> mission =
-      options_.wake_in_background ? directory_->UseAwake(name) : directory_->Use(name);
+      options_.wake_in_background ? directory_->UseLoaded(name) : directory_->Use(name);
   if (mission.ok()) (*mission)->profile().NoteUse();
   return mission;
 }
@@ -93,7 +93,7 @@ absl::Status MapStore::Recover() {
   promised_uids_->Recover();
   ASSIGN_OR_RETURN(const std::vector<std::string> names, journal_->ListMissions());
   for (const std::string& name : names) {
-    if (AddSleeper(name)) continue;
+    if (AddEvicted(name)) continue;
     std::shared_ptr<Mission> mission = MakeMission(name);
     const absl::Status recovered = mission->Recover();
     LOG_IF(ERROR, !recovered.ok()) << SayDamage(name, recovered);
@@ -104,7 +104,7 @@ absl::Status MapStore::Recover() {
     } else {
       directory_->AddUnreadable(name, recovered);
     }
-    while (sleeps_by_itself() && memory_->IsShort() && sleepers_->MakeRoom(/*in_haste=*/true)) {
+    while (sleeps_by_itself() && memory_->IsShort() && evictor_->MakeRoom(/*in_haste=*/true)) {
       ReturnFreeMemory();
     }
   }

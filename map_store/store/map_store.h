@@ -44,7 +44,7 @@ namespace corbslam::map_store {
 
 struct KnownMission;
 struct MissionLoad;
-struct Sleeper;
+struct EvictedMission;
 
 class DepartedMissions;
 class FusionExecutor;
@@ -52,9 +52,9 @@ class MemoryBudget;
 class Mission;
 class MissionDirectory;
 class MissionTender;
-class MissionWaker;
+class MissionLoader;
 class PromisedUids;
-class Sleepers;
+class MissionEvictor;
 class SnapshotKeeper;
 
 // The store of all missions. It is thread-safe. Listeners are called without any lock of the store
@@ -244,7 +244,7 @@ class MapStore {
   // Puts those to sleep whose time has come, here and now; for deterministic mode. Returns their
   // number.
   size_t SleepUnused();
-  // Calls `then` once the mission is awake (MissionWaker::WhenAwake), for a caller that got
+  // Calls `then` once the mission is awake (MissionLoader::WhenLoaded), for a caller that got
   // AsleepError's (MapStoreOptions::wake_in_background). RESOURCE_EXHAUSTED: too many wait.
   absl::Status WhenAwake(
       const std::string& mission,
@@ -384,16 +384,16 @@ class MapStore {
   absl::StatusOr<Session> FindSession(uint64_t session_id) const;
   MissionInfo Describe(const KnownMission& known) const;
   // Reads a mission that was asleep.
-  absl::StatusOr<std::shared_ptr<Mission>> LoadSleeper(const std::string& name,
-                                                       const Sleeper& sleeper);
+  absl::StatusOr<std::shared_ptr<Mission>> LoadEvicted(const std::string& name,
+                                                       const EvictedMission& evicted);
   // Has the mission sleep from the start on, if the journal has a summary of it and fusion has
   // nothing to do; returns whether that is so.
-  bool AddSleeper(const std::string& name);
+  bool AddEvicted(const std::string& name);
   // Makes room in memory for so many more missions, if there is one that may sleep.
   void MakeRoomForMissions(size_t coming);
   bool sleeps_by_itself() const { return options_.sleep_after_s > 0; }
-  void StartSleep();
-  void EndSleep();
+  void StartEviction();
+  void EndEviction();
 
   const MapStoreOptions options_;
   const std::shared_ptr<const Vocabulary> vocabulary_;
@@ -409,8 +409,8 @@ class MapStore {
   std::unique_ptr<MissionDirectory> directory_;
   const std::unique_ptr<DepartedMissions> departed_;
   const std::unique_ptr<PromisedUids> promised_uids_;
-  std::unique_ptr<Sleepers> sleepers_;
-  std::unique_ptr<MissionWaker> waker_;
+  std::unique_ptr<MissionEvictor> evictor_;
+  std::unique_ptr<MissionLoader> loader_;
   std::atomic<uint64_t> woken_ = 0;
   std::atomic<int64_t> waking_ns_ = 0;
 

@@ -21,7 +21,7 @@ namespace {
 // Returns the uid of a mission; empty: nobody knows it, as the mission can't be read.
 std::string UidOf(const KnownMission& known) {
   if (known.mission != nullptr) return known.mission->uid();
-  return known.sleeper != nullptr ? known.sleeper->summary.info.uid : "";
+  return known.evicted != nullptr ? known.evicted->summary.info.uid : "";
 }
 
 DepartedMissions::Processes ProcessesOf(const Mission& mission) {

@@ -139,7 +139,7 @@ absl::StatusOr<uint64_t> MapStore::AddMapListener(absl::string_view mission_name
 }
 
 void MapStore::RemoveMapListener(absl::string_view mission_name, uint64_t token) {
-  const std::shared_ptr<Mission> mission = directory_->UseIfAwake(mission_name);
+  const std::shared_ptr<Mission> mission = directory_->UseIfLoaded(mission_name);
   if (mission != nullptr) mission->listeners().RemoveOfMap(token);
 }
 
@@ -164,7 +164,7 @@ absl::StatusOr<uint64_t> MapStore::AddEventListener(absl::string_view mission_na
 }
 
 void MapStore::RemoveEventListener(absl::string_view mission_name, uint64_t token) {
-  const std::shared_ptr<Mission> mission = directory_->UseIfAwake(mission_name);
+  const std::shared_ptr<Mission> mission = directory_->UseIfLoaded(mission_name);
   if (mission != nullptr) mission->events().listeners().RemoveOfMap(token);
 }
 

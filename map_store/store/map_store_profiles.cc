@@ -18,7 +18,7 @@ namespace {
 
 MissionProfile ProfileOf(const KnownMission& known) {
   if (known.mission != nullptr) return known.mission->profile().Get();
-  return known.sleeper != nullptr ? known.sleeper->summary.info.profile : MissionProfile();
+  return known.evicted != nullptr ? known.evicted->summary.info.profile : MissionProfile();
 }
 
 // Returns whether the mission's retention has passed.
@@ -110,7 +110,7 @@ void MapStore::Expire(const std::string& name) {
         name, [this](const KnownMission& now) { return IsOutdated(now, clock_()); });
     if (!known.has_value()) return;
     profile = ProfileOf(*known);
-    uid = known->mission != nullptr ? known->mission->uid() : known->sleeper->summary.info.uid;
+    uid = known->mission != nullptr ? known->mission->uid() : known->evicted->summary.info.uid;
     if (known->mission != nullptr) known->mission->Delete();
     deleted = EndLife(name, known->mission);
   }

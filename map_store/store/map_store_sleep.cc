@@ -12,8 +12,8 @@
 #include "map_store/process/memory_budget.h"
 #include "map_store/process/mission.h"
 #include "map_store/process/mission_directory.h"
-#include "map_store/process/mission_waker.h"
-#include "map_store/process/sleepers.h"
+#include "map_store/process/mission_evictor.h"
+#include "map_store/process/mission_loader.h"
 #include "map_store/store/map_store.h"
 #include "map_store/view/damage_words.h"
 #include "slam/util/status_macros.h"
@@ -22,7 +22,7 @@ namespace corbslam::map_store {
 namespace {
 
 // Missions that are read at one time.
-constexpr int kWakerThreads = 2;
+constexpr int kLoaderThreads = 2;
 
 }  // namespace
 
@@ -33,7 +33,7 @@ MissionInfo MapStore::Describe(const KnownMission& known) const {
     info = known.mission->Info();
     info.disk_bytes = journal_->DiskBytes(info.name);
   } else {
-    info = known.sleeper->summary.info;
+    info = known.evicted->summary.info;
     info.asleep = true;
   }
   if (info.profile.last_used_ns == 0) {
@@ -49,13 +49,13 @@ std::vector<MissionLoad> MapStore::ListLoads() const {
   std::vector<MissionLoad> loads;
   for (const KnownMission& known : directory_->List("", std::numeric_limits<size_t>::max())) {
     if (known.mission != nullptr) loads.push_back(known.mission->Load());
-    if (known.sleeper != nullptr) loads.push_back(known.sleeper->summary.load);
+    if (known.evicted != nullptr) loads.push_back(known.evicted->summary.load);
   }
   return loads;
 }
 
-absl::StatusOr<std::shared_ptr<Mission>> MapStore::LoadSleeper(const std::string& name,
-                                                               const Sleeper& sleeper) {
+absl::StatusOr<std::shared_ptr<Mission>> MapStore::LoadEvicted(const std::string& name,
+                                                               const EvictedMission& evicted) {
   const absl::Time begin = absl::Now();
   // This one is counted already.
   MakeRoomForMissions(0);
@@ -65,22 +65,22 @@ absl::StatusOr<std::shared_ptr<Mission>> MapStore::LoadSleeper(const std::string
                      " missions are in memory and used; that is the limit (--max-missions)"));
   }
   RETURN_IF_ERROR(
-      memory_->Check(absl::StrCat("mission ", name), sleeper.summary.info.memory_bytes));
+      memory_->Check(absl::StrCat("mission ", name), evicted.summary.info.memory_bytes));
   std::shared_ptr<Mission> mission = MakeMission(name);
   if (const absl::Status recovered = mission->Recover(); !recovered.ok()) {
     LOG(ERROR) << "mission " << name << " can't be read: " << recovered;
     return recovered;
   }
   mission->EnsureUid();
-  mission->events().GoOnFrom(sleeper.events);
-  if (sleeper.summary.retired) mission->retiring().NoteAllDone();
+  mission->events().GoOnFrom(evicted.events);
+  if (evicted.summary.retired) mission->retiring().NoteAllDone();
   ++woken_;
   waking_ns_ += absl::ToInt64Nanoseconds(absl::Now() - begin);
   Wake();
   return mission;
 }
 
-bool MapStore::AddSleeper(const std::string& name) {
+bool MapStore::AddEvicted(const std::string& name) {
   if (!sleeps_by_itself()) return false;
   const absl::StatusOr<std::string> bytes = journal_->ReadSummary(name);
   if (absl::IsNotFound(bytes.status())) return false;
@@ -92,9 +92,9 @@ bool MapStore::AddSleeper(const std::string& name) {
     return false;
   }
   if (summary->work_left && has_worker()) return false;
-  Sleeper sleeper{*summary, {}};
-  sleeper.NoteAsleep(journal_->DiskBytes(name));
-  directory_->AddAsleep(name, std::move(sleeper));
+  EvictedMission evicted{*summary, {}};
+  evicted.NoteEvicted(journal_->DiskBytes(name));
+  directory_->AddEvicted(name, std::move(evicted));
   return true;
 }
 
@@ -102,47 +102,45 @@ void MapStore::MakeRoomForMissions(size_t coming) {
   if (!sleeps_by_itself() || directory_->Count().in_memory + coming <= options_.max_missions) {
     return;
   }
-  sleepers_->MakeRoom(/*in_haste=*/true);
+  evictor_->MakeRoom(/*in_haste=*/true);
 }
 
-void MapStore::StartSleep() {
+void MapStore::StartEviction() {
   const absl::Duration after =
       options_.sleep_after_s > 0 ? absl::Seconds(options_.sleep_after_s) : absl::InfiniteDuration();
-  sleepers_ = std::make_unique<Sleepers>(*directory_, *journal_, *memory_, clock_, after);
-  waker_ = std::make_unique<MissionWaker>(*directory_);
+  evictor_ = std::make_unique<MissionEvictor>(*directory_, *journal_, *memory_, clock_, after);
+  loader_ = std::make_unique<MissionLoader>(*directory_);
   if (!journal_->KeepsRecords()) return;
-  if (!options_.deterministic) waker_->Start(kWakerThreads);
+  if (!options_.deterministic) loader_->Start(kLoaderThreads);
   if (!sleeps_by_itself()) return;
-  memory_->SetRoomMaker([this] { return sleepers_->MakeRoom(/*in_haste=*/true); });
-  if (!options_.deterministic) sleepers_->Start();
+  memory_->SetRoomMaker([this] { return evictor_->MakeRoom(/*in_haste=*/true); });
+  if (!options_.deterministic) evictor_->Start();
 }
 
-void MapStore::EndSleep() {
-  waker_->Stop();
-  sleepers_->Stop();
+void MapStore::EndEviction() {
+  loader_->Stop();
+  evictor_->Stop();
   {
     std::map<uint64_t, Session> left;
     absl::MutexLock lock(&mutex_);
     left.swap(sessions_);
   }
-  if (sleeps_by_itself()) sleepers_->PutAllToSleep(absl::Seconds(options_.end_s));
+  if (sleeps_by_itself()) evictor_->EvictAll(absl::Seconds(options_.end_s));
 }
 
-absl::Status MapStore::SleepMission(absl::string_view mission) {
-  return sleepers_->PutToSleep(mission);
-}
+absl::Status MapStore::SleepMission(absl::string_view mission) { return evictor_->Evict(mission); }
 
-size_t MapStore::SleepUnused() { return sleepers_->PutUnusedToSleep(); }
+size_t MapStore::SleepUnused() { return evictor_->EvictUnused(); }
 
 absl::Status MapStore::WhenAwake(
     const std::string& mission,
     std::function<void(const absl::StatusOr<std::shared_ptr<const void>>& awake)> then) {
-  return waker_->WhenAwake(mission, std::move(then));
+  return loader_->WhenLoaded(mission, std::move(then));
 }
 
 MapStore::Sleep MapStore::sleep() const {
   return {.asleep = directory_->Count().asleep,
-          .fallen_asleep = sleepers_->fallen_asleep(),
+          .fallen_asleep = evictor_->evictions(),
           .woken = woken_,
           .waking_s = absl::ToDoubleSeconds(absl::Nanoseconds(waking_ns_.load()))};
 }

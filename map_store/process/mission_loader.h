@@ -1,6 +1,6 @@
 // Reads missions that are asleep on threads of its own, for callers that can't wait on theirs.
-#ifndef CORBSLAM_MAP_STORE_PROCESS_MISSION_WAKER_H_
-#define CORBSLAM_MAP_STORE_PROCESS_MISSION_WAKER_H_
+#ifndef CORBSLAM_MAP_STORE_PROCESS_MISSION_LOADER_H_
+#define CORBSLAM_MAP_STORE_PROCESS_MISSION_LOADER_H_
 
 #include <cstddef>
 #include <deque>
@@ -20,7 +20,7 @@
 namespace corbslam::map_store {
 
 // Wakes one mission a thread, each once, however many wait for it. Thread-safe.
-class MissionWaker {
+class MissionLoader {
  public:
   // Called once the mission is awake, which it stays for as long as somebody holds `awake`, or with
   // MissionDirectory::Use's error.
@@ -28,8 +28,8 @@ class MissionWaker {
   static constexpr size_t kMaxWaiting = 1000;
 
   // `directory` is not owned and must outlive it.
-  explicit MissionWaker(MissionDirectory& directory) : directory_(directory) {}
-  ~MissionWaker() { Stop(); }
+  explicit MissionLoader(MissionDirectory& directory) : directory_(directory) {}
+  ~MissionLoader() { Stop(); }
 
   void Start(int threads);
   // Ends the threads after the missions that they are at. Who still waits gets UNAVAILABLE.
@@ -37,7 +37,7 @@ class MissionWaker {
 
   // Calls `then` from another thread, or from this one if the mission is awake or there are no
   // threads; not after an error. RESOURCE_EXHAUSTED: too many wait already.
-  absl::Status WhenAwake(const std::string& mission, Then then) ABSL_LOCKS_EXCLUDED(mutex_);
+  absl::Status WhenLoaded(const std::string& mission, Then then) ABSL_LOCKS_EXCLUDED(mutex_);
 
  private:
   void Run();
@@ -56,4 +56,4 @@ class MissionWaker {
 
 }  // namespace corbslam::map_store
 
-#endif  // CORBSLAM_MAP_STORE_PROCESS_MISSION_WAKER_H_
+#endif  // CORBSLAM_MAP_STORE_PROCESS_MISSION_LOADER_H_

@@ -1,4 +1,4 @@
-#include "map_store/process/mission_waker.h"
+#include "map_store/process/mission_loader.h"
 
 #include <utility>
 
@@ -9,11 +9,11 @@ namespace corbslam::map_store {
 namespace {
 
 // As those of look-ups: robots of missions that are awake come first.
-constexpr int kWakerStepsLower = 5;
+constexpr int kLoaderStepsLower = 5;
 
 }  // namespace
 
-void MissionWaker::Start(int threads) {
+void MissionLoader::Start(int threads) {
   {
     absl::MutexLock lock(&mutex_);
     running_ = true;
@@ -21,7 +21,7 @@ void MissionWaker::Start(int threads) {
   for (int i = 0; i < threads; ++i) threads_.emplace_back([this] { Run(); });
 }
 
-void MissionWaker::Stop() {
+void MissionLoader::Stop() {
   {
     absl::MutexLock lock(&mutex_);
     running_ = false;
@@ -42,8 +42,8 @@ void MissionWaker::Stop() {
   }
 }
 
-absl::Status MissionWaker::WhenAwake(const std::string& mission, Then then) {
-  std::shared_ptr<const void> awake = directory_.UseIfAwake(mission);
+absl::Status MissionLoader::WhenLoaded(const std::string& mission, Then then) {
+  std::shared_ptr<const void> awake = directory_.UseIfLoaded(mission);
   if (awake == nullptr) {
     absl::MutexLock lock(&mutex_);
     if (running_) {
@@ -67,7 +67,7 @@ absl::Status MissionWaker::WhenAwake(const std::string& mission, Then then) {
   return absl::OkStatus();
 }
 
-std::vector<MissionWaker::Then> MissionWaker::TakeWaiting(const std::string& mission) {
+std::vector<MissionLoader::Then> MissionLoader::TakeWaiting(const std::string& mission) {
   absl::MutexLock lock(&mutex_);
   const auto it = waiting_.find(mission);
   if (it == waiting_.end()) return {};
@@ -77,8 +77,8 @@ std::vector<MissionWaker::Then> MissionWaker::TakeWaiting(const std::string& mis
   return waiting;
 }
 
-void MissionWaker::Run() {
-  StepBehindRobots(kWakerStepsLower, "missions that wake");
+void MissionLoader::Run() {
+  StepBehindRobots(kLoaderStepsLower, "missions that wake");
   while (true) {
     std::string mission;
     {

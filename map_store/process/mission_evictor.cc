@@ -1,4 +1,4 @@
-#include "map_store/process/sleepers.h"
+#include "map_store/process/mission_evictor.h"
 
 #include <glog/logging.h>
 
@@ -14,7 +14,7 @@
 namespace corbslam::map_store {
 namespace {
 
-constexpr int kSleeperStepsLower = 10;
+constexpr int kEvictorStepsLower = 10;
 constexpr absl::Duration kBetweenLooks = absl::Seconds(1);
 // What somebody asks for every few seconds is not to be read each time.
 constexpr absl::Duration kLeastRest = absl::Seconds(10);
@@ -28,20 +28,20 @@ absl::Status IsUsed(absl::string_view name) {
 
 }  // namespace
 
-void Sleepers::Start() {
+void MissionEvictor::Start() {
   thread_ = std::thread([this] { Run(); });
 }
 
-void Sleepers::Stop() {
+void MissionEvictor::Stop() {
   signal_.Stop();
   if (thread_.joinable()) thread_.join();
 }
 
-void Sleepers::Run() {
+void MissionEvictor::Run() {
   // Robots wait for the other threads, but nobody waits for this one.
-  StepBehindRobots(kSleeperStepsLower, "missions that fall asleep");
+  StepBehindRobots(kEvictorStepsLower, "missions that fall asleep");
   while (signal_.WaitFor(kBetweenLooks)) {
-    PutUnusedToSleep();
+    EvictUnused();
     // Robots were refused: they come again in a moment.
     const bool in_haste = memory_.TakeWanted();
     if (in_haste) ReturnFreeMemoryAbove(0);
@@ -51,21 +51,21 @@ void Sleepers::Run() {
   }
 }
 
-absl::Status Sleepers::PutToSleep(absl::string_view name) {
+absl::Status MissionEvictor::Evict(absl::string_view name) {
   ASSIGN_OR_RETURN(const KnownMission known, directory_.Look(name));
   if (!known.damage.ok()) return absl::DataLossError(SayDamage(name, known.damage));
   if (known.mission == nullptr) return absl::OkStatus();
-  return FallAsleep({known.name, known.mission, known.last_used}, /*in_haste=*/false,
-                    [] { return true; });
+  return TryEvict({known.name, known.mission, known.last_used}, /*in_haste=*/false,
+                  [] { return true; });
 }
 
-size_t Sleepers::PutUnusedToSleep() {
+size_t MissionEvictor::EvictUnused() {
   size_t count = 0;
   for (Unused& unused : directory_.ListUnused()) {
     if (clock_() - unused.last_used < sleep_after_ || signal_.stopped()) break;
     if (!MayTry(unused)) continue;
     const absl::Status fell =
-        FallAsleep(unused, /*in_haste=*/false, [this] { return !signal_.stopped(); });
+        TryEvict(unused, /*in_haste=*/false, [this] { return !signal_.stopped(); });
     count += fell.ok() ? 1 : 0;
     // Its memory is free once the last one lets it go.
     unused.mission.reset();
@@ -73,25 +73,25 @@ size_t Sleepers::PutUnusedToSleep() {
   return count;
 }
 
-bool Sleepers::MakeRoom(bool in_haste) {
+bool MissionEvictor::MakeRoom(bool in_haste) {
   for (const Unused& unused : directory_.ListUnused()) {
     if (!in_haste && clock_() - unused.last_used < kLeastRest) break;
     if (!MayTry(unused)) continue;
-    if (FallAsleep(unused, in_haste, [this] { return !signal_.stopped(); }).ok()) return true;
+    if (TryEvict(unused, in_haste, [this] { return !signal_.stopped(); }).ok()) return true;
   }
   return false;
 }
 
-void Sleepers::PutAllToSleep(absl::Duration time_left) {
+void MissionEvictor::EvictAll(absl::Duration time_left) {
   const absl::Time end = clock_() + time_left;
   for (const Unused& unused : directory_.ListUnused()) {
-    FallAsleep(unused, /*in_haste=*/true, [this, end] { return clock_() < end; }).IgnoreError();
+    TryEvict(unused, /*in_haste=*/true, [this, end] { return clock_() < end; }).IgnoreError();
   }
 }
 
-absl::Status Sleepers::FallAsleep(const Unused& unused, bool in_haste,
-                                  const std::function<bool()>& goes_on) {
-  absl::MutexLock one(&falling_);
+absl::Status MissionEvictor::TryEvict(const Unused& unused, bool in_haste,
+                                      const std::function<bool()>& goes_on) {
+  absl::MutexLock one(&evicting_);
   if (!directory_.IsUnused(unused)) return IsUsed(unused.name);
   RETURN_IF_ERROR(unused.mission->CheckMaySleep());
   const auto is_unused = [&] { return goes_on() && directory_.IsUnused(unused); };
@@ -99,9 +99,9 @@ absl::Status Sleepers::FallAsleep(const Unused& unused, bool in_haste,
   if (!kept.ok()) NoteFailure(unused, kept.status());
   RETURN_IF_ERROR(kept.status());
   if (!in_haste) journal_.TidyUp(unused.name);
-  if (!directory_.BeginSleep(unused)) return IsUsed(unused.name);
+  if (!directory_.BeginEviction(unused)) return IsUsed(unused.name);
   if (!unused.mission->Retire(*kept)) {
-    directory_.CancelSleep(unused);
+    directory_.CancelEviction(unused);
     return IsUsed(unused.name);
   }
   // A snapshot that had begun reads the journal, and a mission that is aside would be opened by
@@ -111,20 +111,20 @@ absl::Status Sleepers::FallAsleep(const Unused& unused, bool in_haste,
   return absl::OkStatus();
 }
 
-void Sleepers::PutAside(const Unused& unused) {
-  Sleeper sleeper{unused.mission->Summarise(), unused.mission->events().GetPast()};
-  if (int64_t& used_ns = sleeper.summary.info.profile.last_used_ns; used_ns == 0) {
+void MissionEvictor::PutAside(const Unused& unused) {
+  EvictedMission evicted{unused.mission->Summarise(), unused.mission->events().GetPast()};
+  if (int64_t& used_ns = evicted.summary.info.profile.last_used_ns; used_ns == 0) {
     used_ns = absl::ToUnixNanos(unused.last_used);
   }
-  const absl::Status status = journal_.PutAside(unused.name, EncodeSummary(sleeper.summary));
+  const absl::Status status = journal_.PutAside(unused.name, EncodeSummary(evicted.summary));
   LOG_IF(WARNING, !status.ok()) << "mission " << unused.name
                                 << " is asleep, but the next start will read it: " << status;
-  sleeper.NoteAsleep(journal_.DiskBytes(unused.name));
-  directory_.EndSleep(unused, std::move(sleeper));
-  ++fallen_asleep_;
+  evicted.NoteEvicted(journal_.DiskBytes(unused.name));
+  directory_.EndEviction(unused, std::move(evicted));
+  ++evictions_;
 }
 
-bool Sleepers::MayTry(const Unused& unused) {
+bool MissionEvictor::MayTry(const Unused& unused) {
   absl::MutexLock lock(&tries_mutex_);
   const auto it = next_try_.find(unused.name);
   if (it == next_try_.end()) return true;
@@ -133,7 +133,7 @@ bool Sleepers::MayTry(const Unused& unused) {
   return true;
 }
 
-void Sleepers::NoteFailure(const Unused& unused, const absl::Status& status) {
+void MissionEvictor::NoteFailure(const Unused& unused, const absl::Status& status) {
   if (absl::IsCancelled(status) || absl::IsAborted(status)) return;
   LOG(WARNING) << "mission " << unused.name << " stays in memory: " << status;
   absl::MutexLock lock(&tries_mutex_);

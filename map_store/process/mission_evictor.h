@@ -1,6 +1,6 @@
 // Lets missions that nobody uses leave memory.
-#ifndef CORBSLAM_MAP_STORE_PROCESS_SLEEPERS_H_
-#define CORBSLAM_MAP_STORE_PROCESS_SLEEPERS_H_
+#ifndef CORBSLAM_MAP_STORE_PROCESS_MISSION_EVICTOR_H_
+#define CORBSLAM_MAP_STORE_PROCESS_MISSION_EVICTOR_H_
 
 #include <atomic>
 #include <cstddef>
@@ -23,21 +23,21 @@
 
 namespace corbslam::map_store {
 
-// Puts missions to sleep, one at a time: what only memory has of one becomes a snapshot while
-// everybody can still use it, and only then whoever wants it waits, until its database is closed.
-// Thread-safe.
-class Sleepers {
+// Evicts missions, which are asleep then, one at a time: what only memory has of one becomes a
+// snapshot while everybody can still use it, and only then whoever wants it waits, until its
+// database is closed. Thread-safe.
+class MissionEvictor {
  public:
   // The arguments are not owned and must outlive it. A mission falls asleep when nobody has used it
   // for `sleep_after`; infinite: only when somebody asks for it, or memory is short.
-  Sleepers(MissionDirectory& directory, Journal& journal, MemoryBudget& memory,
-           std::function<absl::Time()> clock, absl::Duration sleep_after)
+  MissionEvictor(MissionDirectory& directory, Journal& journal, MemoryBudget& memory,
+                 std::function<absl::Time()> clock, absl::Duration sleep_after)
       : directory_(directory),
         journal_(journal),
         memory_(memory),
         clock_(std::move(clock)),
         sleep_after_(sleep_after) {}
-  ~Sleepers() { Stop(); }
+  ~MissionEvictor() { Stop(); }
 
   // Starts the thread that looks once a second.
   void Start();
@@ -46,9 +46,9 @@ class Sleepers {
 
   // Puts this mission to sleep, if it is not asleep already. FAILED_PRECONDITION, with the reason,
   // where it has to stay in memory.
-  absl::Status PutToSleep(absl::string_view name);
+  absl::Status Evict(absl::string_view name);
   // Puts those to sleep whose time has come. Returns how many fell asleep.
-  size_t PutUnusedToSleep();
+  size_t EvictUnused();
   // Puts the mission to sleep that has not been used for longest, of those that may sleep; in
   // haste, because somebody waits, without tidying up its files, and even if it was used a moment
   // ago. Returns false if there is none.
@@ -56,19 +56,19 @@ class Sleepers {
   // Writes summaries of all missions that may sleep, so that the next start need not read them. The
   // store ends: nobody uses it any more. Missions that need a snapshot first are left out once
   // `time_left` is over.
-  void PutAllToSleep(absl::Duration time_left);
+  void EvictAll(absl::Duration time_left);
 
   // Returns how often a mission has fallen asleep.
-  uint64_t fallen_asleep() const { return fallen_asleep_; }
+  uint64_t evictions() const { return evictions_; }
 
  private:
   using Unused = MissionDirectory::Unused;
 
   void Run();
-  absl::Status FallAsleep(const Unused& unused, bool in_haste, const std::function<bool()>& goes_on)
-      ABSL_LOCKS_EXCLUDED(falling_);
+  absl::Status TryEvict(const Unused& unused, bool in_haste, const std::function<bool()>& goes_on)
+      ABSL_LOCKS_EXCLUDED(evicting_);
   // The mission is retired: it can only fall asleep now.
-  void PutAside(const Unused& unused) ABSL_EXCLUSIVE_LOCKS_REQUIRED(falling_);
+  void PutAside(const Unused& unused) ABSL_EXCLUSIVE_LOCKS_REQUIRED(evicting_);
   // Returns whether an attempt that failed is to be made again so soon.
   bool MayTry(const Unused& unused) ABSL_LOCKS_EXCLUDED(tries_mutex_);
   void NoteFailure(const Unused& unused, const absl::Status& status)
@@ -79,9 +79,9 @@ class Sleepers {
   MemoryBudget& memory_;
   const std::function<absl::Time()> clock_;
   const absl::Duration sleep_after_;
-  std::atomic<uint64_t> fallen_asleep_ = 0;
+  std::atomic<uint64_t> evictions_ = 0;
   // Held while a mission falls asleep.
-  absl::Mutex falling_;
+  absl::Mutex evicting_;
   absl::Mutex tries_mutex_;
   // Missions whose snapshot could not be written, and when to try again.
   std::map<std::string, absl::Time> next_try_ ABSL_GUARDED_BY(tries_mutex_);
@@ -91,4 +91,4 @@ class Sleepers {
 
 }  // namespace corbslam::map_store
 
-#endif  // CORBSLAM_MAP_STORE_PROCESS_SLEEPERS_H_
+#endif  // CORBSLAM_MAP_STORE_PROCESS_MISSION_EVICTOR_H_
