@@ -64,7 +64,7 @@ install(FILES "${CMAKE_SOURCE_DIR}/slam/vocabulary/data/corbslam.voc"
         DESTINATION "${CMAKE_INSTALL_DATADIR}/corbslam" COMPONENT common)
 # The lab's diary is for those who work on the sources.
 install(DIRECTORY "${CMAKE_SOURCE_DIR}/docs/" DESTINATION "${CMAKE_INSTALL_DATADIR}/doc/corbslam"
-        COMPONENT common FILES_MATCHING PATTERN "*.md" PATTERN "lab" EXCLUDE PATTERN "results" EXCLUDE)
+        COMPONENT common FILES_MATCHING PATTERN "*.md" PATTERN "lab" EXCLUDE)
 # Where it was built. Of an empty name this would install the whole machine.
 if(NOT CORBSLAM_BUILT_PAGE)
   message(FATAL_ERROR "CORBSLAM_BUILT_PAGE is empty")

@@ -1,8 +1,10 @@
 # Several files of a library are compiled as one: most of what a compiler does is with headers that they
 # share. Eight files of slam/features took 9.8 s one by one and 3.5 s together. Where two files of a library give the same name to
 # different things of their own, one of them stands in compiled_alone.txt; better is another name. Each
-# file still includes what it uses: the fuzzers' build and the checks by clang compile each alone.
-option(CORBSLAM_UNITED "Compile several files of a library as one" ON)
+# file still includes what it uses: the fuzzers' build and the checks by clang compile each alone. The
+# presets that build everything once unite (release, arm64); whoever changes a file again and again
+# compiles that file alone (dev).
+option(CORBSLAM_UNITED "Compile several files of a library as one" OFF)
 set(CORBSLAM_UNITED_FILES 8)
 if(NOT CMAKE_CXX_COMPILER_ID STREQUAL "GNU" OR CORBSLAM_SANITIZE)
   set(CORBSLAM_UNITED OFF)

@@ -1,16 +1,16 @@
 #!/usr/bin/env python3
-"""Makes docs/results.md of the tables in docs/results, or checks that it is what they make.
+"""Makes docs/results.md and its chapters of the tables in docs/results, or checks what they make.
 
-  docs/results.py           writes docs/results.md
-  docs/results.py --check   fails, with the first line that differs, where the page is another one
+  docs/results.py           writes docs/results.md and docs/results/CHAPTER.md
+  docs/results.py --check   fails, with the first line that differs, where a page is another one
 
-page.json holds the page's beginning, the numbers that stand first (a sentence with {} for each of its
-cells of a table: [row, title of the column]), the sections and what was not measured. Every other
-file is a table: title, what it means, command, commit, date, machine, columns, rows, and, where there
-is one, the lab page with the way there. A column is a title, with rows of cells in the same order; or
-{"title", "key", "digits", "scale"}, with rows as a program writes them as JSON, of which the key is
-taken ("quiet.p99_ms": p99_ms inside quiet), times the scale. README's `tests/run.sh` runs the check
-(docs.results).
+page.json holds the first page's beginning, the numbers that stand first (a sentence with {} for
+each of its cells of a table: [row, title of the column]), the chapters and what was not measured.
+Every other file is a table: title, what it means, command, commit, date, machine, columns, rows, and,
+where there is one, the lab page with the way there. A column is a title, with rows of cells in the
+same order; or {"title", "key", "digits", "scale"}, with rows as a program writes them as JSON, of
+which the key is taken ("quiet.p99_ms": p99_ms inside quiet), times the scale. Links in these files
+are as seen from docs/. README's `tests/run.sh` runs the check (docs.results).
 """
 
 import datetime
@@ -22,6 +22,7 @@ import sys
 DOCS = pathlib.Path(__file__).resolve().parent
 # The command of a table whose rows each name one.
 IN_ROWS = "as in the rows"
+MADE = "<!-- Made by docs/results.py of docs/results; change those, not this. -->"
 TEXTS = ("title", "meaning", "command", "commit", "date", "machine")
 
 
@@ -93,7 +94,7 @@ def line(texts):
 def render(table, name, docs):
     check(table, name)
     titles = [c["title"] if isinstance(c, dict) else c for c in table["columns"]]
-    lines = [f"### {table['title']}", "", table["meaning"], "", line(titles),
+    lines = [f"## {table['title']}", "", table["meaning"], "", line(titles),
              line(["---"] * len(titles))]
     lines += [line(row) for row in cells(table, name)]
     command = table["command"]
@@ -103,6 +104,17 @@ def render(table, name, docs):
         require((docs / table["lab"]).is_file(), name, f"lab: there is no docs/{table['lab']}")
         source += f"; [more]({table['lab']})"
     return lines + ["", source + f" ([{name}](results/{name})).", ""]
+
+
+def anchor(title):
+    return re.sub(r"[^\w\- ]", "", title.lower()).replace(" ", "-")
+
+
+def chapter_of(page, name):
+    for chapter in page["chapters"]:
+        if name in chapter["tables"]:
+            return chapter["file"]
+    raise Invalid(f"docs/results/page.json: numbers: {name} is in no chapter")
 
 
 def first_numbers(page, folder):
@@ -120,30 +132,58 @@ def first_numbers(page, folder):
         said = number_of["says"]
         require(said.count("{}") == len(values), "page.json",
                 f"numbers: '{said}' has not as many places as cells")
-        anchor = re.sub(r"[^\w\- ]", "", table["title"].lower()).replace(" ", "-")
-        lines.append(f"* {said.format(*values)} ([{table['title']}](#{anchor}))")
+        link = f"results/{chapter_of(page, name)}#{anchor(table['title'])}"
+        lines.append(f"* {said.format(*values)} ([more]({link}))")
     return lines + [""]
 
 
-def make_page(docs):
-    """The text of results.md."""
-    folder = docs / "results"
-    page = read(folder, "page.json")
-    named = [name for section in page["sections"] for name in section["tables"]]
-    present = sorted(path.name for path in folder.glob("*.json") if path.name != "page.json")
-    require(sorted(named) == present, "page.json",
-            f"sections: name {sorted(named)}, but there are {present}")
-    lines = [f"# {page['title']}", "",
-             "<!-- Made by docs/results.py of docs/results; change those, not this. -->", ""]
+def chapter_list(page, folder):
+    """A line for each chapter, and below it one for each table."""
+    lines = ["## Chapters", ""]
+    for chapter in page["chapters"]:
+        file = f"results/{chapter['file']}"
+        lines.append(f"* [{chapter['title']}]({file}): {chapter['says']}")
+        for name in chapter["tables"]:
+            title = read(folder, name)["title"]
+            lines.append(f"  * [{title}]({file}#{anchor(title)})")
+    return lines + [""]
+
+
+def seen_from_results(text):
+    """Links as seen from docs/ become links as seen from docs/results/."""
+    text = re.sub(r"\]\((?![a-z]+:|#)", "](../", text)
+    return text.replace("](../results/", "](")
+
+
+def make_chapter(chapter, docs):
+    lines = [f"# {chapter['title']}", "", MADE, "", f"{chapter['says']} "
+             "ATE, `DATA`, `KITTI`, `TUM` and `RUN`: see [results.md](results.md).", ""]
+    for name in chapter["tables"]:
+        lines += render(read(docs / "results", name), name, docs)
+    return seen_from_results("\n".join(lines))
+
+
+def make_first_page(page, folder):
+    lines = [f"# {page['title']}", "", MADE, ""]
     for paragraph in page["beginning"]:
         lines += [paragraph, ""]
-    lines += first_numbers(page, folder)
-    for section in page["sections"]:
-        lines += [f"## {section['title']}", ""]
-        for name in section["tables"]:
-            lines += render(read(folder, name), name, docs)
+    lines += first_numbers(page, folder) + chapter_list(page, folder)
     lines += ["## Not measured", ""] + [f"* {item}" for item in page["not_measured"]]
     return "\n".join(lines) + "\n"
+
+
+def make_pages(docs):
+    """The text of each page, by its name as seen from docs/."""
+    folder = docs / "results"
+    page = read(folder, "page.json")
+    named = [name for chapter in page["chapters"] for name in chapter["tables"]]
+    present = sorted(path.name for path in folder.glob("*.json") if path.name != "page.json")
+    require(sorted(named) == present, "page.json",
+            f"chapters: name {sorted(named)}, but there are {present}")
+    pages = {"results.md": make_first_page(page, folder)}
+    for chapter in page["chapters"]:
+        pages[f"results/{chapter['file']}"] = make_chapter(chapter, docs)
+    return pages
 
 
 def first_difference(page, made):
@@ -156,25 +196,35 @@ def first_difference(page, made):
     return None
 
 
+def check_pages(docs, pages):
+    """Fails where a page is not what is made, or nobody makes it."""
+    for path in (docs / "results").glob("*.md"):
+        if f"results/{path.name}" not in pages:
+            raise Invalid(f"docs/results/{path.name}: is no chapter of page.json")
+    for name, made in pages.items():
+        path = docs / name
+        there = path.read_text(encoding="utf-8") if path.is_file() else ""
+        difference = first_difference(there, made)
+        if difference is not None:
+            raise Invalid("docs/{}:{}: is\n  {}\nwhere docs/results makes\n  {}\n"
+                          "Run docs/results.py.".format(name, *difference))
+
+
 def main(arguments):
     if arguments not in ([], ["--check"]):
         print(__doc__, file=sys.stderr)
         return 2
     try:
-        made = make_page(DOCS)
+        pages = make_pages(DOCS)
+        if arguments:
+            check_pages(DOCS, pages)
     except Invalid as error:
         print(error, file=sys.stderr)
         return 1
-    page = DOCS / "results.md"
     if not arguments:
-        page.write_text(made, encoding="utf-8")
-        return 0
-    difference = first_difference(page.read_text(encoding="utf-8"), made)
-    if difference is None:
-        return 0
-    print("docs/results.md:{}: is\n  {}\nwhere docs/results makes\n  {}\nRun docs/results.py."
-          .format(*difference), file=sys.stderr)
-    return 1
+        for name, made in pages.items():
+            (DOCS / name).write_text(made, encoding="utf-8")
+    return 0
 
 
 if __name__ == "__main__":

@@ -2,10 +2,12 @@
 
 #include <utility>
 
+#include "slam/util/named_thread.h"
+
 namespace corbslam::client_agent {
 
 AfterWork::AfterWork(bool threaded) {
-  if (threaded) thread_ = std::thread([this] { Run(); });
+  if (threaded) thread_ = StartThread("after work", [this] { Run(); });
 }
 
 AfterWork::~AfterWork() {

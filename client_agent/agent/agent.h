@@ -99,7 +99,7 @@ struct TrajectoryPose {
 struct AgentStatus {
   TrackingState state = TrackingState::kNotInitialised;
   LocalMapId local_map;
-  // Of the last frame.
+  // Why the last frame has no pose.
   WhyNoPose why_no_pose = WhyNoPose::kHasOne;
   bool mapping_paused = false;
   // Time and pose of the last tracked frame.

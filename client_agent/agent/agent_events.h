@@ -38,7 +38,7 @@ struct AgentEvent {
   int64_t timestamp_ns = 0;  // Of the newest frame then, in the camera's time; 0: there was none.
   Kind kind = Kind::kLost;
   LocalMapId local_map;
-  // As the newest frame has them (TrackingResult::epoch); a link's event comes before the frame
+  // The epochs of the newest frame (TrackingResult::epoch); a link's event comes before the frame
   // that shows what it did.
   uint64_t epoch = 0;
   uint64_t global_epoch = 0;

@@ -4,6 +4,7 @@
 
 #include "absl/time/clock.h"
 #include "client_agent/map/map_bytes.h"
+#include "slam/util/named_thread.h"
 
 namespace corbslam::client_agent {
 
@@ -59,13 +60,13 @@ void LocalMapSession::GoOnFrom(const KeptMap& kept) {
 }
 
 void LocalMapSession::Start() {
-  threads_.emplace_back([this] { mapper_.Run(); });
-  threads_.emplace_back([this] {
+  threads_.push_back(StartThread("mapping", [this] { mapper_.Run(); }));
+  threads_.push_back(StartThread("loop detection", [this] {
     while (loop_closer_.WaitForDetection()) loop_closer_.StepDetection();
-  });
-  threads_.emplace_back([this] {
+  }));
+  threads_.push_back(StartThread("loop adjustment", [this] {
     while (loop_closer_.WaitForAdjustment()) loop_closer_.StepAdjustment();
-  });
+  }));
 }
 
 void LocalMapSession::Step() {

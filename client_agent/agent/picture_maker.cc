@@ -5,12 +5,13 @@
 #include <utility>
 
 #include "client_agent/agent/picture_encoder.h"
+#include "slam/util/named_thread.h"
 
 namespace corbslam::client_agent {
 
 PictureMaker::PictureMaker(SensorCalibration calibration, int width_px, Take take)
     : calibration_(std::move(calibration)), width_px_(width_px), take_(std::move(take)) {
-  thread_ = std::thread([this] { Run(); });
+  thread_ = StartThread("picture maker", [this] { Run(); });
 }
 
 PictureMaker::~PictureMaker() {

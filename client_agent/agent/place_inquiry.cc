@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "slam/util/named_thread.h"
+
 namespace corbslam::client_agent {
 namespace {
 
@@ -30,7 +32,7 @@ absl::Duration TimeOnLink(const KeyframePayload& frame, uint64_t bytes_per_secon
 
 PlaceInquiry::PlaceInquiry(AskPlace ask, const PlaceInquiryOptions& options, bool threaded)
     : ask_(std::move(ask)), options_(options), interval_(options.interval) {
-  if (ask_ != nullptr && threaded) thread_ = std::thread([this] { Run(); });
+  if (ask_ != nullptr && threaded) thread_ = StartThread("place inquiry", [this] { Run(); });
 }
 
 PlaceInquiry::~PlaceInquiry() {

@@ -46,7 +46,7 @@ struct PlaceInquiryOptions {
   absl::Duration longest_interval = absl::Seconds(5);
   // After an error that passes.
   absl::Duration patience = absl::Seconds(2);
-  // Of the link upwards; 0: no bound. Questions take a quarter of it at most.
+  // The budget of the link upwards, of which questions take a quarter at most; 0: no bound.
   uint64_t uplink_bytes_per_second = 0;
   std::function<absl::Time()> clock = &absl::Now;
 };

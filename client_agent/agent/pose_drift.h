@@ -29,9 +29,9 @@ class PoseDrift {
   // Goes on to the next frame that has a pose in the same epoch, with its motion.
   void GoOn(const TrackingResult& result);
 
-  // Of the map near the camera, since Begin: of a rigid movement of it, position at the camera and
-  // rotation, along and about the map's axes. Nullopt before Begin, and to the end of the epoch
-  // after a frame from which nothing followed (no motion or covariances).
+  // The covariance of how the map near the camera has moved since Begin, as a rigid body: position
+  // at the camera and rotation, along and about the map's axes. Nullopt before Begin, and to the
+  // end of the epoch after a frame from which nothing followed (no motion or covariances).
   const std::optional<Matrix6d>& drift() const { return drift_; }
   double rate() const;
 

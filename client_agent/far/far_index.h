@@ -27,7 +27,7 @@ struct FarPlace {
 // some 16 KiB each, so that their number is bounded. Not thread-safe.
 class FarIndex {
  public:
-  // Of one keyframe in so many it is kept at first what it looks like: neighbours look alike.
+  // The words of one keyframe in so many are kept at first: neighbours look alike.
   static constexpr size_t kFirstStride = 4;
 
   explicit FarIndex(size_t max_bags) : max_bags_(max_bags) {}

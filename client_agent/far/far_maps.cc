@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "client_agent/map/map_bytes.h"
+#include "slam/util/named_thread.h"
 #include "slam/vocabulary/vocabulary.h"
 
 namespace corbslam::client_agent {
@@ -84,7 +85,7 @@ void FarMaps::Note(const FarLook& look) {
 }
 
 void FarMaps::Start() {
-  if (!thread_.joinable()) thread_ = std::thread([this] { Run(); });
+  if (!thread_.joinable()) thread_ = StartThread("far maps", [this] { Run(); });
 }
 
 void FarMaps::Run() {

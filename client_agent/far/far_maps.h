@@ -114,7 +114,7 @@ class FarMaps {
   const Share share_;
   const ComputeWords compute_words_;
 
-  // Of the work alone.
+  // Used by the work's thread alone.
   LocalMapId in_use_;
   FarIndex index_;
   FarChooser chooser_;

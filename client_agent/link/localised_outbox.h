@@ -22,7 +22,7 @@ namespace corbslam::client_agent {
 // kept. To a store that keeps none (Capabilities::keeps_localised) only places go. Thread-safe.
 class LocalisedOutbox {
  public:
-  // Of places that were never sent the newest stay.
+  // So many places wait to be sent; when there are more, the oldest are dropped.
   static constexpr size_t kMaxPlaces = 5000;
   // A part has at most so many frames. So many parts at most wait for their answer.
   static constexpr size_t kMaxFramesOfAPart = 5000;
@@ -33,7 +33,7 @@ class LocalisedOutbox {
   static constexpr absl::Duration kPatience = absl::Seconds(10);
   static constexpr absl::Duration kLongestPatience = absl::Seconds(160);
 
-  // Of the trajectory at most about `max_bytes` are held; then the oldest frames that no part has
+  // At most about `max_bytes` of the trajectory are held; then the oldest frames that no part has
   // go, and a gap is told in their place. `seed` draws the run's number and the patience's jitter.
   LocalisedOutbox(size_t max_bytes, uint64_t seed, std::optional<RecordedCamera> recorded_camera);
 

@@ -48,7 +48,7 @@ class PictureOutbox {
   Counts counts() const ABSL_LOCKS_EXCLUDED(mutex_);
 
  private:
-  // Of keyframes that were told before their pictures came, so many are remembered.
+  // So many keyframes that were told before their pictures came are remembered.
   static constexpr size_t kMaxTold = 64;
 
   void DropOldest() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);

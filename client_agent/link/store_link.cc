@@ -5,6 +5,8 @@
 #include <utility>
 #include <vector>
 
+#include "slam/util/named_thread.h"
+
 namespace corbslam::client_agent {
 namespace {
 
@@ -139,7 +141,7 @@ void StoreLink::AddLostFrame(int64_t timestamp_ns) {
 
 void StoreLink::Start() {
   if (uplink_ == nullptr || thread_.joinable()) return;
-  thread_ = std::thread([this] { Run(); });
+  thread_ = StartThread("store link", [this] { Run(); });
 }
 
 void StoreLink::Step() {

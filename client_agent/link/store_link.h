@@ -274,7 +274,7 @@ class StoreLink : private UplinkListener {
   absl::Status closed_ ABSL_GUARDED_BY(mutex_);  // Why the last session or attempt ended.
   absl::Time next_attempt_ ABSL_GUARDED_BY(mutex_) = absl::InfinitePast();
   absl::Time last_flush_ ABSL_GUARDED_BY(mutex_) = absl::InfinitePast();
-  // Of the attempts since something was acknowledged, or since a session lasted.
+  // They count attempts since something was acknowledged, or since a session lasted.
   Backoff backoff_ ABSL_GUARDED_BY(mutex_);
   Backoff refused_backoff_ ABSL_GUARDED_BY(mutex_);
   // SessionGrant::mission_uid of the first session that had one.
@@ -289,8 +289,8 @@ class StoreLink : private UplinkListener {
   bool store_moves_points_ ABSL_GUARDED_BY(mutex_) = true;
   bool told_not_kept_ ABSL_GUARDED_BY(mutex_) = false;
   bool reopen_ ABSL_GUARDED_BY(mutex_) = false;
-  // Of this session: whether its store takes reports, what the last one said, and when the next one
-  // is due.
+  // Whether this session's store takes reports, what the last one said, and when the next one is
+  // due.
   bool store_takes_reports_ ABSL_GUARDED_BY(mutex_) = false;
   std::optional<AgentActivity> reported_ ABSL_GUARDED_BY(mutex_);
   absl::Time next_report_ ABSL_GUARDED_BY(mutex_) = absl::InfinitePast();
@@ -300,7 +300,7 @@ class StoreLink : private UplinkListener {
   bool wake_ ABSL_GUARDED_BY(mutex_) = false;
   bool stop_ ABSL_GUARDED_BY(mutex_) = false;
   std::optional<absl::Time> first_acknowledged_ ABSL_GUARDED_BY(mutex_);
-  // Of the thread that makes batches.
+  // Used by the thread that makes batches alone.
   absl::Time next_held_ = absl::InfinitePast();
   std::thread thread_;
 };

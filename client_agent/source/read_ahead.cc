@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "slam/util/named_thread.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::client_agent {
@@ -10,7 +11,7 @@ namespace corbslam::client_agent {
 ReadAhead::ReadAhead(size_t capacity, Read read)
     : capacity_(std::max<size_t>(capacity, 1)),
       read_(std::move(read)),
-      thread_([this] { Run(); }) {}
+      thread_(StartThread("read ahead", [this] { Run(); })) {}
 
 ReadAhead::~ReadAhead() {
   {

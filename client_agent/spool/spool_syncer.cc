@@ -4,11 +4,12 @@
 #include <utility>
 
 #include "absl/time/clock.h"
+#include "slam/util/named_thread.h"
 
 namespace corbslam::client_agent {
 
 SpoolSyncer::SpoolSyncer(SpoolFiles* files, const SyncPolicy& policy)
-    : files_(files), policy_(policy), thread_([this] { Run(); }) {}
+    : files_(files), policy_(policy), thread_(StartThread("spool syncer", [this] { Run(); })) {}
 
 SpoolSyncer::~SpoolSyncer() {
   {

@@ -20,7 +20,7 @@ namespace corbslam::client_agent {
 struct SyncPolicy {
   // The oldest write waits no longer than this.
   absl::Duration after = absl::Seconds(1);
-  // So many bytes wait for nothing.
+  // When so many bytes wait, they are synced at once.
   uint64_t bytes = 1 << 20;
 };
 

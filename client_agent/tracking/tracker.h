@@ -179,7 +179,7 @@ class Tracker {
   TrackingState state_ = TrackingState::kNotInitialised;
   std::optional<Frame> previous_;
   std::shared_ptr<const KeyframePayload> last_payload_;
-  // Of the frame before; none after a start or relocalisation.
+  // The motion up to the frame before; none after a start or relocalisation.
   std::optional<CameraMotion> velocity_;
   FrameRhythm rhythm_;
   // Grows with each gap after which the camera was where the time that passed takes it, and falls
@@ -188,7 +188,7 @@ class Tracker {
   LocalMapView local_map_;
   InlierCount inliers_;
   int points_in_view_ = 0;
-  // Of the map that the last pose was found in.
+  // Map::corrections of the map that the last pose was found in.
   uint64_t corrections_ = 0;
   bool mapping_paused_ = false;
   CameraDoubt camera_doubt_;

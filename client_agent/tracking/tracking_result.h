@@ -45,8 +45,8 @@ struct TrackingResult {
   int foreign_points_matched = 0;
   // Map points that the pose has in view.
   int points_in_view = 0;
-  // Of the camera's pose in the local map, in its axes (InMapAxes); nullopt where the points don't
-  // determine it.
+  // The covariance of the camera's pose in the local map, in its axes (InMapAxes); nullopt where
+  // the points don't determine it.
   std::optional<Matrix6d> covariance;
   // Nullopt for the first frame of a local map, but where another one handed over to it.
   std::optional<CameraMotion> motion;

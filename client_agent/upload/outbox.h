@@ -64,7 +64,7 @@ class Outbox {
   bool GoOnWith(LocalMapId local_map);
   // Has the batches of a local map that Begin began stay in the spool, too.
   void Keep(LocalMapId local_map);
-  // They need not stay any more.
+  // The spool may drop the acknowledged batches of this local map.
   void StopKeeping(LocalMapId local_map);
   // Gives the batch its number and keeps it until it is acknowledged. A batch of a lost local map
   // is dropped.

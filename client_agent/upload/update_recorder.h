@@ -59,11 +59,11 @@ struct RecorderOptions {
   BatchLimits limits = {};
 };
 
-// Of one local map. Only that map's own items are recorded: what others made is theirs to tell.
-// Changes of one item between two batches coalesce to its state when the batch is made; a point
-// that the store sees where it is, as far as half a pixel tells, isn't told again. Nothing
-// is dropped while no batch is taken, and what is held is bounded by the map's size and the number
-// of frames. Thread-safe.
+// Records one local map. Only that map's own items are recorded: what others made is theirs to
+// tell. Changes of one item between two batches coalesce to its state when the batch is made; a
+// point that the store sees where it is, as far as half a pixel tells, isn't told again. Nothing is
+// dropped while no batch is taken, and what is held is bounded by the map's size and the number of
+// frames. Thread-safe.
 class UpdateRecorder : public MapObserver {
  public:
   explicit UpdateRecorder(LocalMapId local_map, const RecorderOptions& options = {})
@@ -113,7 +113,7 @@ class UpdateRecorder : public MapObserver {
   // and points once no full keyframe waits, each as far as BatchLimits go. Never empty where
   // something can be told. `map` is the observed one; the caller keeps it from changing.
   MapUpdateBatch TakeBatch(const Map& map, BatchAllowance allowance);
-  // As far as at most so many full keyframes go.
+  // The same, with at most `max_keyframes` full keyframes.
   MapUpdateBatch TakeBatch(const Map& map, size_t max_keyframes) {
     return TakeBatch(map, BatchAllowance(max_keyframes));
   }
@@ -203,7 +203,7 @@ class UpdateRecorder : public MapObserver {
   absl::btree_set<MapPointId> sent_points_ ABSL_GUARDED_BY(mutex_);
   // Which ancestors keyframes were told to hang on whose parents the store hasn't been told of.
   absl::btree_map<KeyframeId, KeyframeId> stand_ins_ ABSL_GUARDED_BY(mutex_);
-  // Of keyframes of which features were left out, as SelectedFeatures::numbers.
+  // SelectedFeatures::numbers of each keyframe of which features were left out.
   absl::flat_hash_map<KeyframeId, std::vector<uint32_t>> numbers_ ABSL_GUARDED_BY(mutex_);
   uint32_t sent_cameras_ ABSL_GUARDED_BY(mutex_) = 0;
   ObservationMirror mirror_ ABSL_GUARDED_BY(mutex_);
@@ -216,7 +216,7 @@ class UpdateRecorder : public MapObserver {
   // Keypoints from which others' points were taken, told apart from points that were only unloaded.
   absl::btree_map<std::pair<KeyframeId, uint32_t>, MapPointId> withdrawn_ ABSL_GUARDED_BY(mutex_);
   absl::btree_set<MapPointId> added_points_ ABSL_GUARDED_BY(mutex_);
-  // They, or what they follow at the store.
+  // Points that moved here, or whose reference keyframe moved at the store.
   absl::btree_set<MapPointId> moved_points_ ABSL_GUARDED_BY(mutex_);
   bool exactly_ ABSL_GUARDED_BY(mutex_) = false;
   bool holds_back_ ABSL_GUARDED_BY(mutex_) = true;

@@ -55,10 +55,9 @@ struct UploadStatus {
   uint64_t refused_items = 0;
   // What is in no batch yet. The queue doesn't know it; the link fills it in.
   HeldBack held_back;
-  // Likewise: frames of the trajectory of a robot that only localises, which the store has not said
-  // it keeps.
+  // Frames of the trajectory of a robot that only localises, which the store has not said it keeps.
   size_t frames = 0;
-  // Likewise.
+  // Why nothing goes up at the moment.
   UplinkHold hold = UplinkHold::kNone;
 };
 

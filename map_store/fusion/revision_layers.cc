@@ -68,26 +68,31 @@ void PlaceKeyframes(const RevisionPlan& plan, const MissionState& state, Revisio
 
 // Anchors a planned point in a keyframe as the plan places it. Returns nullopt where the point has
 // gone, or nothing that is placed sees it.
-std::optional<PlacedPoint> PlacePoint(MapPointId id, const PlannedPoint& planned,
-                                      const MissionState& state, RevisionLayers& layers) {
+std::optional<PlacedPoint> AnchorPlanned(MapPointId id, const PlannedPoint& planned,
+                                         const MissionState& state, RevisionLayers& layers) {
   const MapPoint* point = state.FindPoint(id);
   if (point == nullptr) return std::nullopt;
   const auto anchor = layers.keyframes.find(planned.anchor);
   if (anchor != layers.keyframes.end()) {
-    PlacedPoint placed{planned.anchor,
+    return PlacedPoint{planned.anchor,
                        anchor->second.camera_from_island * planned.position_in_island,
                        planned.revision};
-    const auto before = state.global.points.find(id);
-    // What a revision leaves where it was is no news: it is told as of the one that put it there.
-    const bool stays = before != state.global.points.end() &&
-                       before->second.anchor == placed.anchor &&
-                       IsSamePlace(before->second.position_in_anchor, placed.position_in_anchor);
-    if (stays) placed.revision = before->second.revision;
-    return placed;
   }
   layers.chosen.push_back(id);
   return Anchor(*point, planned.position_in_island, planned.revision, state.global,
                 layers.keyframes);
+}
+
+// Returns the point's place; one that stays where it was keeps its revision, as keyframes do.
+std::optional<PlacedPoint> PlacePoint(MapPointId id, const PlannedPoint& planned,
+                                      const MissionState& state, RevisionLayers& layers) {
+  std::optional<PlacedPoint> placed = AnchorPlanned(id, planned, state, layers);
+  const auto before = state.global.points.find(id);
+  const bool stays = placed.has_value() && before != state.global.points.end() &&
+                     before->second.anchor == placed->anchor &&
+                     IsSamePlace(before->second.position_in_anchor, placed->position_in_anchor);
+  if (stays) placed->revision = before->second.revision;
+  return placed;
 }
 
 absl::Status PlacePoints(const RevisionPlan& plan, const MissionState& state, LooksInPieces& looks,

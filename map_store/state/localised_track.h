@@ -18,7 +18,7 @@ struct LocalisedRun {
   uint64_t id = 0;
   uint64_t last_number = 0;  // Of its parts.
   std::optional<RecordedCamera> recorded_camera;
-  // As they came, relative to others' keyframes, in units of the global frame.
+  // The frames as they came, relative to others' keyframes, in units of the global frame.
   std::vector<TrackedFrame> frames;
   // Times without a pose; of those that follow each other the first and the last.
   std::vector<int64_t> lost_frames_ns;

@@ -83,7 +83,7 @@ struct LastPose {
   LocalMapId local_map;  // Invalid: of no local map, as the agent localises only.
   IslandId island;
   bool in_reference_island = false;
-  // Of the camera of keyframes, whose units are rescaled to the island's.
+  // The pose of the keyframes' camera, whose units are rescaled to the island's.
   Rigid3d camera_from_island;
   // Frames of a later time, or of later local maps, had none.
   bool lost_since = false;
@@ -205,7 +205,8 @@ struct StoredPose {
   // Whether this pose is not connected to the one before it in time: tracking was lost in between,
   // or another local map or run began.
   bool after_gap = false;
-  // Of an agent that localised only; `local_map` is then invalid. 0: the frame is a local map's.
+  // The run of an agent that localised only; `local_map` is then invalid. 0: the frame is a local
+  // map's.
   uint64_t run = 0;
 };
 

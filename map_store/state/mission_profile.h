@@ -74,7 +74,8 @@ inline constexpr size_t kMaxLabels = 64;
 inline constexpr size_t kMaxLabelValueBytes = 255;
 inline constexpr size_t kMaxAgentLimits = 1000;
 inline constexpr size_t kMaxSettingsBytes = 64 << 10;
-// Of all settings of a mission's robots; they travel with the mission's summary.
+// All settings of a mission's robots have so many bytes at most; they travel with the mission's
+// summary.
 inline constexpr size_t kMaxAllSettingsBytes = 1 << 20;
 inline constexpr size_t kSignatureBytes = 64;
 // An agent that may send less than this a second would not get one keyframe up in a minute.

@@ -65,7 +65,7 @@ struct JoinedLocalMap {
   // Where its frames begin among those of the whole.
   uint64_t first_frame = 0;
   uint64_t first_lost_frame = 0;
-  // As LocalMapState's, of its own frames; derived by NoteNewestOfSessions.
+  // The same as LocalMapState's, for the session's own frames; derived by NoteNewestOfSessions.
   size_t newest_frame = 0;
   int64_t newest_lost_ns = std::numeric_limits<int64_t>::min();
 };
@@ -115,7 +115,7 @@ struct LocalMapState {
   WaitingTable<uint64_t, ParkedReference> parked;         // By the order in which they came.
   WaitingTable<KeyframeId, ParkedParent> parked_parents;  // By child; the newest word counts.
   size_t expired_references = 0;
-  // As StoredBytes counts them, less what the store let go of.
+  // What StoredBytes counts, less what the store let go of.
   uint64_t stored_bytes = 0;
   // How many of the owner's keyframes and points the store itself let go of (retiring/): because
   // others stand in for them, and because later keyframes should have seen them and did not.
@@ -215,7 +215,7 @@ struct Island {
 // Raw observations that fusion found to be wrong. Each is ignored as long as the owner says the
 // same.
 using RejectedObservations = std::map<std::pair<KeyframeId, uint32_t>, MapPointId>;
-// Those of one keyframe.
+// The range of one keyframe's rejected observations.
 class RejectedOf {
  public:
   RejectedOf(KeyframeId id, const RejectedObservations& rejected)
@@ -239,8 +239,8 @@ struct GlobalLayer {
   // The heir of each removed point: another point of the landmark that it was part of.
   std::map<MapPointId, MapPointId> heirs;
   RejectedObservations rejected;
-  // Of keyframes that the store let go of. Where there is none, as after the island was dissolved,
-  // the tombstone counts, which is the owner's word.
+  // What stands in for each keyframe that the store let go of. Where nothing does, as after the
+  // island was dissolved, the tombstone counts, which is the owner's word.
   std::map<KeyframeId, StandIn> stand_ins;
   // Keyframes that fusion does without: they follow their relatives, and nobody is sent them.
   std::set<KeyframeId> culled;

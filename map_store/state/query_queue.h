@@ -26,7 +26,7 @@ struct QueryTask {
 // maps to look in.
 class QueryQueue {
  public:
-  // Of a local map whose owner drives on, so many keyframes wait at most.
+  // So many keyframes of a local map whose owner drives on wait at most.
   static constexpr size_t kMostOfLocalMap = 256;
 
   QueryQueue() = default;

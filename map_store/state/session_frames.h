@@ -18,7 +18,7 @@ struct SessionFrames {
   size_t first_lost = 0;
   size_t end = 0;
   size_t end_lost = 0;
-  // As LocalMapState has them. The newest frame means nothing where the session has no frame.
+  // The same as LocalMapState's. The newest frame means nothing where the session has no frame.
   size_t newest_frame = 0;
   int64_t newest_lost_ns = 0;
 };

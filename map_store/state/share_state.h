@@ -54,8 +54,8 @@ struct ShareState {
   // The frame in which all of the below was sent; invalid: nothing was.
   IslandId island;
   LocalMapId local_map;  // Invalid: the agent localises only, and its frame is the island's.
-  // Of an agent that localises only: where it was, as it said, at most two places under made-up
-  // names, the newest last.
+  // Where an agent that localises only said it was: at most two places under made-up names, the
+  // newest last.
   IslandPoses said_places;
   std::map<KeyframeId, SentKeyframe> keyframes;
   absl::btree_map<MapPointId, Eigen::Vector3d> points;

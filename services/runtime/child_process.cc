@@ -18,6 +18,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "absl/strings/strip.h"
+#include "slam/util/named_thread.h"
 
 namespace corbslam::services {
 namespace {
@@ -69,8 +70,8 @@ absl::StatusOr<std::unique_ptr<ChildProcess>> ChildProcess::Start(
 
 ChildProcess::ChildProcess(std::string name, std::string log_path, pid_t pid, int output)
     : name_(std::move(name)), log_path_(std::move(log_path)), pid_(pid) {
-  reader_ = std::thread([this, output] { ReadOutput(output); });
-  reaper_ = std::thread([this] { Reap(); });
+  reader_ = StartThread("program output", [this, output] { ReadOutput(output); });
+  reaper_ = StartThread("program end", [this] { Reap(); });
 }
 
 ChildProcess::~ChildProcess() {

@@ -9,6 +9,7 @@
 
 #include "absl/time/clock.h"
 #include "services/security/pem_files.h"
+#include "slam/util/named_thread.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::services {
@@ -105,7 +106,7 @@ void CredentialWatch::Start() {
     absl::MutexLock lock(&Live().mutex);
     Live().watches.insert(this);
   }
-  thread_ = std::thread([this] { Run(); });
+  thread_ = StartThread("credentials", [this] { Run(); });
 }
 
 void CredentialWatch::Run() {

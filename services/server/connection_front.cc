@@ -20,6 +20,7 @@
 #include "absl/strings/str_replace.h"
 #include "absl/time/clock.h"
 #include "services/runtime/file_limit.h"
+#include "slam/util/named_thread.h"
 
 namespace corbslam::services {
 namespace {
@@ -112,7 +113,7 @@ void ConnectionFront::Start() {
   for (size_t i = 0; i < count; ++i) {
     Watch(epoll_, EPOLL_CTL_ADD, listening_.fds()[i], EPOLLIN, i);
   }
-  thread_ = std::thread([this] { Run(); });
+  thread_ = StartThread("accept", [this] { Run(); });
 }
 
 void ConnectionFront::Stop() {

@@ -4,11 +4,15 @@
 
 #include <utility>
 
+#include "slam/util/named_thread.h"
+
 namespace corbslam::services {
 
 ReadinessWatch::ReadinessWatch(Server* server, std::function<absl::Status()> check,
                                absl::Duration interval)
-    : server_(server), check_(std::move(check)), thread_([this, interval] { Run(interval); }) {}
+    : server_(server),
+      check_(std::move(check)),
+      thread_(StartThread("readiness", [this, interval] { Run(interval); })) {}
 
 void ReadinessWatch::Stop() {
   if (!thread_.joinable()) return;

@@ -8,6 +8,7 @@
 #include "services/runtime/port_probe.h"
 #include "services/runtime/service_manager.h"
 #include "services/server/served_ports.h"
+#include "slam/util/named_thread.h"
 
 namespace corbslam::services {
 namespace {
@@ -19,7 +20,7 @@ constexpr int kSignsInTimeout = 3;
 
 SelfWatch::SelfWatch(SelfWatchOptions options) : options_(std::move(options)) {
   NotifyServiceManager("READY=1");
-  thread_ = std::thread([this] { Run(); });
+  thread_ = StartThread("self watch", [this] { Run(); });
 }
 
 void SelfWatch::Stop() {

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "slam/util/named_thread.h"
 #include "slam/util/thread_priority.h"
 
 namespace corbslam::services {
@@ -23,9 +24,11 @@ TaskPool::TaskPool(int threads, size_t max_waiting_calls)
 
 TaskPool::TaskPool(int threads, int look_up_threads, int steps_lower, size_t max_waiting_calls)
     : max_waiting_calls_(max_waiting_calls) {
-  for (int i = 0; i < threads; ++i) threads_.emplace_back([this] { RunTasks(); });
+  for (int i = 0; i < threads; ++i) {
+    threads_.push_back(StartThread("tasks", [this] { RunTasks(); }));
+  }
   for (int i = 0; i < look_up_threads; ++i) {
-    threads_.emplace_back([this, steps_lower] { RunLookUps(steps_lower); });
+    threads_.push_back(StartThread("look-ups", [this, steps_lower] { RunLookUps(steps_lower); }));
   }
 }
 

@@ -58,7 +58,7 @@ class DepthRegistration {
 
   DepthGeometry geometry_;
   Eigen::Vector3f translation_;
-  // Of a radial-tangential colour lens: the squared radius up to which it is one to one.
+  // The squared radius up to which a radial-tangential colour lens is one to one.
   float most_r2_ = 0;
   std::vector<Ray> rays_;  // By rows.
 };

@@ -73,7 +73,7 @@ struct RawCamera {
   friend bool operator==(const RawCamera&, const RawCamera&) = default;
 };
 
-// They do the same in pixels.
+// The same projections, in pixels.
 std::optional<Eigen::Vector2d> ProjectRaw(const RawCamera& camera,
                                           const Eigen::Vector3d& direction);
 std::optional<Eigen::Vector3d> UnprojectRaw(const RawCamera& camera, const Eigen::Vector2d& raw_px);

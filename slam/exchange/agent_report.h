@@ -44,7 +44,7 @@ struct MapContradiction {
 };
 
 struct AgentReport {
-  // Of so many local maps it is told that they contradict.
+  // So many contradicting local maps are told at most.
   static constexpr size_t kMaxContradictions = 100;
 
   AgentActivity activity = AgentActivity::kUnknown;
@@ -57,7 +57,7 @@ struct AgentReport {
   // Time of the newest frame, 0 to 2^62, and how long ago it came when this was said.
   int64_t newest_timestamp_ns = 0;
   double newest_frame_age_s = 0;
-  // Those that the robot goes without, since its process began.
+  // The local maps that the robot goes without, since its process began.
   std::vector<MapContradiction> contradictions = {};
 
   bool operator==(const AgentReport&) const = default;

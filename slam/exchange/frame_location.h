@@ -50,7 +50,7 @@ struct LocateFrameRequest {
 struct LocateFrameResult {
   uint64_t base_revision = 0;
   LocateStage stage = LocateStage::kNoCandidates;
-  // Of the candidate that got farthest: features that look like one of the map's points, those that
+  // How far the best candidate got: features that look like one of the map's points, those that
   // agree on a pose, and points found once all around had been looked for.
   int word_matches = 0;
   int pose_inliers = 0;

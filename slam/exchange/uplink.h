@@ -142,7 +142,8 @@ class UplinkListener {
   // A session stands: the agent sends everything after what `grant` acknowledges.
   virtual void OnSessionOpened(const SessionGrant& grant) = 0;
   virtual void OnAcknowledged(const Acknowledgement& acknowledgement) = 0;
-  // Likewise of an agent that changes nothing. The default is for those that change something.
+  // Called for agents that only localise: the store keeps so much of what they told. Others need
+  // not override it.
   virtual void OnLocalisedKept(const LocalisedKept& /*kept*/) {}
   virtual void OnShared(SharedUpdate update) = 0;
   // The store wants to be told where the points of the newest local map are, exactly.

@@ -49,11 +49,11 @@ struct CameraFit {
   // infinitely unsure where there are none.
   FittedNumber disparity;
   Rigid3d camera_from_map;
-  // Of a perturbation (translation, rotation) on the left of camera_from_map, of somebody who knows
-  // no more of the camera than that it is one: what the points do not tell of it is in there.
+  // The covariance of a perturbation (translation, rotation) on the left of camera_from_map, for
+  // somebody who knows no more of the camera than that it is one.
   Matrix6d pose_covariance;
   BentCamera bent;
-  // That without its lens, and with the baseline that the disparities have.
+  // The bent camera without its lens, and with the baseline that the disparities have.
   Camera camera;
 };
 

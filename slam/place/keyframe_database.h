@@ -57,7 +57,7 @@ class KeyframeDatabase {
     uint32_t slot = 0;
     float weight = 0;
   };
-  // Of most words one keyframe knows, or two: their postings lie in the table itself.
+  // Most words are known to one keyframe or two: their postings lie in the table itself.
   using Postings = absl::InlinedVector<Posting, 2>;
   struct Entry {
     KeyframeId id;

@@ -7,6 +7,8 @@
 
 #include <chrono>
 
+#include "slam/util/named_thread.h"
+
 namespace corbslam {
 namespace {
 
@@ -36,7 +38,7 @@ cpu_set_t ProcessorsBut(int one) {
 }  // namespace
 
 ThreadPair::ThreadPair(bool parallel) {
-  if (parallel) thread_ = std::thread([this] { Loop(); });
+  if (parallel) thread_ = StartThread("feature half", [this] { Loop(); });
 }
 
 ThreadPair::~ThreadPair() {

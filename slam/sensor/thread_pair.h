@@ -38,7 +38,7 @@ class ThreadPair {
   void KeepApart();
 
   absl::Mutex mutex_;
-  // They tell threads that are awake whether there is something to begin, and whether all is done.
+  // Threads that are awake read here whether there is something to begin, and whether all is done.
   std::atomic<bool> to_begin_ = false;
   std::atomic<bool> all_done_ = true;
   int kept_off_ = -1;  // The processor that the thread must not use; -1: any will do.

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <utility>
 
+#include "slam/util/named_thread.h"
 #include "slam/util/resident_memory.h"
 #include "slam/util/thread_priority.h"
 
@@ -19,7 +20,7 @@ MemoryReturner::MemoryReturner()
     : MemoryReturner([kept = KeptMemory(kLeast_bytes)]() mutable { kept.GiveBack(); }) {}
 
 void MemoryReturner::Start() {
-  thread_ = std::thread([this] { Run(); });
+  thread_ = StartThread("memory returner", [this] { Run(); });
 }
 
 void MemoryReturner::Stop() {

@@ -38,10 +38,12 @@ struct CameraCheck {
   Verdict verdict = Verdict::kInDoubt;
   // The camera that most points agree with; nullopt where too few do.
   std::optional<CameraFit> fit;
-  // Of a perturbation on the left of the pose that was asked about, true whatever camera it was.
+  // The covariance of a perturbation on the left of the pose that was asked about; it is true
+  // whatever camera it was.
   std::optional<Matrix6d> covariance;
   size_t inliers = 0;  // Points that agree with the fitted camera.
-  // They are so many more than agree with the frame's own (CameraCheckOptions::max_gain).
+  // Whether many more points agree with the fitted camera than with the frame's own
+  // (CameraCheckOptions::max_gain).
   bool gains = false;
 };
 

@@ -45,7 +45,8 @@ done
 
 twice=$(sort "$work"/*.files | uniq -d)
 [ -z "$twice" ] || fail "in two packages: $twice"
-has common usr/bin/corbslam usr/bin/simulated_agent usr/share/corbslam/corbslam.voc usr/share/doc/corbslam/operations.md
+has common usr/bin/corbslam usr/bin/simulated_agent usr/share/corbslam/corbslam.voc usr/share/doc/corbslam/operations.md \
+  usr/share/doc/corbslam/results/accuracy.md
 ! grep "/doc/corbslam/lab/" "$work"/*.files || fail "the lab's diary is in a package"
 has server usr/bin/map_store usr/bin/fusion_worker usr/lib/systemd/system/map_store.service \
   usr/bin/map_viewer usr/lib/systemd/system/map_viewer.service etc/corbslam/map_viewer.env \

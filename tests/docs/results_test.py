@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""docs/results.md is what docs/results makes, and each fault that is put in is found by its name."""
+"""The pages of results are what docs/results makes; each fault that is put in is found by name."""
 
 import json
 import pathlib
@@ -39,19 +39,38 @@ class ResultsTest(unittest.TestCase):
         for part in parts:
             self.assertIn(part, message)
 
-    def test_the_page_is_what_the_tables_make(self):
+    def test_the_pages_are_what_the_tables_make(self):
         self.assertEqual((0, ""), check(DOCS))
+
+    def test_the_first_page_is_short(self):
+        first = (DOCS / "results.md").read_text(encoding="utf-8")
+        self.assertLessEqual(first.count("\n"), 120)
 
     def test_another_figure_is_found_by_its_line(self):
         path = self.docs / "results" / "splits_fused.json"
         figure = json.loads(path.read_text(encoding="utf-8"))["rows"][0][2]
         result = self.change("splits_fused.json", lambda table: table["rows"][0].__setitem__(2, "7.77"))
-        self.assert_fails(result, "docs/results.md:", figure, "7.77")
+        self.assert_fails(result, "docs/results", ".md:", figure, "7.77")
 
     def test_a_page_written_by_hand_is_found(self):
-        page = self.docs / "results.md"
-        page.write_text(page.read_text(encoding="utf-8") + "And more.\n", encoding="utf-8")
-        self.assert_fails(check(self.docs), "And more.")
+        chapters = (f"results/{path.name}" for path in (DOCS / "results").glob("*.md"))
+        names = ["results.md", *chapters]
+        self.assertGreater(len(names), 5)
+        for name in names:
+            with self.subTest(name):
+                page = self.docs / name
+                made = page.read_text(encoding="utf-8")
+                page.write_text(made + "And more.\n", encoding="utf-8")
+                self.assert_fails(check(self.docs), f"docs/{name}:", "And more.")
+                page.write_text(made, encoding="utf-8")
+
+    def test_a_chapter_that_is_gone_is_found(self):
+        (self.docs / "results/robots.md").unlink()
+        self.assert_fails(check(self.docs), "docs/results/robots.md:1", "# Robots")
+
+    def test_a_page_that_is_no_chapter_is_found(self):
+        (self.docs / "results/more.md").write_text("# More\n", encoding="utf-8")
+        self.assert_fails(check(self.docs), "docs/results/more.md", "no chapter")
 
     def test_a_number_that_stands_first_is_a_cell(self):
         def rename(page):

@@ -1,4 +1,4 @@
-// Reads the calls that docs/grpcurl.md shows, and what it says they answer.
+// Reads the calls that a page like docs/grpcurl.md shows, and what it says they answer.
 #ifndef CORBSLAM_TESTS_INTEGRATION_GRPCURL_PAGE_H_
 #define CORBSLAM_TESTS_INTEGRATION_GRPCURL_PAGE_H_
 

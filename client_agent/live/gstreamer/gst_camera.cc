@@ -18,6 +18,7 @@
 #include "client_agent/live/gstreamer/gst_picture.h"
 #include "client_agent/live/gstreamer/gst_pipeline.h"
 #include "client_agent/live/gstreamer/gst_sides.h"
+#include "slam/util/named_thread.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::client_agent {
@@ -37,8 +38,8 @@ class GstCamera : public LiveCamera {
   absl::Status Start(PicturePairing& pairing) override {
     pairing_ = &pairing;
     ASSIGN_OR_RETURN(ElementPtr pipeline, Play());
-    thread_ =
-        std::thread([this, running = std::move(pipeline)]() mutable { Keep(std::move(running)); });
+    thread_ = StartThread(
+        "camera", [this, running = std::move(pipeline)]() mutable { Keep(std::move(running)); });
     return absl::OkStatus();
   }
   void Stop() override {

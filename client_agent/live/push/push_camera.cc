@@ -13,6 +13,7 @@
 #include "client_agent/push_client/wire.h"
 #include "client_agent/source/rig/rig_file.h"
 #include "slam/camera/recorded_camera.h"
+#include "slam/util/named_thread.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::client_agent {
@@ -74,7 +75,7 @@ absl::StatusOr<Rig> PushCamera::AwaitRig(const absl::Notification& stop) {
 absl::Status PushCamera::Start(PicturePairing& pairing) {
   pairing_ = &pairing;
   if (!driver_.has_value()) LOG(INFO) << "waiting for a driver at " << options_.path;
-  thread_ = std::thread([this] {
+  thread_ = StartThread("push socket", [this] {
     while (!stop_.HasBeenNotified()) Step();
   });
   return absl::OkStatus();

@@ -12,6 +12,7 @@
 #include "absl/cleanup/cleanup.h"
 #include "absl/strings/str_cat.h"
 #include "absl/synchronization/mutex.h"
+#include "slam/util/named_thread.h"
 
 namespace corbslam::services {
 namespace {
@@ -57,7 +58,7 @@ std::shared_ptr<Lookup> Start(const HostPort& address, const ResolveHost& resolv
   std::shared_ptr<Lookup>& lookup = running.by_host[key];
   if (lookup != nullptr) return lookup;
   lookup = std::make_shared<Lookup>();
-  std::thread([address, resolve, key, lookup = lookup] {
+  StartThread("host look-up", [address, resolve, key, lookup = lookup] {
     lookup->Finish(resolve(address));
     RunningLookups& all = Running();
     absl::MutexLock ending(&all.mutex);

@@ -15,6 +15,7 @@
 #include "services/convert/geometry.h"
 #include "services/convert/status.h"
 #include "services/convert/work/work.h"
+#include "slam/util/named_thread.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::services {
@@ -32,7 +33,7 @@ class CallWatch {
   // `context` and `progress` must outlive the watch.
   CallWatch(grpc::ClientContext& context, const ProgressCallback& progress)
       : context_(context), progress_(progress) {
-    if (progress_ != nullptr) thread_ = std::thread([this] { Run(); });
+    if (progress_ != nullptr) thread_ = StartThread("call watch", [this] { Run(); });
   }
   ~CallWatch() {
     {

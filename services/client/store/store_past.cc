@@ -11,6 +11,7 @@
 #include "services/client/store/map_streams.h"
 #include "services/client/store/store_reader.h"
 #include "services/convert/resource_names.h"
+#include "slam/util/named_thread.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::services {
@@ -24,7 +25,9 @@ constexpr int kKeyframesAPage = 1000;
 class QuietWatch {
  public:
   explicit QuietWatch(grpc::ClientContext& context)
-      : context_(context), heard_ns_(absl::GetCurrentTimeNanos()), thread_([this] { Run(); }) {}
+      : context_(context),
+        heard_ns_(absl::GetCurrentTimeNanos()),
+        thread_(StartThread("replay watch", [this] { Run(); })) {}
   ~QuietWatch() {
     ended_.Notify();
     thread_.join();

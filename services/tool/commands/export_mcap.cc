@@ -181,7 +181,7 @@ absl::Status WriteReadmeOf(const MissionArguments& arguments, PosesOf poses_of,
              "first frame."
            : "and the robots driving in the map as it is in the end, at their frames' own times.",
        absl::StrCat("Robots' poses: ", PoseHeaderLine(poses_of), ";"),
-       "frames and topics are listed in CORB-SLAM's docs/operations.md; metres."},
+       "frames and topics are listed in CORB-SLAM's docs/exports.md; metres."},
       arguments.file);
 }
 

@@ -7,6 +7,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "services/tool/output/result.h"
+#include "slam/util/named_thread.h"
 
 namespace corbslam::services {
 namespace {
@@ -60,7 +61,9 @@ void ProgressLine::Tell(const std::string& text) {
 }
 
 ProgressTicker::ProgressTicker(std::string text, ProgressOptions options)
-    : line_(std::move(options)), text_(std::move(text)), thread_([this] { Run(); }) {}
+    : line_(std::move(options)),
+      text_(std::move(text)),
+      thread_(StartThread("progress", [this] { Run(); })) {}
 
 ProgressTicker::~ProgressTicker() {
   stop_.Notify();

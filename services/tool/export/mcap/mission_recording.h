@@ -1,5 +1,5 @@
 // Writes a mission as a recording for Foxglove and Rerun: its past, then its robots driving again
-// in the map as it is. docs/operations.md says what is on which topic.
+// in the map as it is. docs/exports.md says what is on which topic.
 #ifndef CORBSLAM_SERVICES_TOOL_EXPORT_MCAP_MISSION_RECORDING_H_
 #define CORBSLAM_SERVICES_TOOL_EXPORT_MCAP_MISSION_RECORDING_H_
 

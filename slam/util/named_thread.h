@@ -1,0 +1,29 @@
+// Starts threads under names that `top -H`, `ps -L` and debuggers show. The table of threads in
+// docs/map.md has each of them.
+#ifndef CORBSLAM_SLAM_UTIL_NAMED_THREAD_H_
+#define CORBSLAM_SLAM_UTIL_NAMED_THREAD_H_
+
+#include <cstddef>
+#include <thread>
+#include <utility>
+
+namespace corbslam {
+
+// Gives the calling thread a name of at most 15 letters.
+void NameThisThread(const char* name);
+
+// Starts a thread that runs `run`. The name is a literal, since a test reads the names in the
+// sources.
+template <size_t kSize, typename Run>
+[[nodiscard]] std::thread StartThread(const char (&name)[kSize], Run&& run) {
+  static_assert(kSize <= 16, "Linux keeps 15 letters of a thread's name");
+  return std::thread(
+      [text = static_cast<const char*>(name), run = std::forward<Run>(run)]() mutable {
+        NameThisThread(text);
+        run();
+      });
+}
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SLAM_UTIL_NAMED_THREAD_H_
