@@ -17,8 +17,7 @@ namespace corbslam::map_store {
 using FeatureLoader = std::function<absl::StatusOr<Features>(KeyframeId)>;
 
 // Encodes features: coded (slam/coding/feature_coding.h) where that keeps every bit and is shorter,
-// else as plain numbers, as all of them are in journals before format 8. The features of each
-// keyframe can be read alone.
+// else as plain numbers. The features of each keyframe can be read alone.
 std::string EncodeFeatures(const KeyframePayload& payload);
 // Returns DATA_LOSS where the bytes are not what EncodeFeatures made.
 absl::StatusOr<Features> DecodeFeatures(std::string_view bytes);

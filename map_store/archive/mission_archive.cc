@@ -7,6 +7,7 @@
 #include "absl/strings/str_cat.h"
 #include "map_store/archive/archive.h"
 #include "map_store/archive/feature_archive.h"
+#include "map_store/archive/older_formats.h"
 #include "map_store/archive/state_archive.h"
 #include "map_store/archive/value_fields.h"
 #include "slam/util/checksum.h"
@@ -17,11 +18,8 @@ namespace corbslam::map_store {
 namespace {
 
 constexpr std::string_view kMagic = "CORBMISN";
-// Format 4 holds states of format 3, formats 5 and 6 those of format 4, format 7 those of format 5,
-// format 8 those of format 6, format 9 those of format 7, format 10 those of format 8, format 11
-// those of format 9, format 12 those of format 10, and in format 5 no features are coded; otherwise
-// they are the same.
-constexpr uint32_t kOldestFormat = 4;
+// Format 12 holds states of format 10 (state_archive.cc); otherwise it is the same.
+constexpr uint32_t kOldestFormat = 12;
 constexpr uint32_t kFormat = 13;
 constexpr size_t kHeaderBytes = kMagic.size() + sizeof(kFormat);
 constexpr size_t kSectionHeadBytes = 1 + sizeof(uint64_t);
@@ -135,7 +133,8 @@ absl::StatusOr<bool> MissionRestorer::TakeHeader(std::string_view& rest) {
   std::memcpy(&format, rest.data() + kMagic.size(), sizeof(format));
   if (format < kOldestFormat || format > kFormat) {
     return absl::FailedPreconditionError(absl::StrCat(
-        "the backup has format ", format, ", this program reads ", kOldestFormat, " to ", kFormat));
+        "the backup has format ", format, ", this program reads ", kOldestFormat, " to ", kFormat,
+        format > kFormat ? ": restore it with the newer program" : kHowToReadOlder));
   }
   rest.remove_prefix(kHeaderBytes);
   taken_ += kHeaderBytes;

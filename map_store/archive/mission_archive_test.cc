@@ -17,11 +17,11 @@
 #include "absl/time/clock.h"
 #include "map_store/archive/state_archive.h"
 #include "map_store/archive/state_fields.h"
-#include "map_store/map_store.h"
 #include "map_store/rocks/journal_folder.h"
 #include "map_store/rocks/journal_keys.h"
 #include "map_store/rocks/mission_header.h"
 #include "map_store/rocks/rocks_journal.h"
+#include "map_store/store/map_store.h"
 #include "map_store/testing/shared_world.h"
 #include "map_store/testing/store_dump.h"
 #include "map_store/testing/test_agent.h"
@@ -33,6 +33,7 @@ namespace corbslam::map_store {
 namespace {
 
 namespace fs = std::filesystem;
+using ::testing::AllOf;
 using testing::DeterministicOptions;
 using testing::DumpGlobal;
 using testing::DumpLocal;
@@ -162,73 +163,6 @@ TEST_F(MissionArchiveTest, AMissionThatIsThereIsNotOverwritten) {
   EXPECT_TRUE(absl::IsNotFound(store_->BackUpMission("nowhere").status()));
 }
 
-// Returns a state as programs before profiles and retirement wrote it: with another format number,
-// and without them at the end.
-std::string AsFormat6(const MissionState& of) {
-  std::string state = map_store::EncodeState(of);
-  const uint32_t format = 6;
-  std::memcpy(state.data(), &format, sizeof(format));
-  ArchiveWriter profile;
-  profile(of.profile);
-  map_store::NewerFields(profile, of.profile);
-  // That nothing has retired takes eight bytes, and sixteen for each local map.
-  // That none was deleted takes eight, and that nothing has become a part of a local map as many.
-  // That an agent has no trajectory of its own takes sixteen; when local maps arrived takes
-  // sixteen, and as many for each. A uid takes eight more than it has digits. Whose local maps they
-  // are takes eight, sixteen and its name for each agent, and eight for each local map.
-  size_t names = 0;
-  for (const auto& [name, agent] : of.agents) names += 16 + name.size();
-  state.resize(state.size() - profile.Take().size() - 32 - 40 * of.order.size() -
-               16 * of.agents.size() - 8 - of.uid.size() - 8 - names - 8 * of.order.size());
-  return state;
-}
-
-// Returns a backup as programs before profiles wrote it.
-std::string AsFormat8(const MissionState& of) {
-  std::vector<std::shared_ptr<const KeyframePayload>> keyframes;
-  for (const auto& [id, local_map] : of.local_maps) {
-    for (const auto& [keyframe_id, keyframe] : local_map.map.keyframes()) {
-      keyframes.push_back(keyframe.payload);
-    }
-  }
-  MissionBackup backup(AsFormat6(of), std::move(keyframes));
-  std::string file;
-  for (std::string piece = backup.Next(1 << 20); !piece.empty(); piece = backup.Next(1 << 20)) {
-    file += piece;
-  }
-  file[8] = 8;
-  return file;
-}
-
-// Returns a state as programs before anchors wrote it: with another format number, its points
-// placed in their islands, and without anchors at the end.
-std::string AsFormat4(const MissionState& of) {
-  MissionState in_islands = of;
-  for (auto& [id, placed] : in_islands.global.points) {
-    placed.position_in_anchor = map_store::FindPlaced(id, of.global)->PositionInIsland();
-  }
-  std::string state = AsFormat6(in_islands);
-  const uint32_t format = 4;
-  std::memcpy(state.data(), &format, sizeof(format));
-  // The anchors take their number, and twelve bytes each.
-  state.resize(state.size() - 8 - 12 * of.global.points.size());
-  return state;
-}
-
-// Returns a state as programs before recorded cameras wrote it: with another format number, and
-// without recorded cameras at the end.
-std::string AsFormat3(const MissionState& of) {
-  std::string state = AsFormat4(of);
-  const uint32_t format = 3;
-  std::memcpy(state.data(), &format, sizeof(format));
-  for (const auto& [id, local_map] : of.local_maps) {
-    // The recorded cameras take their number, and for each camera a byte that says that there is
-    // none.
-    state.resize(state.size() - 8 - local_map.cameras.size());
-  }
-  return state;
-}
-
 TEST_F(MissionArchiveTest, RecordedCamerasGoAlongWhateverTheirLens) {
   const std::vector<LensModel> lenses = {RadialTangential{-0.1, 0.01, 0, 0, 0.001},
                                          RadialTangential{-0.1, 0.01, 0, 0, 0.001, 0.3, 0.2, 0.1},
@@ -251,29 +185,6 @@ TEST_F(MissionArchiveTest, RecordedCamerasGoAlongWhateverTheirLens) {
     ASSERT_TRUE(read.ok()) << read.status();
     EXPECT_EQ(read->local_maps.begin()->second.Recorded(), recorded) << NameOf(lens);
     EXPECT_FALSE(read->local_maps.rbegin()->second.Recorded().has_value());
-  }
-}
-
-TEST_F(MissionArchiveTest, AStateFromBeforeRecordedCamerasIsRead) {
-  const auto state = *Read(BackUp());
-  const auto read = map_store::DecodeState(AsFormat3(state), nullptr);
-  ASSERT_TRUE(read.ok()) << read.status();
-  EXPECT_EQ(read->local_maps.size(), state.local_maps.size());
-  EXPECT_FALSE(read->local_maps.begin()->second.Recorded().has_value());
-}
-
-TEST_F(MissionArchiveTest, AStateFromBeforeAnchorsHasItsPointsWhereTheyWere) {
-  const auto state = *Read(BackUp());
-  ASSERT_GT(state.global.points.size(), 100u);
-  const auto read = map_store::DecodeState(AsFormat4(state), nullptr);
-  ASSERT_TRUE(read.ok()) << read.status();
-  EXPECT_EQ(read->global.points.size(), state.global.points.size());
-  for (const auto& [id, placed] : state.global.points) {
-    const auto before = map_store::FindPlaced(id, state.global);
-    const auto now = map_store::FindPlaced(id, read->global);
-    ASSERT_TRUE(before.has_value() && now.has_value()) << ToString(id);
-    EXPECT_LT((now->PositionInIsland() - before->PositionInIsland()).norm(), 1e-12);
-    EXPECT_EQ(now->point->revision, placed.revision);
   }
 }
 
@@ -304,44 +215,6 @@ TEST_F(MissionArchiveTest, AProfileGoesAlong) {
   EXPECT_GE(values.last_used_ns, values.created_ns);
 }
 
-// Programs before settings of robots wrote states without them at the end.
-TEST_F(MissionArchiveTest, AStateFromBeforeSettingsIsReadAndHasNone) {
-  MissionProfile values;
-  values.description = "kept";
-  ASSERT_TRUE(store_->UpdateMission("m", values, {ProfileField::kDescription}).ok());
-  ASSERT_TRUE(store_->SetRobotSettings("m", "", {1, "x", std::string(64, 's')}).ok());
-  const auto state = *Read(BackUp());
-  EXPECT_EQ(state.profile.robot_settings.size(), 1u);
-  std::string bytes = map_store::EncodeState(state);
-  const uint32_t format = 7;
-  std::memcpy(bytes.data(), &format, sizeof(format));
-  ArchiveWriter newer;
-  map_store::NewerFields(newer, state.profile);
-  newer(state.arrivals.of_agents());
-  // That no local map was deleted takes eight bytes, and that none is a part as many for each; that
-  // an agent has no trajectory of its own takes sixteen; when local maps arrived takes sixteen, and
-  // as many for each. A uid takes eight more than it has digits.
-  bytes.resize(bytes.size() - newer.Take().size() - 24 - 24 * state.order.size() -
-               16 * state.agents.size() - 8 - state.uid.size());
-  const auto read = map_store::DecodeState(bytes, nullptr);
-  ASSERT_TRUE(read.ok()) << read.status();
-  EXPECT_EQ(read->profile.description, "kept");
-  EXPECT_TRUE(read->profile.robot_settings.empty());
-  EXPECT_EQ(read->profile.revision, 0u);
-}
-
-TEST_F(MissionArchiveTest, ABackupFromBeforeProfilesIsReadAndHasNone) {
-  const auto state = *Read(BackUp());
-  EXPECT_GT(state.profile.created_ns, 0);
-  auto read = Read(AsFormat8(state));
-  ASSERT_TRUE(read.ok()) << read.status();
-  EXPECT_EQ(read->profile, MissionProfile());
-  ASSERT_TRUE(store_->RestoreMission("copy", *std::move(read)).ok());
-  EXPECT_EQ(DumpLocal("copy", *store_), DumpLocal("m", *store_));
-  // When it was made is not known, and is not made up.
-  EXPECT_EQ(store_->GetMission("copy")->profile.created_ns, 0);
-}
-
 TEST_F(MissionArchiveTest, DamageIsFoundWhereverItIs) {
   const std::string file = BackUp();
   const size_t step = file.size() / 400 + 1;
@@ -358,6 +231,23 @@ TEST_F(MissionArchiveTest, DamageIsFoundWhereverItIs) {
   EXPECT_THAT(std::string(Read(newer).status().message()),
               HasSubstr(absl::StrCat("has format ", file[8] + 1)));
   EXPECT_TRUE(absl::IsResourceExhausted(Read(file, 1000, file.size() - 1).status()));
+}
+
+TEST_F(MissionArchiveTest, AnOlderFormatIsRefusedWithWhatReadsIt) {
+  std::string older = BackUp();
+  older[8] = 11;
+  const absl::Status refused = Read(older).status();
+  EXPECT_TRUE(absl::IsFailedPrecondition(refused)) << refused;
+  EXPECT_THAT(std::string(refused.message()),
+              AllOf(HasSubstr("has format 11, this program reads 12 to 13"),
+                    HasSubstr("commit f5f37d9e"), HasSubstr("corbslam mission backup")));
+  std::string state = map_store::EncodeState(*Read(BackUp()));
+  state[0] = 9;
+  const absl::Status unread = map_store::DecodeState(state, nullptr).status();
+  EXPECT_TRUE(absl::IsDataLoss(unread)) << unread;
+  EXPECT_THAT(
+      std::string(unread.message()),
+      AllOf(HasSubstr("has format 9, this program reads 10 to 11"), HasSubstr("commit f5f37d9e")));
 }
 
 TEST_F(MissionArchiveTest, WhatAgentsMayNotSendMayNotBeRestored) {

@@ -71,13 +71,10 @@ RevisionPlan* PlanOf(JournalRecord& record) {
   return nullptr;
 }
 
-// Writes what follows the record's fields: formats that are older end there.
+// Writes what follows the record's fields.
 void WriteTail(const BatchRecord& record, ArchiveWriter& writer) {
-  writer(CountKeypoints(record.batch->full_keyframes));
-  // Records of journals before format 6 end here.
-  writer(record.batch->recorded_cameras);
-  // Records of journals before format 7 end here.
-  writer(record.batch->points_follow);
+  writer(CountKeypoints(record.batch->full_keyframes), record.batch->recorded_cameras,
+         record.batch->points_follow);
 }
 void WriteTail(std::string_view anchors, ArchiveWriter& writer) {
   writer.Raw(anchors.data(), anchors.size());
@@ -102,8 +99,6 @@ std::string EncodeRecord(const JournalRecord& record) {
     WriteTail(
         adjust->plan_bytes != nullptr ? adjust->plan_bytes->anchors : EncodeAnchors(adjust->plan),
         writer);
-  } else if (const auto* profile = std::get_if<ProfileRecord>(&record)) {
-    NewerFields(writer, profile->profile);
   }
   return writer.Take();
 }
@@ -115,19 +110,12 @@ absl::StatusOr<JournalRecord> DecodeRecord(std::string_view bytes, const Feature
   auto* update = std::get_if<BatchRecord>(&record);
   std::vector<uint32_t> keypoints;
   std::vector<RecordedCamera> recorded_cameras;
-  if (update != nullptr && reader.ok()) reader(keypoints);
-  if (update != nullptr && reader.left() > 0) reader(recorded_cameras);
   bool points_follow = false;
-  if (update != nullptr && reader.left() > 0) reader(points_follow);
-  if (RevisionPlan* plan = PlanOf(record); plan != nullptr && reader.left() > 0) {
+  if (update != nullptr && reader.ok()) reader(keypoints, recorded_cameras, points_follow);
+  if (RevisionPlan* plan = PlanOf(record); plan != nullptr && reader.ok()) {
     std::vector<uint32_t> anchors;
     reader(anchors);
     RETURN_IF_ERROR(SetAnchors(anchors, *plan));
-  }
-  // Records of journals before format 13 end before.
-  if (auto* profile = std::get_if<ProfileRecord>(&record);
-      profile != nullptr && reader.left() > 0) {
-    NewerFields(reader, profile->profile);
   }
   if (!reader.done()) return Unreadable("a journal record");
   if (update == nullptr) return record;

@@ -8,12 +8,12 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "map_store/archive/older_formats.h"
 #include "map_store/archive/state_fields.h"
 #include "map_store/archive/stored_map.h"
 #include "map_store/archive/unreadable.h"
 #include "map_store/records/state_validation.h"
 #include "map_store/state/session_frames.h"
-#include "map_store/view/placement.h"
 #include "slam/map/map.h"
 #include "slam/util/status_macros.h"
 
@@ -35,21 +35,8 @@ void Fields(Archive& archive, T& agent) {
 
 namespace {
 
-// Format 3 has no recorded cameras, which follow everything else; in format 4 points are placed in
-// their islands and not in an anchor; in format 5 lenses have five numbers (value_fields.h); up to
-// format 6 missions have no profile, and the store lets go of nothing; in format 7 profiles have no
-// revision and no settings of robots, local maps stay as they are, and none is deleted; up to
-// format 8 what agents that only localise say is not kept, nor in which order parts of local maps
-// arrived; up to format 9 a mission has no uid, and up to format 10 nobody knows whose a deleted
-// local map was.
-constexpr uint32_t kOldestStateFormat = 3;
-constexpr uint32_t kFirstWithAnchors = 5;
-constexpr uint32_t kFirstWithProfile = 7;
-constexpr uint32_t kFirstWithSettings = 8;
-constexpr uint32_t kFirstWithJoined = 8;
-constexpr uint32_t kFirstWithTracks = 9;
-constexpr uint32_t kFirstWithArrivals = 9;
-constexpr uint32_t kFirstWithUid = 10;
+// In format 10 nobody knows whose a deleted local map was.
+constexpr uint32_t kOldestStateFormat = 10;
 constexpr uint32_t kFirstWithNumbers = 11;
 constexpr uint32_t kStateFormat = 11;
 
@@ -74,7 +61,7 @@ void GlobalFields(Archive& archive, State& state) {
           global.island_from_local, global.taken_back, global.kept_apart);
 }
 
-// Lists what follows everything else since the store lets go of keyframes and points.
+// Lists what the store has let go of.
 template <typename Archive, typename State>
 void RetiredFields(Archive& archive, State& state) {
   archive(state.global.stand_ins);
@@ -84,21 +71,21 @@ void RetiredFields(Archive& archive, State& state) {
   }
 }
 
-// Lists what follows that since local maps become parts of others, and are deleted.
+// Lists which local maps were deleted, and which became parts of others.
 template <typename Archive, typename State>
 void JoinedFields(Archive& archive, State& state) {
   archive(state.forgotten);
   for (const LocalMapId& id : state.order) archive(state.local_maps.at(id).joined);
 }
 
-// Lists what follows that since agents that only localise have trajectories.
+// Lists the trajectories of agents that only localise.
 template <typename Archive, typename State>
 void TrackFields(Archive& archive, State& state) {
   for (auto& [name, agent] : state.agents) archive(agent.track);
 }
 
-// Numbers each agent's local maps, for a state of an older format: those that are deleted are not
-// counted.
+// Numbers each agent's local maps, for a state of the format before: those that are deleted are
+// not counted.
 std::map<std::string, std::vector<LocalMapId>> NamesOfAgents(
     const std::map<uint64_t, LocalMapId>& names, const MissionState& state) {
   std::map<std::string, std::vector<LocalMapId>> of_agents;
@@ -124,18 +111,11 @@ void ReadNumbers(ArchiveReader& reader, MissionState& state) {
   state.arrivals = ArrivalBook(read.gone(), read.names(), std::move(of_agents));
 }
 
-// Anchors points of an older format, which are placed in their islands. Where no keyframe is placed
-// that sees a point, the point is not placed any more.
-void AnchorPoints(MissionState& state) {
-  PlacedPoints anchored;
-  for (const auto& [id, placed] : state.global.points) {
-    const MapPoint* point = state.FindPoint(id);
-    if (point == nullptr) continue;
-    const auto there = Anchor(*point, placed.position_in_anchor, placed.revision, state.global,
-                              state.global.keyframes);
-    if (there.has_value()) anchored.emplace_hint(anchored.end(), id, *there);
-  }
-  state.global.points = std::move(anchored);
+absl::Status CheckStateFormat(uint32_t format) {
+  if (format >= kOldestStateFormat && format <= kStateFormat) return absl::OkStatus();
+  return absl::DataLossError(absl::StrCat(
+      "a mission's snapshot has format ", format, ", this program reads ", kOldestStateFormat,
+      " to ", kStateFormat, format < kOldestStateFormat ? kHowToReadOlder : ""));
 }
 
 absl::Status SetAnchors(const std::vector<KeyframeId>& anchors, PlacedPoints& points) {
@@ -161,7 +141,7 @@ std::string EncodeState(const MissionState& state) {
   for (const auto& [id, placed] : state.global.points) anchors.push_back(placed.anchor);
   writer(anchors, state.profile);
   RetiredFields(writer, state);
-  NewerFields(writer, state.profile);
+  SettingsFields(writer, state.profile);
   JoinedFields(writer, state);
   TrackFields(writer, state);
   writer(state.arrivals.gone(), state.arrivals.names());
@@ -183,9 +163,8 @@ absl::StatusOr<MissionState> DecodeState(std::string_view bytes, const FeatureLo
   ArchiveReader reader(bytes);
   uint32_t format = 0;
   reader(format);
-  if (!reader.ok() || format < kOldestStateFormat || format > kStateFormat) {
-    return Unreadable("a mission's snapshot");
-  }
+  if (!reader.ok()) return Unreadable("a mission's snapshot");
+  RETURN_IF_ERROR(CheckStateFormat(format));
   MissionState state;
   GlobalFields(reader, state);
   Landmarks::Sets landmarks;
@@ -203,31 +182,21 @@ absl::StatusOr<MissionState> DecodeState(std::string_view bytes, const FeatureLo
   }
   for (const LocalMapId& id : state.order) {
     LocalMapState& local_map = *state.FindLocalMap(id);
-    if (format > kOldestStateFormat) reader(local_map.recorded_cameras);
+    reader(local_map.recorded_cameras);
     RETURN_IF_ERROR(CheckRecordedCameras(local_map));
     local_map.recorded_cameras.resize(local_map.cameras.size());
   }
-  if (format < kFirstWithAnchors) {
-    AnchorPoints(state);
-  } else {
-    std::vector<KeyframeId> anchors;
-    reader(anchors);
-    RETURN_IF_ERROR(SetAnchors(anchors, state.global.points));
-  }
-  if (format >= kFirstWithProfile) {
-    reader(state.profile);
-    RetiredFields(reader, state);
-  }
-  if (format >= kFirstWithSettings) NewerFields(reader, state.profile);
-  if (format >= kFirstWithJoined) JoinedFields(reader, state);
-  if (format >= kFirstWithTracks) TrackFields(reader, state);
+  std::vector<KeyframeId> anchors;
+  reader(anchors);
+  RETURN_IF_ERROR(SetAnchors(anchors, state.global.points));
+  reader(state.profile);
+  RetiredFields(reader, state);
+  SettingsFields(reader, state.profile);
+  JoinedFields(reader, state);
+  TrackFields(reader, state);
   IndexJoined(state);
-  if (format >= kFirstWithArrivals) {
-    ReadArrivals(reader, state);
-  } else {
-    BeginArrivals(state);
-  }
-  if (format >= kFirstWithUid) reader(state.uid);
+  ReadArrivals(reader, state);
+  reader(state.uid);
   if (format >= kFirstWithNumbers) ReadNumbers(reader, state);
   if (!reader.done()) return Unreadable("a mission's snapshot");
   RETURN_IF_ERROR(ValidateState(state));

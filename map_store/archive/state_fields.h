@@ -211,14 +211,15 @@ template <typename Archive, MayBeConst<SignedSettings> T>
 void Fields(Archive& archive, T& settings) {
   archive(settings.version, settings.bytes, settings.signature);
 }
-// These stand apart, at the end of a record and of a state: the format is older.
+// These stand apart, behind what the store let go of: the format is older.
 template <typename Archive, MayBeConst<MissionProfile> T>
-void NewerFields(Archive& archive, T& profile) {
+void SettingsFields(Archive& archive, T& profile) {
   archive(profile.revision, profile.robot_settings);
 }
 template <typename Archive, MayBeConst<ProfileRecord> T>
 void Fields(Archive& archive, T& record) {
   archive(record.profile);
+  SettingsFields(archive, record.profile);
 }
 template <typename Archive, MayBeConst<UidRecord> T>
 void Fields(Archive& archive, T& record) {

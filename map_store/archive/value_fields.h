@@ -68,8 +68,7 @@ template <typename Archive, MayBeConst<UnifiedSphere> T>
 void Fields(Archive& archive, T& lens) {
   archive(lens.xi, lens.distortion);
 }
-// Five numbers are the lens, as all of them are in journals before format 10; a first one that is
-// no number says that another lens follows.
+// Five numbers are the lens; a first one that is no number says that another lens follows.
 template <typename Archive, MayBeConst<RawCamera> T>
 void Fields(Archive& archive, T& camera) {
   RadialTangential five;

@@ -13,7 +13,7 @@
 #include "absl/time/time.h"
 #include "map_store/fusion/fusion_policy.h"
 #include "map_store/fusion/overlap_query.h"
-#include "map_store/options.h"
+#include "map_store/options/options.h"
 #include "map_store/state/mission_state.h"
 #include "map_store/view/island_view.h"
 #include "map_store/view/long_read.h"

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "map_store/map_store.h"
+#include "map_store/store/map_store.h"
 #include "map_store/testing/shared_world.h"
 #include "map_store/testing/test_agent.h"
 #include "map_store/testing/truthful_worker.h"

@@ -12,7 +12,7 @@
 
 #include "absl/status/statusor.h"
 #include "map_store/fusion/revision_plan.h"
-#include "map_store/options.h"
+#include "map_store/options/options.h"
 #include "map_store/state/mission_state.h"
 #include "map_store/view/long_read.h"
 

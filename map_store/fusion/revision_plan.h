@@ -18,8 +18,7 @@
 namespace corbslam::map_store {
 
 // A position that a plan gives to a point, in the frame of the plan's target, and the keyframe in
-// which the point is to be anchored. Invalid: the state decides when the plan is applied, as it
-// does for plans of journals before format 9.
+// which the point is to be anchored. Invalid: the state decides when the plan is applied.
 struct PlannedPoint {
   Eigen::Vector3d position_in_island = Eigen::Vector3d::Zero();
   uint64_t revision = 0;

@@ -7,7 +7,7 @@
 #include <cstdint>
 
 #include "absl/status/status.h"
-#include "map_store/options.h"
+#include "map_store/options/options.h"
 #include "map_store/state/mission_state.h"
 
 namespace corbslam::map_store {

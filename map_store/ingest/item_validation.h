@@ -4,7 +4,7 @@
 #define CORBSLAM_MAP_STORE_INGEST_ITEM_VALIDATION_H_
 
 #include "absl/status/status.h"
-#include "map_store/options.h"
+#include "map_store/options/options.h"
 #include "slam/exchange/item_checks.h"
 #include "slam/exchange/map_update.h"
 

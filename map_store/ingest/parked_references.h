@@ -4,7 +4,7 @@
 #define CORBSLAM_MAP_STORE_INGEST_PARKED_REFERENCES_H_
 
 #include "absl/time/time.h"
-#include "map_store/options.h"
+#include "map_store/options/options.h"
 #include "map_store/state/mission_state.h"
 
 namespace corbslam::map_store {

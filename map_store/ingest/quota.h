@@ -6,7 +6,7 @@
 #include <string>
 
 #include "absl/status/status.h"
-#include "map_store/options.h"
+#include "map_store/options/options.h"
 #include "map_store/state/mission_state.h"
 #include "slam/exchange/map_update.h"
 #include "slam/exchange/uplink.h"

@@ -7,7 +7,7 @@
 
 #include "absl/status/statusor.h"
 #include "map_store/locating/localize_query.h"
-#include "map_store/options.h"
+#include "map_store/options/options.h"
 #include "map_store/state/mission_state.h"
 #include "map_store/view/long_read.h"
 #include "slam/vocabulary/words.h"

@@ -103,8 +103,8 @@ void MissionStrand::BeginAs(std::string uid) {
 }
 
 absl::Status MissionStrand::PromiseUid() {
-  if (uid_is_recorded_ || environment_.promised_uids == nullptr) return absl::OkStatus();
-  return environment_.promised_uids->Promise(
+  if (uid_is_recorded_ || environment_.promise_uid == nullptr) return absl::OkStatus();
+  return environment_.promise_uid(
       {name_, WithState([](const MissionState& state) { return state.uid; })});
 }
 

@@ -14,9 +14,8 @@
 #include "absl/status/statusor.h"
 #include "absl/synchronization/mutex.h"
 #include "absl/time/time.h"
-#include "map_store/mission/memory_budget.h"
-#include "map_store/mission/promised_uids.h"
-#include "map_store/options.h"
+#include "map_store/mission/memory_limit.h"
+#include "map_store/options/options.h"
 #include "map_store/records/journal.h"
 #include "map_store/records/journal_records.h"
 #include "map_store/state/mission_state.h"
@@ -35,8 +34,9 @@ struct MissionEnvironment {
   bool has_worker = false;
   // Is told, with a mission's turn taken, when a mission's uid is in the journal; may be null.
   std::function<void(const std::string& mission, const std::string& uid)> note_uid;
-  PromisedUids* promised_uids = nullptr;
-  MemoryBudget* memory = nullptr;
+  // Keeps the uid of a mission of which nothing is written yet, durably; may be null.
+  std::function<absl::Status(const MissionIdentity& mission)> promise_uid;
+  MemoryLimit* memory = nullptr;
 };
 
 // Looks at a state on its way through a replay.
@@ -64,7 +64,7 @@ class MissionStrand {
   // Gives a mission that was read, and is older than uids, its own.
   void EnsureUid() ABSL_LOCKS_EXCLUDED(turn_, mutex_);
   // Sees to it that the mission keeps its uid: a robot is about to be told of it, and nothing may
-  // ever have been written of the mission. Returns the errors of PromisedUids::Promise.
+  // ever have been written of the mission. Returns the errors of promise_uid.
   absl::Status PromiseUid() ABSL_LOCKS_EXCLUDED(mutex_);
   // Takes over a state from elsewhere, which the journal has already; called before anything else.
   void Restore(MissionState state) ABSL_LOCKS_EXCLUDED(mutex_);

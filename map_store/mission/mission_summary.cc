@@ -22,7 +22,7 @@ template <typename Archive, MayBeConst<MissionInfo> T>
 void Fields(Archive& archive, T& info) {
   archive(info.name, info.revision, info.agents, info.local_maps, info.islands, info.keyframes,
           info.map_points, info.fusion_idle, info.waiting_queries, info.memory_bytes, info.profile);
-  NewerFields(archive, info.profile);
+  SettingsFields(archive, info.profile);
   archive(info.uid);
 }
 

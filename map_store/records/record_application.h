@@ -6,7 +6,7 @@
 #include "absl/status/status.h"
 #include "map_store/fusion/revision.h"
 #include "map_store/ingest/batch_application.h"
-#include "map_store/options.h"
+#include "map_store/options/options.h"
 #include "map_store/records/journal_records.h"
 #include "map_store/state/mission_state.h"
 #include "slam/vocabulary/vocabulary.h"

@@ -4,7 +4,7 @@
 #define CORBSLAM_MAP_STORE_RECORDS_RESTORED_STATE_H_
 
 #include "absl/status/status.h"
-#include "map_store/options.h"
+#include "map_store/options/options.h"
 #include "map_store/state/mission_state.h"
 
 namespace corbslam::map_store {

@@ -8,7 +8,7 @@
 #include <set>
 #include <vector>
 
-#include "map_store/options.h"
+#include "map_store/options/options.h"
 #include "map_store/retiring/keyframe_choice.h"
 #include "map_store/retiring/retirement.h"
 #include "map_store/retiring/retiring_view.h"

@@ -66,8 +66,8 @@ uint64_t BytesIn(const std::string& path) {
   return bytes;
 }
 
-JournalFolder::JournalFolder(const std::string& directory, absl::string_view within)
-    : path_(absl::StrCat(directory, "/", within)) {}
+JournalFolder::JournalFolder(const std::string& directory)
+    : path_(absl::StrCat(directory, "/missions")) {}
 
 bool JournalFolder::exists() const {
   std::error_code error;

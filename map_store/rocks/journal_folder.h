@@ -21,8 +21,8 @@ inline constexpr char kBeingMade[] = ".making";
 // Finds a journal's folders below its `missions`. All errors name the folder.
 class JournalFolder {
  public:
-  // `directory` is the journal's; `within` is the name of the folder that has the missions.
-  explicit JournalFolder(const std::string& directory, absl::string_view within = "missions");
+  // `directory` is the journal's.
+  explicit JournalFolder(const std::string& directory);
 
   const std::string& path() const { return path_; }
   bool exists() const;

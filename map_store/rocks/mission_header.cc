@@ -2,6 +2,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "map_store/archive/archive.h"
+#include "map_store/archive/older_formats.h"
 #include "slam/util/program_version.h"
 
 namespace corbslam::map_store {
@@ -19,7 +20,7 @@ absl::StatusOr<uint32_t> CheckFormat(std::string_view bytes, std::string_view wr
       written_by.empty() ? "a program of an unknown version"
                          : absl::StrCat("version ", std::string(written_by)),
       "; this program is version ", CorbslamVersion(), " and reads ", kOldestJournalFormat, " to ",
-      kJournalFormat, format > kJournalFormat ? ": start the newer program" : ""));
+      kJournalFormat, format > kJournalFormat ? ": start the newer program" : kHowToReadOlder));
 }
 
 std::string EncodeFormat() {

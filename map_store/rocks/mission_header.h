@@ -10,22 +10,14 @@
 
 namespace corbslam::map_store {
 
-// Formats of the whole journal. Older ones from kOldestJournalFormat on are read and become
-// kJournalFormat when they are opened; others are refused. Format 5 has no recorded cameras, in
-// format 6 no points follow keyframes, in format 7 no features are coded, in format 8 fusion's
-// points are not anchored, in format 9 every lens is a RadialTangential of five numbers, up to
-// format 10 all missions are in one database, in format 11 missions have no profile and no
-// keyframes retire, in format 12 profiles have no revision and no settings of robots, and no local
-// map becomes a part of another or is deleted, in format 13 what robots that only localise say is
-// not kept, in format 14 missions have no uid, and in format 15 nobody knows whose a deleted local
-// map was.
-inline constexpr uint32_t kOldestJournalFormat = 5;
-inline constexpr uint32_t kLastSharedFormat = 10;
+// Formats of the whole journal. The one before is read and becomes kJournalFormat when it is
+// opened; others are refused. In format 15 nobody knows whose a deleted local map was.
+inline constexpr uint32_t kOldestJournalFormat = 15;
 inline constexpr uint32_t kJournalFormat = 16;
 
 // Returns the format's number as it stands under its key. DATA_LOSS for bytes that are no number,
-// FAILED_PRECONDITION for a format that this program doesn't read; `written_by` is the version of
-// the program that wrote it, if that is known.
+// FAILED_PRECONDITION for a format that this program doesn't read, with what to do; `written_by` is
+// the version of the program that wrote it, if that is known.
 absl::StatusOr<uint32_t> CheckFormat(std::string_view bytes, std::string_view written_by = "");
 std::string EncodeFormat();
 

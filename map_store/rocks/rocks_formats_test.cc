@@ -13,7 +13,7 @@
 #include "map_store/rocks/journal_keys.h"
 #include "map_store/rocks/mission_header.h"
 #include "map_store/rocks/rocks_journal.h"
-#include "map_store/rocks/upgrade_copy.h"
+#include "map_store/store/journal_check.h"
 #include "map_store/testing/rocks_store.h"
 #include "map_store/testing/store_dump.h"
 
@@ -21,133 +21,115 @@ namespace corbslam::map_store {
 namespace {
 
 namespace fs = std::filesystem;
+using ::testing::AllOf;
 using testing::DumpLocal;
 using ::testing::HasSubstr;
 
-class RocksFormatsTest : public testing::RocksStoreTest {
- protected:
-  // Makes of a journal what programs of older formats wrote: one database with all missions.
-  static void MakeShared(const std::string& folder, const std::string& format) {
-    rocksdb::DB* raw = nullptr;
-    ASSERT_TRUE(rocksdb::DB::Open({}, folder, &raw).ok());
-    const std::unique_ptr<rocksdb::DB> shared(raw);
-    std::string before;
-    ASSERT_TRUE(shared->Get({}, map_store::FormatKey(), &before).ok());
-    EXPECT_EQ(before, map_store::EncodeFormat());
-    ASSERT_TRUE(rocksdb::DB::OpenForReadOnly({}, MissionFolder(folder), &raw).ok());
-    const std::unique_ptr<rocksdb::DB> own(raw);
-    const std::unique_ptr<rocksdb::Iterator> it(own->NewIterator({}));
-    for (it->SeekToFirst(); it->Valid(); it->Next()) {
-      ASSERT_TRUE(shared->Put({}, it->key(), it->value()).ok());
-    }
-    ASSERT_TRUE(shared->Put({}, map_store::FormatKey(), format).ok());
-    ASSERT_TRUE(shared->Close().ok());
-    fs::remove_all(map_store::JournalFolder(folder).path());
-  }
-};
-
-TEST_F(RocksFormatsTest, TheFormatBeforeBecomesThisOneSoThatOlderProgramsRefuseIt) {
-  const RocksJournalOptions options{.directory = Folder("store")};
-  auto store = Open(options);
-  Send(MakeBatches(), 0, 6, store.get());
-  const size_t keyframes = store->GetMission(kMission)->keyframes;
-  store.reset();
-  rocksdb::DB* raw = nullptr;
-  ASSERT_TRUE(rocksdb::DB::Open({}, options.directory, &raw).ok());
-  std::unique_ptr<rocksdb::DB> guard(raw);
-  ASSERT_TRUE(guard->Put({}, map_store::FormatKey(), std::string("\x0b\0\0\0", 4)).ok());
-  guard.reset();
-  store = Open(options);
-  EXPECT_EQ(store->GetMission(kMission)->keyframes, keyframes);
-  store.reset();
-  ASSERT_TRUE(rocksdb::DB::OpenForReadOnly({}, options.directory, &raw).ok());
-  guard.reset(raw);
-  std::string format;
-  ASSERT_TRUE(guard->Get({}, map_store::FormatKey(), &format).ok());
-  EXPECT_EQ(format, map_store::EncodeFormat());
+std::string Bytes(uint32_t format) {
+  ArchiveWriter writer;
+  writer(format);
+  return writer.Take();
 }
 
-// A program before recorded cameras left format 5.
-TEST_F(RocksFormatsTest, AnOlderFormatIsReadAndBecomesTheNewOne) {
-  const RocksJournalOptions options{.directory = Folder("store")};
-  auto store = Open(options);
-  Send(MakeBatches(), 0, 6, store.get());
-  const std::string local = DumpLocal(kMission, *store);
-  store.reset();
-  MakeShared(options.directory, std::string("\x05\0\0\0", 4));
-  store = Open(options);
-  ASSERT_NE(store, nullptr);
-  EXPECT_EQ(store->GetMission(kMission)->keyframes, 6u);
-  EXPECT_EQ(DumpLocal(kMission, *store), local);
-  // The missions have left the old database.
-  const std::string kept = map_store::UpgradeCopyPath(options.directory, 5);
-  EXPECT_LT(map_store::BytesIn(options.directory) - map_store::BytesIn(kept),
-            map_store::BytesIn(MissionFolder(options.directory)) + (64 << 10));
-  store.reset();
-  MakeShared(options.directory, std::string("\x04\0\0\0", 4));
-  EXPECT_EQ(TryOpen(options).status().code(), absl::StatusCode::kFailedPrecondition);
-}
-
-// Puts another format's number into a database, and returns the one that was there.
-std::string SwapFormat(const std::string& folder, const std::string& format) {
+// Puts a value into a database that nobody has open, and returns the one that was there.
+std::string Swap(const std::string& folder, const std::string& key, const std::string& value) {
   rocksdb::DB* raw = nullptr;
   EXPECT_TRUE(rocksdb::DB::Open({}, folder, &raw).ok());
   const std::unique_ptr<rocksdb::DB> database(raw);
   std::string before;
-  EXPECT_TRUE(database->Get({}, map_store::FormatKey(), &before).ok());
-  EXPECT_TRUE(database->Put({}, map_store::FormatKey(), format).ok());
+  EXPECT_TRUE(database->Get({}, key, &before).ok());
+  EXPECT_TRUE(database->Put({}, key, value).ok());
   EXPECT_TRUE(database->Close().ok());
   return before;
 }
 
-// A program before profiles left format 11, in the guard and in each mission.
-TEST_F(RocksFormatsTest, AJournalWithoutProfilesBecomesOneThatOlderProgramsRefuse) {
-  const RocksJournalOptions options{.directory = Folder("store")};
-  auto store = Open(options);
-  Send(MakeBatches(), 0, 6, store.get());
-  const std::string local = DumpLocal(kMission, *store);
-  store.reset();
-  const std::string eleven("\x0b\0\0\0", 4);
-  const std::string now = map_store::EncodeFormat();
-  EXPECT_EQ(SwapFormat(options.directory, eleven), now);
-  EXPECT_EQ(SwapFormat(MissionFolder(options.directory), eleven), now);
-  store = Open(options);
+class RocksFormatsTest : public testing::RocksStoreTest {
+ protected:
+  // Leaves a journal whose guard and whose mission say that they are of that format; returns what
+  // the mission holds.
+  std::string MakeJournal(uint32_t format) {
+    auto store = Open(options_);
+    Send(MakeBatches(), 0, 6, store.get());
+    const std::string local = DumpLocal(kMission, *store);
+    store.reset();
+    SetFormat(format);
+    return local;
+  }
+  void SetFormat(uint32_t format) {
+    Swap(options_.directory, FormatKey(), Bytes(format));
+    Swap(MissionFolder(options_.directory), FormatKey(), Bytes(format));
+  }
+  // Expects that a start and a check refuse the folder with such words, and change no format.
+  template <typename Matcher>
+  void ExpectRefused(uint32_t format, const Matcher& words) {
+    const absl::Status started = TryOpen(options_).status();
+    const absl::Status checked = CheckJournal(options_.directory, [](const CheckedMission&) {});
+    for (const absl::Status& refused : {started, checked}) {
+      EXPECT_TRUE(absl::IsFailedPrecondition(refused)) << refused;
+      EXPECT_THAT(std::string(refused.message()), words);
+      EXPECT_THAT(std::string(refused.message()), HasSubstr(options_.directory));
+    }
+    EXPECT_EQ(Swap(options_.directory, FormatKey(), Bytes(format)), Bytes(format));
+  }
+
+  const RocksJournalOptions options_{.directory = Folder("store")};
+};
+
+TEST_F(RocksFormatsTest, TheFormatBeforeBecomesThisOneSoThatOlderProgramsRefuseIt) {
+  const std::string local = MakeJournal(kJournalFormat - 1);
+  auto store = Open(options_);
   ASSERT_NE(store, nullptr);
   EXPECT_EQ(DumpLocal(kMission, *store), local);
-  MissionProfile values;
-  values.description = "set";
-  ASSERT_TRUE(store->UpdateMission(kMission, values, {ProfileField::kDescription}).ok());
   store.reset();
-  EXPECT_EQ(SwapFormat(options.directory, now), now);
-  EXPECT_EQ(SwapFormat(MissionFolder(options.directory), now), now);
-  store = Open(options);
-  ASSERT_NE(store, nullptr);
-  EXPECT_EQ(store->GetMission(kMission)->profile.description, "set");
-  EXPECT_EQ(DumpLocal(kMission, *store), local);
+  const std::string now = EncodeFormat();
+  EXPECT_EQ(Swap(options_.directory, FormatKey(), now), now);
+  EXPECT_EQ(Swap(MissionFolder(options_.directory), FormatKey(), now), now);
 }
 
-TEST_F(RocksFormatsTest, ANewerFormatAndASecondProcessAreRefusedByName) {
-  const RocksJournalOptions options{.directory = Folder("store")};
-  auto first = RocksJournal::Open(options);
+TEST_F(RocksFormatsTest, AnOlderFormatIsRefusedWithWhatReadsIt) {
+  const std::string local = MakeJournal(kOldestJournalFormat - 1);
+  Swap(options_.directory, ProgramKey(), "0.0.9");
+  ExpectRefused(
+      kOldestJournalFormat - 1,
+      AllOf(HasSubstr("has format 14, written by version 0.0.9"), HasSubstr("reads 15 to 16"),
+            HasSubstr("map_store of commit f5f37d9e"), HasSubstr("docs/upgrade.md")));
+  SetFormat(kJournalFormat);
+  EXPECT_EQ(DumpLocal(kMission, *Open(options_)), local) << "nothing was changed";
+}
+
+// Up to format 10 all missions were in one database, which is the guard's.
+TEST_F(RocksFormatsTest, AFolderWithoutFoldersOfMissionsIsRefusedByItsFormat) {
+  MakeJournal(10);
+  fs::remove_all(JournalFolder(options_.directory).path());
+  ExpectRefused(10, AllOf(HasSubstr("has format 10"), HasSubstr("map_store of commit f5f37d9e")));
+  EXPECT_FALSE(JournalFolder(options_.directory).exists());
+}
+
+// A mission that was asleep while others became of a newer format.
+TEST_F(RocksFormatsTest, AMissionOfAnOlderFormatIsRefusedByItsFolder) {
+  MakeJournal(kJournalFormat);
+  Swap(MissionFolder(options_.directory), FormatKey(), Bytes(kOldestJournalFormat - 1));
+  const absl::Status refused = TryOpen(options_).status();
+  EXPECT_TRUE(absl::IsFailedPrecondition(refused)) << refused;
+  EXPECT_THAT(std::string(refused.message()), AllOf(HasSubstr(MissionFolder(options_.directory)),
+                                                    HasSubstr("map_store of commit")));
+}
+
+TEST_F(RocksFormatsTest, ANewerFormatIsRefusedWithBothNumbersAndItsProgram) {
+  MakeJournal(kJournalFormat + 1);
+  Swap(options_.directory, ProgramKey(), "9.8.7");
+  ExpectRefused(kJournalFormat + 1,
+                AllOf(HasSubstr(absl::StrCat("has format ", kJournalFormat + 1)),
+                      HasSubstr("version 9.8.7"), HasSubstr("start the newer program")));
+}
+
+TEST_F(RocksFormatsTest, ASecondProcessIsRefusedByName) {
+  auto first = RocksJournal::Open(options_);
   ASSERT_TRUE(first.ok()) << first.status();
-  const auto second = RocksJournal::Open(options);
+  const auto second = RocksJournal::Open(options_);
   EXPECT_EQ(second.status().code(), absl::StatusCode::kFailedPrecondition);
-  EXPECT_THAT(std::string(second.status().message()), HasSubstr(options.directory));
-  EXPECT_THAT(std::string(second.status().message()), HasSubstr("this process itself has it"));
-
-  first->reset();
-  rocksdb::DB* raw = nullptr;
-  ASSERT_TRUE(rocksdb::DB::Open({}, options.directory, &raw).ok());
-  const std::unique_ptr<rocksdb::DB> closing(raw);
-  map_store::ArchiveWriter next;
-  next(map_store::kJournalFormat + 1);
-  ASSERT_TRUE(raw->Put({}, map_store::FormatKey(), next.Take()).ok());
-  ASSERT_TRUE(raw->Close().ok());
-  const auto newer = RocksJournal::Open(options);
-  EXPECT_EQ(newer.status().code(), absl::StatusCode::kFailedPrecondition);
-  EXPECT_THAT(std::string(newer.status().message()),
-              HasSubstr(absl::StrCat("has format ", map_store::kJournalFormat + 1)));
-
+  EXPECT_THAT(std::string(second.status().message()),
+              AllOf(HasSubstr(options_.directory), HasSubstr("this process itself has it")));
   const auto nowhere = RocksJournal::Open({.directory = "/proc/version/journal"});
   EXPECT_EQ(nowhere.status().code(), absl::StatusCode::kFailedPrecondition);
 }

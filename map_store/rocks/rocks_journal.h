@@ -98,9 +98,6 @@ class RocksJournal : public Journal {
   absl::Status OpenGuard();
   // Keeps what an older program wrote, and says where.
   absl::Status KeepOlder(uint32_t format);
-  // Makes the folder of missions, from what the guard's place holds in a format of before (0:
-  // nothing).
-  absl::Status MakeFolders(uint32_t format);
   // Does so for who only reads: keeps others out as far as that goes, and makes nothing.
   absl::Status PassGuard();
   absl::Status MakeGuard();

@@ -11,7 +11,6 @@
 #include "map_store/rocks/journal_keys.h"
 #include "map_store/rocks/journal_scrubber.h"
 #include "map_store/rocks/journal_tidier.h"
-#include "map_store/rocks/journal_upgrade.h"
 #include "map_store/rocks/mission_header.h"
 #include "map_store/rocks/mission_journal.h"
 #include "map_store/rocks/mission_lists.h"
@@ -110,11 +109,13 @@ absl::Status RocksJournal::OpenGuard() {
     return absl::Status(format.status().code(), place + std::string(format.status().message()));
   }
   if (!folder_.exists()) {
-    if (format.ok() && *format <= kLastSharedFormat) RETURN_IF_ERROR(KeepOlder(*format));
-    return MakeFolders(format.ok() ? *format : 0);
+    if (format.ok())
+      return absl::DataLossError(place + "the folder " + folder_.path() + " is lost");
+    RETURN_IF_ERROR(folder_.Make());
+    return WriteGuard();
   }
   // Once there is a folder of missions, the guard has nothing that could be lost.
-  if (!format.ok() || *format <= kLastSharedFormat) return MakeGuard();
+  if (!format.ok()) return MakeGuard();
   // Programs that read no newer format are kept out before the first mission has one.
   if (*format != kJournalFormat) {
     RETURN_IF_ERROR(KeepOlder(*format));
@@ -136,32 +137,25 @@ absl::Status RocksJournal::KeepOlder(uint32_t format) {
   return absl::OkStatus();
 }
 
-absl::Status RocksJournal::MakeFolders(uint32_t format) {
-  if (format > kLastSharedFormat) {
-    return absl::DataLossError(
-        absl::StrCat("journal ", options_.directory, ": the folder ", folder_.path(), " is lost"));
-  }
-  if (format == 0) {
-    RETURN_IF_ERROR(folder_.Make());
-    return WriteGuard();
-  }
-  RETURN_IF_ERROR(UpgradeJournal(options_, *guard_, cache_));
-  return MakeGuard();
-}
-
 absl::Status RocksJournal::PassGuard() {
   const std::string place = absl::StrCat("journal ", options_.directory, ": ");
-  if (!folder_.exists()) {
-    return absl::FailedPreconditionError(absl::StrCat(
-        place, "there is no folder ", folder_.path(),
-        ": no map_store has used it, or only one of an older format, which the next start makes "
-        "this one"));
+  std::error_code error;
+  const bool has_guard = std::filesystem::exists(options_.directory + "/CURRENT", error);
+  if (has_guard || folder_.exists()) {
+    guard_ = std::make_unique<RocksDatabase>(options_.directory, options_.env, cache_);
+    const rocksdb::Status opened = guard_->Open(Mode::kOpen);
+    if (!opened.ok() && !IsDamage(opened)) {
+      return absl::FailedPreconditionError(place + ExplainOpenFailure(options_.directory, opened));
+    }
+    const absl::Status known = opened.ok() ? ReadGuard().status() : absl::OkStatus();
+    if (absl::IsFailedPrecondition(known)) {
+      return absl::FailedPreconditionError(place + std::string(known.message()));
+    }
   }
-  guard_ = std::make_unique<RocksDatabase>(options_.directory, options_.env, cache_);
-  const rocksdb::Status opened = guard_->Open(Mode::kOpen);
   // A damaged guard keeps nobody out, and is made anew at the next start.
-  if (opened.ok() || IsDamage(opened)) return absl::OkStatus();
-  return absl::FailedPreconditionError(place + ExplainOpenFailure(options_.directory, opened));
+  if (folder_.exists()) return absl::OkStatus();
+  return absl::FailedPreconditionError(
+      absl::StrCat(place, "there is no folder ", folder_.path(), ": no map_store has used it"));
 }
 
 absl::StatusOr<uint32_t> RocksJournal::ReadGuard() {

@@ -15,8 +15,8 @@
 
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
-#include "map_store/map_store.h"
 #include "map_store/rocks/durable_mark.h"
+#include "map_store/store/map_store.h"
 #include "map_store/testing/rocks_store.h"
 #include "map_store/testing/store_dump.h"
 #include "map_store/testing/unsynced_loss_env.h"

@@ -9,7 +9,7 @@
 
 namespace corbslam::map_store {
 
-// Returns where the copy of a journal's folder of that format is kept: in it, as before-13.
+// Returns where the copy of a journal's folder of that format is kept: in it, as before-15.
 std::string UpgradeCopyPath(const std::string& directory, uint32_t format);
 
 // Makes that copy, durably, of all that is in the journal's folder, so that the older program can

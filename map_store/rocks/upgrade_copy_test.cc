@@ -20,7 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 using testing::DumpLocal;
 
-constexpr uint32_t kOlder = 13;
+constexpr uint32_t kOlder = kOldestJournalFormat;
 
 // Makes of the journal, which nobody has open, one of that format; returns the format before.
 std::string SetFormat(const std::string& folder, uint32_t format) {

@@ -4,7 +4,7 @@
 
 #include <cstddef>
 
-#include "map_store/options.h"
+#include "map_store/options/options.h"
 #include "map_store/state/mission_state.h"
 #include "map_store/state/share_state.h"
 #include "map_store/view/long_read.h"

@@ -9,7 +9,7 @@
 #include <optional>
 #include <vector>
 
-#include "map_store/options.h"
+#include "map_store/options/options.h"
 #include "map_store/state/mission_state.h"
 #include "map_store/state/share_state.h"
 #include "map_store/view/long_read.h"

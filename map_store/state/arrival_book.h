@@ -22,9 +22,8 @@ namespace corbslam::map_store {
 class ArrivalBook {
  public:
   ArrivalBook() = default;
-  // Begins for a state from which so many names were gone by then: deleted, or parts of others.
-  explicit ArrivalBook(uint64_t gone) : gone_(gone) {}
-  // Restores a book that was written. Names that are in `names` alone have no known agent.
+  // Restores a book that was written, for a state from which `gone` names were gone when it was
+  // begun. Names that are in `names` alone have no known agent.
   ArrivalBook(uint64_t gone, std::map<uint64_t, LocalMapId> names,
               std::map<std::string, std::vector<LocalMapId>> of_agents)
       : gone_(gone),

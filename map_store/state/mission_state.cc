@@ -89,14 +89,6 @@ void IndexJoined(MissionState& state) {
   }
 }
 
-void BeginArrivals(MissionState& state) {
-  state.arrivals = ArrivalBook(state.joined_into.size() + state.forgotten.size());
-  for (const LocalMapId& id : state.order) {
-    const LocalMapState& local_map = state.local_maps.at(id);
-    for (const LocalMapId& name : local_map.Names()) state.arrivals.Add(name, local_map.agent);
-  }
-}
-
 void IndexPoints(MissionState& state) {
   state.points = PointIndex();
   for (const auto& [id, local_map] : state.local_maps) {

@@ -355,9 +355,6 @@ void SetIslandOf(const LocalMapState& local_map, IslandId island, MissionState& 
 // Makes `joined_into` and the names of parts anew. The caller, who has read a state from somewhere,
 // does so once.
 void IndexJoined(MissionState& state);
-// Begins `arrivals` for a state that has none: parts come with their wholes, since nobody knows
-// better. After IndexJoined.
-void BeginArrivals(MissionState& state);
 
 // Makes `points` anew. The caller, who has read a state from somewhere, does so once.
 void IndexPoints(MissionState& state);

@@ -12,7 +12,7 @@
 
 #include "absl/status/statusor.h"
 #include "absl/strings/str_cat.h"
-#include "map_store/map_store.h"
+#include "map_store/store/map_store.h"
 
 namespace corbslam::testing {
 

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "map_store/map_store.h"
+#include "map_store/store/map_store.h"
 #include "map_store/testing/byte_journal.h"
 #include "map_store/testing/shared_world.h"
 #include "map_store/testing/test_agent.h"

@@ -3,7 +3,7 @@
 #define CORBSLAM_MAP_STORE_TESTING_RECOVER_WHOLE_H_
 
 #include "absl/status/status.h"
-#include "map_store/map_store.h"
+#include "map_store/store/map_store.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::testing {

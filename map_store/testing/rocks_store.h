@@ -11,9 +11,9 @@
 #include <utility>
 #include <vector>
 
-#include "map_store/map_store.h"
 #include "map_store/rocks/journal_folder.h"
 #include "map_store/rocks/rocks_journal.h"
+#include "map_store/store/map_store.h"
 #include "map_store/testing/shared_world.h"
 #include "map_store/testing/test_agent.h"
 #include "map_store/testing/truthful_worker.h"

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <memory>
 
-#include "map_store/options.h"
+#include "map_store/options/options.h"
 #include "map_store/testing/test_agent.h"
 #include "slam/verification/testing/synthetic_world.h"
 

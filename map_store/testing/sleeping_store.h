@@ -12,9 +12,9 @@
 #include <utility>
 
 #include "absl/time/time.h"
-#include "map_store/map_store.h"
 #include "map_store/rocks/journal_folder.h"
 #include "map_store/rocks/rocks_journal.h"
+#include "map_store/store/map_store.h"
 #include "map_store/testing/journal_wrapper.h"
 #include "map_store/testing/shared_world.h"
 #include "map_store/testing/test_agent.h"

@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "map_store/map_store.h"
+#include "map_store/store/map_store.h"
 
 namespace corbslam::testing {
 

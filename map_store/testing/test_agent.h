@@ -7,7 +7,7 @@
 #include <optional>
 #include <string>
 
-#include "map_store/map_store.h"
+#include "map_store/store/map_store.h"
 #include "slam/verification/testing/synthetic_world.h"
 
 namespace corbslam::testing {

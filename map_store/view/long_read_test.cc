@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "map_store/fusion/fusion_job.h"
-#include "map_store/map_store.h"
 #include "map_store/records/record_application.h"
+#include "map_store/store/map_store.h"
 #include "map_store/testing/shared_world.h"
 #include "map_store/testing/test_agent.h"
 #include "map_store/testing/truthful_worker.h"

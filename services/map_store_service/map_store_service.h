@@ -13,8 +13,8 @@
 #include <vector>
 
 #include "corbslam/v1/map_store_service.grpc.pb.h"
-#include "map_store/map_store.h"
-#include "map_store/stored_backups.h"
+#include "map_store/store/map_store.h"
+#include "map_store/store/stored_backups.h"
 #include "map_store/view/asleep_words.h"
 #include "services/map_store_service/streams/recent_codes.h"
 #include "services/map_store_service/streams/replay_slots.h"

@@ -11,7 +11,7 @@
 
 #include "client_agent/upload/outbox.h"
 #include "client_agent/upload/update_recorder.h"
-#include "map_store/map_store.h"
+#include "map_store/store/map_store.h"
 #include "services/convert/testing/test_data.h"
 
 namespace corbslam::services {

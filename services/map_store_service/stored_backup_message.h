@@ -4,7 +4,7 @@
 
 #include "absl/status/status.h"
 #include "corbslam/v1/resources.pb.h"
-#include "map_store/stored_backups.h"
+#include "map_store/store/stored_backups.h"
 
 namespace corbslam::services {
 

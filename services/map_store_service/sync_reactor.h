@@ -18,7 +18,7 @@
 #include "absl/synchronization/mutex.h"
 #include "absl/time/time.h"
 #include "corbslam/v1/map_store_service.grpc.pb.h"
-#include "map_store/map_store.h"
+#include "map_store/store/map_store.h"
 #include "services/convert/features.h"
 #include "services/convert/map_update.h"
 #include "services/map_store_service/map_store_service.h"

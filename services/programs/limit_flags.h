@@ -4,7 +4,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "map_store/options.h"
+#include "map_store/options/options.h"
 #include "services/map_store_service/streams/stream_limits.h"
 
 namespace corbslam::services {

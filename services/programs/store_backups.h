@@ -7,11 +7,11 @@
 #include <memory>
 
 #include "absl/status/statusor.h"
-#include "map_store/map_store.h"
-#include "map_store/mission/backup_keeper.h"
-#include "map_store/mission/backup_verifier.h"
+#include "map_store/process/backup_keeper.h"
+#include "map_store/process/backup_verifier.h"
 #include "map_store/rocks/rocks_journal.h"
-#include "map_store/stored_backups.h"
+#include "map_store/store/map_store.h"
+#include "map_store/store/stored_backups.h"
 #include "services/programs/backup_flags.h"
 
 namespace corbslam::services {

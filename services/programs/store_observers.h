@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "map_store/map_store.h"
+#include "map_store/store/map_store.h"
 #include "services/map_store_service/map_store_service.h"
 #include "services/observe/event_log/sync_log.h"
 #include "services/observe/metrics/disk_collector.h"

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "absl/status/status.h"
-#include "map_store/map_store.h"
+#include "map_store/store/map_store.h"
 
 namespace corbslam::tests {
 

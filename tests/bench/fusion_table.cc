@@ -19,7 +19,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "fusion_worker/local_fusion_worker.h"
-#include "map_store/map_store.h"
+#include "map_store/store/map_store.h"
 #include "map_store/testing/test_agent.h"
 #include "services/programs/default_vocabulary.h"
 #include "services/server/process_usage.h"

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "map_store/map_store.h"
+#include "map_store/store/map_store.h"
 #include "slam/evaluation/trajectory.h"
 #include "tests/replay/recorded_uploads.h"
 

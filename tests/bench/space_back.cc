@@ -12,9 +12,9 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
-#include "map_store/map_store.h"
 #include "map_store/rocks/journal_folder.h"
 #include "map_store/rocks/rocks_journal.h"
+#include "map_store/store/map_store.h"
 #include "slam/util/resident_memory.h"
 #include "slam/util/status_macros.h"
 

@@ -13,7 +13,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
 #include "fusion_worker/local_fusion_worker.h"
-#include "map_store/map_store.h"
+#include "map_store/store/map_store.h"
 #include "map_store/testing/store_dump.h"
 #include "services/client/remote/channel.h"
 #include "services/client/remote/remote_uplink.h"

@@ -13,7 +13,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
-#include "map_store/map_store.h"
+#include "map_store/store/map_store.h"
 #include "map_store/testing/shared_world.h"
 #include "map_store/testing/store_dump.h"
 #include "map_store/testing/test_agent.h"

@@ -6,8 +6,8 @@
 #include <memory>
 #include <string>
 
-#include "map_store/map_store.h"
 #include "map_store/rocks/rocks_journal.h"
+#include "map_store/store/map_store.h"
 #include "slam/vocabulary/vocabulary.h"
 #include "tests/fault/fault_fixture.h"
 #include "tests/replay/recorded_uploads.h"

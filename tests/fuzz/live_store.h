@@ -5,7 +5,7 @@
 #include <memory>
 #include <utility>
 
-#include "map_store/map_store.h"
+#include "map_store/store/map_store.h"
 #include "map_store/testing/byte_journal.h"
 
 namespace corbslam::tests {

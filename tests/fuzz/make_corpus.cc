@@ -16,7 +16,7 @@
 
 #include "client_agent/spool/spool_segment.h"
 #include "corbslam/v1/map_store_service.pb.h"
-#include "map_store/map_store.h"
+#include "map_store/store/map_store.h"
 #include "map_store/testing/byte_journal.h"
 #include "map_store/testing/grey_jpeg.h"
 #include "map_store/testing/small_mission.h"

@@ -3,7 +3,7 @@
 #include <memory>
 #include <optional>
 
-#include "map_store/map_store.h"
+#include "map_store/store/map_store.h"
 #include "services/convert/keyframe_picture.h"
 #include "services/convert/map_update.h"
 #include "services/convert/shared_update.h"

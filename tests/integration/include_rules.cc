@@ -28,9 +28,8 @@ const std::map<absl::string_view, Folders>& TopRules() {
 
 using Heights = std::map<absl::string_view, int>;
 
-// Height of each folder of a top folder, or of a file right in it by its name before the dot. Each
-// may include itself and what lies lower. A folder within a folder that has no height of its own
-// belongs to the outer one.
+// Height of each folder of a top folder. Each may include itself and what lies lower. A folder
+// within a folder that has no height of its own belongs to the outer one.
 const std::map<absl::string_view, Heights>& Ladders() {
   static const auto& ladders = *new std::map<absl::string_view, Heights>{
       {"slam",
@@ -86,18 +85,9 @@ const std::map<absl::string_view, Heights>& Ladders() {
            {"archive", 6},
            {"rocks", 7},
            {"mission", 7},
-           {"map_store", 8},
-           {"journal_check", 8},
-           {"journal_repair", 8},
-           {"map_store_backups", 9},
-           {"map_store_damage", 9},
-           {"map_store_identity", 9},
-           {"map_store_lists", 9},
-           {"map_store_localize", 9},
-           {"map_store_lookups", 9},
-           {"map_store_profiles", 9},
-           {"map_store_sleep", 9},
-           {"stored_backups", 9},
+           {"coordination", 8},
+           {"process", 9},
+           {"store", 10},
        }},
       {"services",
        {
@@ -147,16 +137,15 @@ absl::string_view Part(absl::string_view path, size_t index) {
   return index + 1 < parts.size() ? parts[index] : absl::string_view();
 }
 
-// Returns the entry of `heights` for a file: that of the innermost folder that has one, or that of
-// the file's own name.
+// Returns the entry of `heights` for a file: that of the innermost folder that has one.
 Heights::const_iterator FindRoom(const Heights& heights, absl::string_view path) {
   const std::vector<absl::string_view> parts = absl::StrSplit(path, '/');
-  if (parts.size() < 2) return heights.end();
+  if (parts.size() < 3) return heights.end();
   if (parts.size() > 3) {
     const std::string inner = absl::StrCat(parts[1], "/", parts[2]);
     if (const auto room = heights.find(inner); room != heights.end()) return room;
   }
-  return heights.find(parts[1].substr(0, parts[1].find('.')));
+  return heights.find(parts[1]);
 }
 
 // Returns the text between quotes or angle brackets of an #include line.

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "absl/time/clock.h"
-#include "map_store/map_store.h"
+#include "map_store/store/map_store.h"
 #include "services/client/remote/channel.h"
 #include "services/client/remote/remote_uplink.h"
 #include "services/convert/testing/test_data.h"

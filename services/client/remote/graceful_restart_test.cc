@@ -12,7 +12,7 @@
 #include "absl/time/clock.h"
 #include "client_agent/link/store_link.h"
 #include "client_agent/link/testing/fake_map_jobs.h"
-#include "map_store/map_store.h"
+#include "map_store/store/map_store.h"
 #include "services/client/remote/channel.h"
 #include "services/client/remote/remote_uplink.h"
 #include "services/convert/testing/test_data.h"

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "map_store/map_store.h"
+#include "map_store/store/map_store.h"
 #include "map_store/testing/byte_journal.h"
 #include "map_store/testing/small_mission.h"
 #include "services/client/store/store_reader.h"

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "absl/time/clock.h"
-#include "map_store/map_store.h"
+#include "map_store/store/map_store.h"
 #include "services/convert/testing/test_data.h"
 #include "services/map_store_service/map_store_service.h"
 #include "services/programs/default_vocabulary.h"

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "absl/time/time.h"
-#include "map_store/mission/backup_keeper.h"
-#include "map_store/mission/backup_verifier.h"
+#include "map_store/process/backup_keeper.h"
+#include "map_store/process/backup_verifier.h"
 #include "map_store/records/backup_shelf.h"
 #include "map_store/rocks/journal_scrubber.h"
 

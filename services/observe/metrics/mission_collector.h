@@ -6,7 +6,7 @@
 
 #include <vector>
 
-#include "map_store/map_store.h"
+#include "map_store/store/map_store.h"
 #include "services/map_store_service/map_store_service.h"
 #include "services/observe/metrics/ingest_metrics.h"
 

@@ -4,7 +4,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
-#include "map_store/journal_check.h"
+#include "map_store/store/journal_check.h"
 #include "services/tool/commands/commands.h"
 #include "services/tool/commands/journal_actions.h"
 #include "services/tool/output/progress.h"
@@ -66,8 +66,7 @@ absl::Status CheckFolder(const std::string& directory) {
 }  // namespace
 
 void AddJournalCommand(CLI::App& app, Command& chosen) {
-  CLI::App* journal =
-      app.add_subcommand("journal", "Look at a stopped store's folder, mend and upgrade it");
+  CLI::App* journal = app.add_subcommand("journal", "Look at a stopped store's folder and mend it");
   journal->require_subcommand(1);
   CLI::App* check = journal->add_subcommand(
       "check",
@@ -78,7 +77,6 @@ void AddJournalCommand(CLI::App& app, Command& chosen) {
   check->callback(
       [directory, &chosen] { chosen = [directory] { return CheckFolder(*directory); }; });
   AddJournalRepair(*journal, chosen);
-  AddJournalUpgrade(*journal, chosen);
 }
 
 }  // namespace corbslam::services

@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "map_store/map_store.h"
+#include "map_store/store/map_store.h"
 #include "services/convert/features.h"
 #include "slam/exchange/uplink.h"
 

@@ -6,7 +6,7 @@
 #include "absl/strings/str_cat.h"
 #include "client_agent/agent/agent.h"
 #include "fusion_worker/local_fusion_worker.h"
-#include "map_store/map_store.h"
+#include "map_store/store/map_store.h"
 #include "services/map_store_service/map_store_service.h"
 #include "services/programs/default_vocabulary.h"
 #include "services/programs/robot/agent_run.h"

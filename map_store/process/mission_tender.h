@@ -1,0 +1,40 @@
+// Looks after missions now and then, on a thread of its own.
+#ifndef CORBSLAM_MAP_STORE_PROCESS_MISSION_TENDER_H_
+#define CORBSLAM_MAP_STORE_PROCESS_MISSION_TENDER_H_
+
+#include <functional>
+#include <thread>
+#include <utility>
+
+#include "absl/time/time.h"
+#include "map_store/process/work_signal.h"
+
+namespace corbslam::map_store {
+
+// Calls one function once a minute. Thread-safe.
+class MissionTender {
+ public:
+  explicit MissionTender(std::function<void()> tend) : tend_(std::move(tend)) {}
+  ~MissionTender() { Stop(); }
+
+  // The first call is a minute later.
+  void Start() {
+    thread_ = std::thread([this] {
+      while (signal_.WaitFor(absl::Minutes(1))) tend_();
+    });
+  }
+  // Joins the thread.
+  void Stop() {
+    signal_.Stop();
+    if (thread_.joinable()) thread_.join();
+  }
+
+ private:
+  const std::function<void()> tend_;
+  WorkSignal signal_;
+  std::thread thread_;
+};
+
+}  // namespace corbslam::map_store
+
+#endif  // CORBSLAM_MAP_STORE_PROCESS_MISSION_TENDER_H_
