@@ -5,27 +5,20 @@
 #include <cstdint>
 #include <opencv2/core/mat.hpp>
 
-#include "absl/status/status.h"
-
 namespace corbslam {
 
 struct Lens {
   double exposure = 1.5;        // Multiplies the light; at 1 a white surface in the sun is white.
   double exposure_drift = 0.0;  // Swings the exposure by this share, slowly, over the sequence.
-  double gamma = 1.0;           // grey = 255 light^gamma.
   double vignetting = 0.1;      // Share of light that is missing in the corners.
   double blur_px = 0.5;         // Standard deviation of the lens's blur.
   double read_noise = 1.0;      // Standard deviation in grey levels, everywhere.
   double shot_noise = 1.0;      // Standard deviation in grey levels of a white pixel.
-  int motion_blur_samples = 1;  // Pictures averaged while the shutter is open; 1: none.
   uint64_t noise_seed = 1;
 };
 
-// INVALID_ARGUMENT names the field, its value and its range.
-absl::Status Validate(const Lens& lens);
-
-// Turns light (CV_32FC1, 1: white) into grey levels (CV_8UC1). `time_s` drives the exposure's
-// drift; each `stream` has noise of its own, the same every time.
+// Turns light (CV_32FC1, 1: white) into grey levels (CV_8UC1), 255 for white. `time_s` drives the
+// exposure's drift; each `stream` has noise of its own, the same every time.
 cv::Mat Develop(const cv::Mat& light, const Lens& lens, double time_s, uint64_t stream,
                 int threads);
 

@@ -93,8 +93,8 @@ bool IsNarrow(const Vector3d& ray) {
          std::max(std::abs(ray.x()), std::abs(ray.y())) <= LensView::kWidestSlope * ray.z();
 }
 
-Camera PinholeOf(const Extent& extent, double fineness) {
-  const double focal = fineness * std::max(extent.focal_px, 1.0);
+Camera PinholeOf(const Extent& extent) {
+  const double focal = LensView::kFineness * std::max(extent.focal_px, 1.0);
   Camera camera;
   camera.fx_px = focal;
   camera.fy_px = focal;
@@ -149,13 +149,12 @@ bool AllNarrow(const RayGrid& rays, int width, int height) {
 
 }  // namespace
 
-absl::StatusOr<LensView> LensView::Make(const RawCamera& camera, int width_px, int height_px,
-                                        double fineness) {
+absl::StatusOr<LensView> LensView::Make(const RawCamera& camera, int width_px, int height_px) {
   RETURN_IF_ERROR(Validate(camera.lens));
-  if (!(camera.fx_px > 0 && camera.fy_px > 0 && width_px > 0 && height_px > 0 && fineness > 0)) {
-    return absl::InvalidArgumentError(absl::StrCat(
-        "a camera of ", width_px, "x", height_px, " pixels with focal lengths of ", camera.fx_px,
-        " and ", camera.fy_px, " px, drawn ", fineness, " times as finely: all must be above 0"));
+  if (!(camera.fx_px > 0 && camera.fy_px > 0 && width_px > 0 && height_px > 0)) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("a camera of ", width_px, "x", height_px, " pixels with focal lengths of ",
+                     camera.fx_px, " and ", camera.fy_px, " px: all must be above 0"));
   }
   const RayGrid rays(camera, width_px, height_px);
   const bool one = AllNarrow(rays, width_px, height_px);
@@ -169,7 +168,7 @@ absl::StatusOr<LensView> LensView::Make(const RawCamera& camera, int width_px, i
   for (size_t i = 0; i < kSidesOfCube; ++i) {
     if (!extents[i].IsSeen()) continue;
     number[i] = static_cast<int>(view.sides_.size());
-    view.sides_.push_back({turns[i], PinholeOf(extents[i], fineness)});
+    view.sides_.push_back({turns[i], PinholeOf(extents[i])});
   }
   if (view.sides_.empty()) return absl::InvalidArgumentError("the lens sees nothing");
   view.taps_.resize(static_cast<size_t>(width_px) * static_cast<size_t>(height_px) * kTaps);

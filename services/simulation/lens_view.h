@@ -30,8 +30,7 @@ class LensView {
 
   // INVALID_ARGUMENT names what is impossible: the lens's numbers, a size that is not positive, or
   // a lens that sees nothing.
-  static absl::StatusOr<LensView> Make(const RawCamera& camera, int width_px, int height_px,
-                                       double fineness = kFineness);
+  static absl::StatusOr<LensView> Make(const RawCamera& camera, int width_px, int height_px);
 
   const std::vector<Side>& sides() const { return sides_; }
   // `light` are CV_32FC1 of the sides' pinholes, in their order. Returns CV_32FC1 of the camera's

@@ -35,8 +35,7 @@ std::vector<Case> Cases() {
 }
 
 Lens NoiselessLens() {
-  return {
-      .exposure = 1, .gamma = 1, .vignetting = 0, .blur_px = 0, .read_noise = 0, .shot_noise = 0};
+  return {.exposure = 1, .vignetting = 0, .blur_px = 0, .read_noise = 0, .shot_noise = 0};
 }
 
 // A small square that faces the camera in this direction, alone in the dark.
@@ -69,9 +68,7 @@ Eigen::Vector2d CentreOf(const cv::Mat& picture) {
 }
 
 cv::Mat Draw(const Scene& scene, const LensView& view) {
-  const auto renderer = Renderer::Make(scene, {.lens = NoiselessLens()});
-  EXPECT_TRUE(renderer.ok()) << renderer.status();
-  return (*renderer)->DrawGrey(view, Shot());
+  return Renderer(scene, NoiselessLens()).DrawGrey(view, Shot());
 }
 
 TEST(LensViewTest, AMarkerIsWhereTheLensHasIt) {
@@ -135,12 +132,11 @@ TEST(LensViewTest, APinholeIsDrawnAsOne) {
   Scene scene;
   scene.meshes.push_back({{Rectangle({-9, -9, 9}, {18, 0, 0}, {0, 18, 0}, Material::kFacade, 4)}});
   scene.instances.push_back({});
-  const auto renderer = Renderer::Make(scene, {.lens = NoiselessLens()});
-  ASSERT_TRUE(renderer.ok());
+  const Renderer renderer(scene, NoiselessLens());
   cv::Mat difference;
-  cv::absdiff((*renderer)->DrawGrey(camera, Shot()), Draw(scene, *view), difference);
+  cv::absdiff(renderer.DrawGrey(camera, Shot()), Draw(scene, *view), difference);
   // It is nearer than half a pixel beside it would be.
-  const cv::Mat drawn = (*renderer)->DrawGrey(camera, Shot());
+  const cv::Mat drawn = renderer.DrawGrey(camera, Shot());
   cv::Mat a_pixel_aside;
   cv::absdiff(drawn.colRange(0, kWidth - 1), drawn.colRange(1, kWidth), a_pixel_aside);
   EXPECT_LT(cv::mean(difference)[0], 0.5 * cv::mean(a_pixel_aside)[0]);
@@ -150,9 +146,8 @@ TEST(LensViewTest, TheSameBytesWithOneThreadAndThree) {
   const auto view = LensView::Make(Cases()[2].camera, kWidth, kHeight);
   ASSERT_TRUE(view.ok());
   const Scene scene = MarkerAt({0.6, 0, 0.8}, 0.4);
-  const auto three = Renderer::Make(scene, {.lens = NoiselessLens(), .threads = 3});
-  ASSERT_TRUE(three.ok());
-  EXPECT_EQ(cv::norm(Draw(scene, *view), (*three)->DrawGrey(*view, Shot()), cv::NORM_INF), 0);
+  const Renderer three(scene, NoiselessLens(), 3);
+  EXPECT_EQ(cv::norm(Draw(scene, *view), three.DrawGrey(*view, Shot()), cv::NORM_INF), 0);
 }
 
 TEST(LensViewTest, RefusesWhatNoCameraIs) {

@@ -66,9 +66,7 @@ TEST(RasteriserTest, DepthsAreThoseOfRaysAgainstEveryPatch) {
     Scene scene;
     scene.meshes.push_back({patches});
     scene.instances.push_back({});
-    const auto renderer = Renderer::Make(scene, {});
-    ASSERT_TRUE(renderer.ok()) << renderer.status();
-    const cv::Mat depth = (*renderer)->DrawDepth(camera, {});
+    const cv::Mat depth = Renderer(scene).DrawDepth(camera, {});
     for (int y = 0; y < depth.rows; ++y) {
       for (int x = 0; x < depth.cols; ++x) {
         const Vector3d ray((x - camera.cx_px) / camera.fx_px, (y - camera.cy_px) / camera.fy_px, 1);
@@ -112,12 +110,11 @@ TEST(RasteriserTest, NeighboursLeaveNoGapsBetweenThem) {
   }
   scene.meshes.push_back(wall);
   scene.instances.push_back({});
-  const auto renderer = Renderer::Make(scene, {});
-  ASSERT_TRUE(renderer.ok()) << renderer.status();
+  const Renderer renderer(scene);
   for (int i = 0; i < 40; ++i) {
     Shot shot;
     shot.world_from_camera.rotation = Eigen::AngleAxisd(0.02 * i, Vector3d::UnitZ());
-    const cv::Mat depth = (*renderer)->DrawDepth(TestCamera(), shot);
+    const cv::Mat depth = renderer.DrawDepth(TestCamera(), shot);
     EXPECT_EQ(cv::countNonZero(depth), static_cast<int>(depth.total())) << "turn " << i;
   }
 }

@@ -7,9 +7,6 @@
 #include <optional>
 #include <utility>
 
-#include "services/simulation/scene_validation.h"
-#include "slam/util/status_macros.h"
-
 namespace corbslam {
 namespace {
 
@@ -91,11 +88,6 @@ SceneFaces::SceneFaces(const Scene& scene)
   for (const Instance& instance : scene.instances) {
     placements_.push_back(Place(instance.mesh, instance.world_from_mesh, instance.seed));
   }
-}
-
-absl::StatusOr<SceneFaces> SceneFaces::Make(const Scene& scene) {
-  RETURN_IF_ERROR(Validate(scene));
-  return SceneFaces(scene);
 }
 
 FacePlacement SceneFaces::Place(uint32_t mesh, const Similarity3d& world_from_mesh,

@@ -6,7 +6,6 @@
 #include <cstdint>
 #include <vector>
 
-#include "absl/status/statusor.h"
 #include "services/simulation/face_mesh.h"
 #include "services/simulation/rasteriser.h"
 #include "services/simulation/scene.h"
@@ -38,9 +37,7 @@ struct SceneView {
 // Immutable; See may be called from any thread.
 class SceneFaces {
  public:
-  // INVALID_ARGUMENT names the field, for a mesh index out of range, an empty mover path or numbers
-  // that aren't finite.
-  static absl::StatusOr<SceneFaces> Make(const Scene& scene);
+  explicit SceneFaces(const Scene& scene);
 
   // The movers are where they are at `time_s` of the sequence.
   SceneView See(const Camera& camera, const Rigid3d& world_from_camera, double time_s,
@@ -58,7 +55,6 @@ class SceneFaces {
   uint32_t seed() const { return seed_; }
 
  private:
-  explicit SceneFaces(const Scene& scene);
   FacePlacement Place(uint32_t mesh, const Similarity3d& world_from_mesh, uint32_t seed) const;
 
   std::vector<FaceMesh> meshes_;

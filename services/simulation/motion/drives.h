@@ -21,43 +21,22 @@ inline constexpr double kDroneRate_hz = 20;
 struct CarDriveOptions {
   uint64_t seed = 1;
   double length_m = 1500;
-  double top_speed_mps = 12;
-  double hills_m = 2;  // Standard deviation of the ground's height, about.
-  double sway = 1;     // Multiplies what the suspension does: pitch, roll, height.
-  // How far the drive goes on behind the place where it began.
-  double lead_out_m = 40;
 };
 
-// Drives along MakeStreetTour(seed, length_m), at kCarRate_hz. The first camera is at the origin of
-// x and z and looks along z.
+// Drives along MakeStreetTour(seed, length_m) and 40 m on behind its end, at kCarRate_hz. The first
+// camera is at the origin of x and z and looks along z.
 std::vector<Rigid3d> DriveThroughTown(const CarDriveOptions& options);
 
 // Plans the same drive without what the suspension does: the bounds on speed and acceleration are
 // about this.
 std::vector<TravelSample> PlanDriveThroughTown(const CarDriveOptions& options);
 
-struct WalkOptions {
-  uint64_t seed = 1;
-  double camera_height_m = 1.5;  // Height above the floor at y = 0.
-  double speed_mps = 1.2;
-  double look_around_rad = 0.35;  // Largest angle between the way and the camera, about.
-  double bob = 1;                 // Multiplies what the steps do.
-};
+// Waypoints are (x, z). The camera is 1.5 m above the floor at y = 0. Poses come at kWalkerRate_hz.
+std::vector<Rigid3d> WalkAlong(const std::vector<Eigen::Vector2d>& waypoints, uint64_t seed);
 
-// Waypoints are (x, z). Poses come at kWalkerRate_hz.
-std::vector<Rigid3d> WalkAlong(const std::vector<Eigen::Vector2d>& waypoints,
-                               const WalkOptions& options);
-
-struct FlightOptions {
-  uint64_t seed = 1;
-  double lowest_m = 0.9;  // Height above the floor at y = 0 wanders between these.
-  double highest_m = 1.9;
-  double speed_mps = 1.5;
-};
-
-// Poses come at kDroneRate_hz. The drone banks into turns and tilts with its acceleration.
-std::vector<Rigid3d> FlyAlong(const std::vector<Eigen::Vector2d>& waypoints,
-                              const FlightOptions& options);
+// Poses come at kDroneRate_hz. The drone banks into turns and tilts with its acceleration; its
+// height above the floor at y = 0 wanders between 0.9 and 1.9 m.
+std::vector<Rigid3d> FlyAlong(const std::vector<Eigen::Vector2d>& waypoints, uint64_t seed);
 
 }  // namespace corbslam
 

@@ -128,7 +128,7 @@ const std::vector<Eigen::Vector2d> kRooms = {{0, 0}, {0, 8}, {6, 8}, {6, 11},
                                              {6, 8}, {0, 8}, {0, 0}};
 
 TEST(WalkAlongTest, IsSmoothWhereTheWalkerTurnsBack) {
-  const std::vector<Rigid3d> poses = WalkAlong(kRooms, {.seed = 4});
+  const std::vector<Rigid3d> poses = WalkAlong(kRooms, 4);
   ASSERT_GT(poses.size(), 600u);
   const Jumps jumps = LargestJumps(poses);
   EXPECT_LT(jumps.metres, 1.5 / kWalkerRate_hz);
@@ -137,7 +137,7 @@ TEST(WalkAlongTest, IsSmoothWhereTheWalkerTurnsBack) {
 }
 
 TEST(WalkAlongTest, StaysNearTheWay) {
-  const std::vector<Rigid3d> poses = WalkAlong({{0, 0}, {0, 8}, {6, 8}}, {.seed = 4});
+  const std::vector<Rigid3d> poses = WalkAlong({{0, 0}, {0, 8}, {6, 8}}, 4);
   for (const Rigid3d& pose : poses) {
     const double x = pose.translation.x();
     const double z = pose.translation.z();
@@ -146,7 +146,7 @@ TEST(WalkAlongTest, StaysNearTheWay) {
 }
 
 TEST(FlyAlongTest, IsSmoothAndMovesInAllDirections) {
-  const std::vector<Rigid3d> poses = FlyAlong(kRooms, {.seed = 4});
+  const std::vector<Rigid3d> poses = FlyAlong(kRooms, 4);
   ASSERT_GT(poses.size(), 300u);
   const Jumps jumps = LargestJumps(poses);
   EXPECT_LT(jumps.metres, 1.9 / kDroneRate_hz);
@@ -166,9 +166,9 @@ TEST(FlyAlongTest, IsSmoothAndMovesInAllDirections) {
 }
 
 TEST(DrivesTest, NoWayNoPoses) {
-  EXPECT_THAT(WalkAlong({}, {}), IsEmpty());
-  EXPECT_THAT(WalkAlong({{1, 1}, {1, 1}}, {}), IsEmpty());
-  EXPECT_THAT(FlyAlong({{2, 3}}, {}), IsEmpty());
+  EXPECT_THAT(WalkAlong({}, 1), IsEmpty());
+  EXPECT_THAT(WalkAlong({{1, 1}, {1, 1}}, 1), IsEmpty());
+  EXPECT_THAT(FlyAlong({{2, 3}}, 1), IsEmpty());
 }
 
 }  // namespace

@@ -13,10 +13,6 @@ struct PlanePath {
   double spacing_m = 0.1;
   std::vector<Eigen::Vector2d> points;  // (x, z), metres.
   std::vector<double> headings_rad;
-
-  double Length_m() const {
-    return points.empty() ? 0 : spacing_m * static_cast<double>(points.size() - 1);
-  }
 };
 
 struct PlanePathOptions {

@@ -117,17 +117,11 @@ Rigid3d TurnedBack(const Rigid3d& world_from_camera) {
   return {(world_from_camera.rotation * half_turn).normalized(), world_from_camera.translation};
 }
 
-absl::StatusOr<PoseSequence> ReadPoseSequence(const std::string& path,
-                                              const std::string& times_path) {
+absl::StatusOr<PoseSequence> ReadPoseSequence(const std::string& path) {
   ASSIGN_OR_RETURN(const size_t fields, CountFields(path));
-  absl::StatusOr<Trajectory> trajectory;
-  if (!times_path.empty()) {
-    trajectory = ReadKittiTrajectory(path, times_path);
-  } else {
-    trajectory = fields == 8 ? ReadTumTrajectory(path) : ReadKittiTrajectory(path);
-  }
-  RETURN_IF_ERROR(trajectory.status());
-  absl::StatusOr<PoseSequence> sequence = PoseSequence::Make(*trajectory);
+  ASSIGN_OR_RETURN(const Trajectory trajectory,
+                   fields == 8 ? ReadTumTrajectory(path) : ReadKittiTrajectory(path));
+  absl::StatusOr<PoseSequence> sequence = PoseSequence::Make(trajectory);
   if (!sequence.ok()) {
     return absl::InvalidArgumentError(absl::StrCat(path, ": ", sequence.status().message()));
   }

@@ -38,10 +38,9 @@ class PoseSequence {
 // Returns a pose at the same place that looks back.
 Rigid3d TurnedBack(const Rigid3d& world_from_camera);
 
-// Reads a file of poses: twelve numbers a line are KITTI's (10 Hz, or the times of `times_path`
-// when it is not empty), eight are TUM's. NOT_FOUND and INVALID_ARGUMENT name file, line and field.
-absl::StatusOr<PoseSequence> ReadPoseSequence(const std::string& path,
-                                              const std::string& times_path = "");
+// Reads a file of poses: twelve numbers a line are KITTI's (10 Hz), eight are TUM's. NOT_FOUND and
+// INVALID_ARGUMENT name file, line and field.
+absl::StatusOr<PoseSequence> ReadPoseSequence(const std::string& path);
 
 }  // namespace corbslam
 

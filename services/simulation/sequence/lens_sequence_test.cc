@@ -167,18 +167,6 @@ TEST(LensSequenceTest, ABeginningIsDarkThenBlurredThenStill) {
       1e-6);
 }
 
-TEST(LensSequenceTest, ExposureMayJumpInOneCameraAlone) {
-  SimulationSpec spec = SpecOf(PairOf(Equidistant(), 230));
-  spec.rate_hz = 10;
-  spec.exposure_steps = {{1, 0.3}};
-  spec.exposure_apart = true;
-  const auto sequence = Open(spec);
-  const auto before = *sequence->Render(9);
-  const auto after = *sequence->Render(10);
-  EXPECT_LT(MeanOf(after.grey), 0.5 * MeanOf(before.grey));
-  EXPECT_NEAR(MeanOf(after.right), MeanOf(before.right), 0.1 * MeanOf(before.right));
-}
-
 TEST(LensSequenceTest, AHandHidesBothPictures) {
   SimulationSpec spec = SpecOf(PairOf(Equidistant(), 230));
   spec.rate_hz = 10;

@@ -1,7 +1,6 @@
 #include "services/simulation/sequence/picture_events.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace corbslam {
 namespace {
@@ -10,14 +9,11 @@ constexpr double kBeginningDefocus_px = 8;
 // A hand comes and goes within this time.
 constexpr double kHandMoves_s = 0.3;
 
-// Steps follow one another; while one takes place the factor runs evenly on a logarithmic scale.
 double ExposureAt(const SimulationSpec& spec, double elapsed_s) {
   double factor = 1;
   for (const ExposureStep& step : spec.exposure_steps) {
     if (elapsed_s < step.at_s) break;
-    const double since_s = elapsed_s - step.at_s;
-    const double share = spec.exposure_ramp_s > 0 ? since_s / spec.exposure_ramp_s : 1;
-    factor *= std::pow(step.factor / factor, std::min(share, 1.0));
+    factor = step.factor;
   }
   return factor;
 }
@@ -35,9 +31,9 @@ bool IsBlurred(const Beginning& beginning, double elapsed_s) {
 
 }  // namespace
 
-PictureEvents EventsAt(const SimulationSpec& spec, double elapsed_s, int camera) {
+PictureEvents EventsAt(const SimulationSpec& spec, double elapsed_s) {
   PictureEvents events;
-  if (camera == 0 || !spec.exposure_apart) events.exposure = ExposureAt(spec, elapsed_s);
+  events.exposure = ExposureAt(spec, elapsed_s);
   if (IsBlurred(spec.beginning, elapsed_s)) events.defocus_px = kBeginningDefocus_px;
   events.covered = CoveredAt(spec.hand, elapsed_s);
   return events;

@@ -13,8 +13,8 @@ struct PictureEvents {
   double covered = 0;
 };
 
-// `elapsed_s` is the sequence's own time; `camera` is 0 for the left or only one, 1 for the right.
-PictureEvents EventsAt(const SimulationSpec& spec, double elapsed_s, int camera);
+// `elapsed_s` is the sequence's own time.
+PictureEvents EventsAt(const SimulationSpec& spec, double elapsed_s);
 
 }  // namespace corbslam
 

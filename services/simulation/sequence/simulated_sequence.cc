@@ -79,14 +79,8 @@ Rigid3d DrawnSequence::PoseAt(size_t frame, int64_t since_ns) const {
 }
 
 RowBand DrawnSequence::BandOf(size_t frame, double since_s, const Rigid3d& left_from_camera) const {
-  RowBand band;
-  band.world_from_camera = PoseAt(frame, std::llround(since_s * 1e9)) * left_from_camera;
-  if (spec_.lens.motion_blur_samples > 1) {
-    band.world_from_camera_at_close =
-        PoseAt(frame, std::llround((since_s + spec_.shutter_s) * 1e9)) * left_from_camera;
-  }
-  band.time_s = 1e-9 * static_cast<double>(clock_.ElapsedAt(frame)) + since_s;
-  return band;
+  return {PoseAt(frame, std::llround(since_s * 1e9)) * left_from_camera,
+          1e-9 * static_cast<double>(clock_.ElapsedAt(frame)) + since_s};
 }
 
 Shot DrawnSequence::ShotOf(size_t frame, int camera, const Rigid3d& left_from_camera) const {
@@ -96,7 +90,6 @@ Shot DrawnSequence::ShotOf(size_t frame, int camera, const Rigid3d& left_from_ca
   const RowBand middle = BandOf(frame, 0, left_from_camera);
   Shot shot;
   shot.world_from_camera = middle.world_from_camera;
-  shot.world_from_camera_at_close = middle.world_from_camera_at_close;
   shot.time_s = middle.time_s;
   if (spec_.rolling_shutter_ms > 0) {
     const int bands = (rig_.camera.height_px + kRowsOfBand - 1) / kRowsOfBand;
@@ -107,7 +100,7 @@ Shot DrawnSequence::ShotOf(size_t frame, int camera, const Rigid3d& left_from_ca
     }
   }
   shot.stream = 2 * frame + static_cast<uint64_t>(camera);
-  const PictureEvents events = EventsAt(spec_, shot.time_s, camera);
+  const PictureEvents events = EventsAt(spec_, shot.time_s);
   shot.exposure = events.exposure;
   shot.defocus_px = events.defocus_px;
   shot.covered = events.covered;
@@ -117,8 +110,8 @@ Shot DrawnSequence::ShotOf(size_t frame, int camera, const Rigid3d& left_from_ca
 absl::StatusOr<DrawnSequence::Studio> DrawnSequence::MakeStudio() const {
   Studio studio;
   // A frame's two pictures are drawn at the same time.
-  ASSIGN_OR_RETURN(studio.renderer, Renderer::Make(BuildWorld(spec_, way_),
-                                                   {spec_.lens, std::max(1, spec_.threads / 2)}));
+  studio.renderer = std::make_unique<Renderer>(BuildWorld(spec_, way_), spec_.lens,
+                                               std::max(1, spec_.threads / 2));
   if (spec_.depth_aside_m != 0) {
     const Camera& camera = rig_.camera;
     const RawCamera raw = {camera.fx_px, camera.fy_px, camera.cx_px, camera.cy_px, {}};

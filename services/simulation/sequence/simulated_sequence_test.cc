@@ -46,7 +46,6 @@ double Contrast(const cv::Mat& image) {
 
 TEST(SimulatedSequenceTest, DrawsTheSameBytesInAnyOrderAndWithAnyThreads) {
   SimulationSpec spec = SmallCity();
-  spec.lens.motion_blur_samples = 2;
   spec.moving_cars = 2;
   const auto first = Open(spec);
   spec.threads = 2;

@@ -24,15 +24,14 @@ int64_t PeriodOf(double rate_hz) { return std::llround(1e9 / rate_hz); }
 absl::StatusOr<PoseSequence> MakeFloorWay(const SimulationSpec& spec) {
   const std::vector<Eigen::Vector2d> waypoints = TourOfFloor(PlanFloor(spec), spec.seed);
   if (spec.motion == FloorMotion::kFly) {
-    return PoseSequence::Make(FlyAlong(waypoints, {.seed = spec.seed}), PeriodOf(kDroneRate_hz));
+    return PoseSequence::Make(FlyAlong(waypoints, spec.seed), PeriodOf(kDroneRate_hz));
   }
-  return PoseSequence::Make(WalkAlong(waypoints, {.seed = spec.seed}), PeriodOf(kWalkerRate_hz));
+  return PoseSequence::Make(WalkAlong(waypoints, spec.seed), PeriodOf(kWalkerRate_hz));
 }
 
 Scene BuildStreets(const SimulationSpec& spec, const PoseSequence& way) {
   StreetOptions options;
   options.seed = spec.world_seed.value_or(spec.seed);
-  if (spec.world == SimulatedWorld::kPath) options.camera_height_m = spec.camera_height_m;
   options.frame_rate_hz = kCarRate_hz;
   options.moving_cars = spec.moving_cars;
   options.look_alike = spec.look_alike;
@@ -49,11 +48,10 @@ Scene BuildStreets(const SimulationSpec& spec, const PoseSequence& way) {
 absl::StatusOr<PoseSequence> MakeWay(const SimulationSpec& spec) {
   switch (spec.world) {
     case SimulatedWorld::kCity:
-      return PoseSequence::Make(
-          DriveThroughTown({.seed = spec.seed, .length_m = spec.length_m, .hills_m = spec.hills_m}),
-          PeriodOf(kCarRate_hz));
+      return PoseSequence::Make(DriveThroughTown({.seed = spec.seed, .length_m = spec.length_m}),
+                                PeriodOf(kCarRate_hz));
     case SimulatedWorld::kPath:
-      return ReadPoseSequence(spec.poses, spec.times);
+      return ReadPoseSequence(spec.poses);
     case SimulatedWorld::kFloor:
       return MakeFloorWay(spec);
   }

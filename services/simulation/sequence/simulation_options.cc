@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "absl/strings/str_cat.h"
-#include "services/simulation/sequence/event_options.h"
 #include "services/simulation/sequence/option_kinds.h"
 #include "slam/util/status_macros.h"
 
@@ -11,6 +10,7 @@ namespace corbslam {
 namespace {
 
 using Option = SimulationOption;
+using Spec = SimulationSpec;
 
 constexpr std::pair<absl::string_view, SimulatedWorld> kWorlds[] = {
     {"city", SimulatedWorld::kCity},
@@ -21,8 +21,41 @@ constexpr std::pair<absl::string_view, CameraRig> kRigs[] = {
 constexpr std::pair<absl::string_view, FloorMotion> kMotions[] = {{"walk", FloorMotion::kWalk},
                                                                   {"fly", FloorMotion::kFly}};
 
+// "5:0.3/8:1": ',' and '&' end an option.
+bool ParseSteps(absl::string_view value, std::vector<ExposureStep>& steps) {
+  steps.clear();
+  for (const absl::string_view step : absl::StrSplit(value, '/')) {
+    ExposureStep& parsed = steps.emplace_back();
+    if (!ParseNumbers(step, {&parsed.at_s, &parsed.factor})) return false;
+  }
+  return true;
+}
+
+std::string FormatSteps(const std::vector<ExposureStep>& steps) {
+  return absl::StrJoin(steps, "/", [](std::string* out, const ExposureStep& step) {
+    absl::StrAppend(out, FormatNumbers({step.at_s, step.factor}));
+  });
+}
+
+Option RoomsOption() {
+  return {"rooms",
+          "COLUMNSxROWS, for example 4x3",
+          [](absl::string_view value, Spec& spec) {
+            const std::pair<absl::string_view, absl::string_view> parts =
+                absl::StrSplit(value, absl::MaxSplits('x', 1));
+            return absl::SimpleAtoi(parts.first, &spec.rooms_x) &&
+                   absl::SimpleAtoi(parts.second, &spec.rooms_z);
+          },
+          [](const Spec& spec) { return absl::StrCat(spec.rooms_x, "x", spec.rooms_z); },
+          [](const Spec& spec) {
+            return std::vector<double>{static_cast<double>(spec.rooms_x),
+                                       static_cast<double>(spec.rooms_z)};
+          },
+          1,
+          50};
+}
+
 std::vector<Option> WorldOptions() {
-  using Spec = SimulationSpec;
   return {Whole<uint64_t>("seed", [](Spec& s) -> uint64_t& { return s.seed; }),
           {"world", "a whole number",
            [](absl::string_view value, Spec& spec) {
@@ -31,104 +64,118 @@ std::vector<Option> WorldOptions() {
            [](const Spec& spec) {
              return spec.world_seed.has_value() ? absl::StrCat(*spec.world_seed) : "";
            }},
-          Real("length", [](Spec& s) -> double& { return s.length_m; }),
-          Real("hills", [](Spec& s) -> double& { return s.hills_m; }),
-          Text("poses", [](Spec& s) -> std::string& { return s.poses; }),
-          Text("times", [](Spec& s) -> std::string& { return s.times; }),
-          Real("camera_height", [](Spec& s) -> double& { return s.camera_height_m; }),
-          {"rooms", "COLUMNSxROWS, for example 4x3",
+          Real("length", 40, 100'000, [](Spec& s) -> double& { return s.length_m; }),
+          {"poses", "a file",
            [](absl::string_view value, Spec& spec) {
-             const std::pair<absl::string_view, absl::string_view> parts =
-                 absl::StrSplit(value, absl::MaxSplits('x', 1));
-             return absl::SimpleAtoi(parts.first, &spec.rooms_x) &&
-                    absl::SimpleAtoi(parts.second, &spec.rooms_z);
+             spec.poses = std::string(value);
+             return !value.empty();
            },
-           [](const Spec& spec) { return absl::StrCat(spec.rooms_x, "x", spec.rooms_z); }},
+           [](const Spec& spec) { return spec.poses; }},
+          RoomsOption(),
           Flag("look_alike", [](Spec& s) -> bool& { return s.look_alike; }),
-          Whole<int>("moving_cars", [](Spec& s) -> int& { return s.moving_cars; })};
+          Whole("moving_cars", 0, 10'000, [](Spec& s) -> int& { return s.moving_cars; })};
+}
+
+Option RigOption() {
+  return {"rig", "kitti, euroc, rgbd or a rig file",
+          [](absl::string_view value, Spec& spec) {
+            spec.pair.reset();
+            return FindChoice(kRigs, value, spec.rig.emplace());
+          },
+          [](const Spec& spec) {
+            if (spec.pair.has_value()) return spec.pair->file;
+            return spec.rig ? NameOf(kRigs, *spec.rig) : "";
+          }};
+}
+
+Option RateOption() {
+  Option option = Real("rate", 0.1, 1000, [](Spec& s) -> double& { return s.rate_hz; });
+  option.numbers = [](const Spec& spec) {  // 0 is the rig's.
+    return spec.rate_hz == 0 ? std::vector<double>() : std::vector<double>{spec.rate_hz};
+  };
+  return option;
+}
+
+Option KidnapOption() {
+  Option option = Seconds("kidnap", "AT:TO in seconds", [](Spec& s) -> Numbers {
+    Kidnap& kidnap = s.kidnap.has_value() ? *s.kidnap : s.kidnap.emplace();
+    return {&kidnap.at_s, &kidnap.to_s};
+  });
+  option.format = [](const Spec& spec) {
+    return spec.kidnap.has_value() ? FormatNumbers({spec.kidnap->at_s, spec.kidnap->to_s}) : "";
+  };
+  return option;
 }
 
 std::vector<Option> RobotOptions() {
-  using Spec = SimulationSpec;
   return {
-      {"rig", "kitti, euroc, rgbd or a rig file",
-       [](absl::string_view value, Spec& spec) {
-         spec.pair.reset();
-         return FindChoice(kRigs, value, spec.rig.emplace());
-       },
-       [](const Spec& spec) {
-         if (spec.pair.has_value()) return spec.pair->file;
-         return spec.rig ? NameOf(kRigs, *spec.rig) : "";
-       }},
+      RigOption(),
       {"motion", "walk or fly",
        [](absl::string_view value, Spec& spec) { return FindChoice(kMotions, value, spec.motion); },
        [](const Spec& spec) { return NameOf(kMotions, spec.motion); }},
-      Real("rate", [](Spec& s) -> double& { return s.rate_hz; }),
-      Real("picture_scale", [](Spec& s) -> double& { return s.picture_scale; }),
-      Real("phase", [](Spec& s) -> double& { return s.phase; }),
+      RateOption(),
+      Real("picture_scale", 0.1, 4, [](Spec& s) -> double& { return s.picture_scale; }),
+      Real("phase", 0, 1, [](Spec& s) -> double& { return s.phase; }),
       Flag("turned", [](Spec& s) -> bool& { return s.turned; }),
-      Real("start_s", [](Spec& s) -> double& { return s.start_s; }),
-      {"blackout", "FROM:DURATION in seconds",
-       [](absl::string_view value, Spec& spec) {
-         return ParsePair(value, spec.blackout.from_s, spec.blackout.duration_s);
-       },
-       [](const Spec& spec) {
-         return absl::StrCat(FormatReal(spec.blackout.from_s), ":",
-                             FormatReal(spec.blackout.duration_s));
-       }},
-      {"kidnap", "AT:TO in seconds",
-       [](absl::string_view value, Spec& spec) {
-         Kidnap& kidnap = spec.kidnap.emplace();
-         return ParsePair(value, kidnap.at_s, kidnap.to_s);
-       },
-       [](const Spec& spec) {
-         return spec.kidnap.has_value() ? absl::StrCat(FormatReal(spec.kidnap->at_s), ":",
-                                                       FormatReal(spec.kidnap->to_s))
-                                        : "";
-       }}};
+      Real("start_s", 0, 4e9, [](Spec& s) -> double& { return s.start_s; }),
+      Seconds("blackout", "FROM:DURATION in seconds",
+              [](Spec& s) -> Numbers {
+                return {&s.blackout.from_s, &s.blackout.duration_s};
+              }),
+      KidnapOption()};
+}
+
+std::vector<Option> EventOptions() {
+  return {
+      Seconds("beginning", "DARK:BLURRED:STILL in seconds",
+              [](Spec& s) -> Numbers {
+                return {&s.beginning.dark_s, &s.beginning.blurred_s, &s.beginning.still_s};
+              }),
+      Seconds("hand", "FROM:DURATION in seconds",
+              [](Spec& s) -> Numbers {
+                return {&s.hand.from_s, &s.hand.duration_s};
+              }),
+      {"exposure_steps", "AT:FACTOR/AT:FACTOR/..., seconds and factors",
+       [](absl::string_view value, Spec& spec) { return ParseSteps(value, spec.exposure_steps); },
+       [](const Spec& spec) { return FormatSteps(spec.exposure_steps); }}};
 }
 
 std::vector<Option> PictureOptions() {
-  using Spec = SimulationSpec;
-  return {Real("exposure", [](Spec& s) -> double& { return s.lens.exposure; }),
-          Real("exposure_drift", [](Spec& s) -> double& { return s.lens.exposure_drift; }),
-          Real("lens_gamma", [](Spec& s) -> double& { return s.lens.gamma; }),
-          Real("vignetting", [](Spec& s) -> double& { return s.lens.vignetting; }),
-          Real("blur_px", [](Spec& s) -> double& { return s.lens.blur_px; }),
-          Real("read_noise", [](Spec& s) -> double& { return s.lens.read_noise; }),
-          Real("shot_noise", [](Spec& s) -> double& { return s.lens.shot_noise; }),
-          Whole<int>("motion_blur", [](Spec& s) -> int& { return s.lens.motion_blur_samples; }),
-          Real("shutter_s", [](Spec& s) -> double& { return s.shutter_s; }),
-          Real("rolling_shutter_ms", [](Spec& s) -> double& { return s.rolling_shutter_ms; }),
-          Whole<uint64_t>("noise_seed", [](Spec& s) -> uint64_t& { return s.lens.noise_seed; }),
-          Real("epipolar_error_px", [](Spec& s) -> double& { return s.epipolar_error_px; }),
-          Real("disparity_error_px", [](Spec& s) -> double& { return s.disparity_error_px; }),
-          Real("scale_error", [](Spec& s) -> double& { return s.scale_error; }),
-          Real("depth_noise", [](Spec& s) -> double& { return s.depth_noise_m; }),
-          Real("depth_aside_m", [](Spec& s) -> double& { return s.depth_aside_m; }),
-          Real("truth_error_m", [](Spec& s) -> double& { return s.truth_error_m; }),
-          Real("truth_error_deg", [](Spec& s) -> double& { return s.truth_error_deg; }),
-          Whole<int>("threads", [](Spec& s) -> int& { return s.threads; })};
+  return {
+      Real("exposure", 0.01, 100, [](Spec& s) -> double& { return s.lens.exposure; }),
+      Real("exposure_drift", 0, 1, [](Spec& s) -> double& { return s.lens.exposure_drift; }),
+      Real("blur_px", 0, 10, [](Spec& s) -> double& { return s.lens.blur_px; }),
+      Real("rolling_shutter_ms", 0, 100, [](Spec& s) -> double& { return s.rolling_shutter_ms; }),
+      Whole<uint64_t>("noise_seed", [](Spec& s) -> uint64_t& { return s.lens.noise_seed; }),
+      Real("epipolar_error_px", -20, 20, [](Spec& s) -> double& { return s.epipolar_error_px; }),
+      Real("disparity_error_px", -20, 20, [](Spec& s) -> double& { return s.disparity_error_px; }),
+      Real("scale_error", -0.5, 0.5, [](Spec& s) -> double& { return s.scale_error; }),
+      Real("depth_aside_m", -0.5, 0.5, [](Spec& s) -> double& { return s.depth_aside_m; }),
+      Real("truth_error_m", 0, 10, [](Spec& s) -> double& { return s.truth_error_m; }),
+      Real("truth_error_deg", 0, 10, [](Spec& s) -> double& { return s.truth_error_deg; }),
+      Whole("threads", 1, 256, [](Spec& s) -> int& { return s.threads; })};
 }
 
-const std::vector<Option>& Options() {
+const Option* FindOption(absl::string_view key) {
+  const std::vector<Option>& options = SimulationOptions();
+  const auto found = std::find_if(options.begin(), options.end(),
+                                  [&](const Option& option) { return option.name == key; });
+  return found == options.end() ? nullptr : &*found;
+}
+
+}  // namespace
+
+const std::vector<SimulationOption>& SimulationOptions() {
   static const auto& options = *[] {
-    auto* all = new std::vector<Option>(WorldOptions());
-    for (const std::vector<Option>& group : {RobotOptions(), EventOptions(), PictureOptions()}) {
+    auto* all = new std::vector<SimulationOption>(WorldOptions());
+    for (const std::vector<SimulationOption>& group :
+         {RobotOptions(), EventOptions(), PictureOptions()}) {
       all->insert(all->end(), group.begin(), group.end());
     }
     return all;
   }();
   return options;
 }
-
-const Option* FindOption(absl::string_view key) {
-  const auto found = std::find_if(Options().begin(), Options().end(),
-                                  [&](const Option& option) { return option.name == key; });
-  return found == Options().end() ? nullptr : &*found;
-}
-
-}  // namespace
 
 absl::StatusOr<SimulatedWorld> ParseSimulatedWorld(absl::string_view name) {
   SimulatedWorld world = SimulatedWorld::kCity;
@@ -137,18 +184,11 @@ absl::StatusOr<SimulatedWorld> ParseSimulatedWorld(absl::string_view name) {
       absl::StrCat("unknown simulated world '", name, "': known are ", ListNames(kWorlds)));
 }
 
-absl::string_view FormatSimulatedWorld(SimulatedWorld world) {
-  for (const auto& [name, known] : kWorlds) {
-    if (known == world) return name;
-  }
-  return "";
-}
-
 bool IsSimulationOption(absl::string_view key) { return FindOption(key) != nullptr; }
 
 std::vector<absl::string_view> SimulationOptionNames() {
   std::vector<absl::string_view> names;
-  for (const Option& option : Options()) names.push_back(option.name);
+  for (const Option& option : SimulationOptions()) names.push_back(option.name);
   return names;
 }
 
@@ -171,7 +211,7 @@ std::vector<std::pair<std::string, std::string>> FormatSimulationOptions(
     const SimulationSpec& spec) {
   const SimulationSpec plain;
   std::vector<std::pair<std::string, std::string>> texts;
-  for (const Option& option : Options()) {
+  for (const Option& option : SimulationOptions()) {
     const std::string text = option.format(spec);
     if (text != option.format(plain)) texts.emplace_back(option.name, text);
   }

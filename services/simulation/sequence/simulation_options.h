@@ -15,7 +15,6 @@ namespace corbslam {
 
 // Parses "city", "path" or "floor". INVALID_ARGUMENT names those that there are.
 absl::StatusOr<SimulatedWorld> ParseSimulatedWorld(absl::string_view name);
-absl::string_view FormatSimulatedWorld(SimulatedWorld world);
 
 bool IsSimulationOption(absl::string_view key);
 std::vector<absl::string_view> SimulationOptionNames();

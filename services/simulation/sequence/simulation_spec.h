@@ -78,10 +78,7 @@ struct SimulationSpec {
   uint64_t seed = 1;  // Seed of the way, and of the world unless world_seed is set.
   std::optional<uint64_t> world_seed;  // The option is called world=.
   double length_m = 1500;              // kCity: length of the tour.
-  double hills_m = 2;                  // kCity.
   std::string poses;                   // kPath: a file in KITTI's or TUM's form.
-  std::string times;                   // kPath: the times.txt of a KITTI file.
-  double camera_height_m = 1.65;       // kPath: height of the poses above the ground.
   int rooms_x = 4;                     // kFloor.
   int rooms_z = 3;                     // kFloor.
   bool look_alike = false;
@@ -103,12 +100,9 @@ struct SimulationSpec {
   Beginning beginning;
   Blackout hand;                             // A hand before both lenses.
   std::vector<ExposureStep> exposure_steps;  // Their times grow.
-  double exposure_ramp_s = 0;                // How long a step takes; 0: it jumps.
-  bool exposure_apart = false;               // Steps are of the left (or only) camera alone.
 
   // The pictures.
   Lens lens;
-  double shutter_s = 0.005;  // lens.motion_blur_samples are spread over this time.
   // From the first row's exposure to the last one's; the frame's time and pose are those of its
   // middle. 0: all rows are exposed together.
   double rolling_shutter_ms = 0;

@@ -36,8 +36,6 @@ Piece PieceOf(FurnitureKind kind, Dice* dice) {
       return {kind, dice->Uniform(0.6, 1.4), 0.42, dice->Uniform(0.9, 1.95)};
     case FurnitureKind::kPlant:
       return {kind, 0.5, 0.5, dice->Uniform(0.9, 1.8)};
-    case FurnitureKind::kPillar:
-      return {kind, 0.4, 0.4, 2.8};
   }
   return {kind, 1, 1, 1};
 }

@@ -1,7 +1,7 @@
 // Makes an indoor floor: rooms left and right of corridors, with furniture, and a walk through it.
 //
 // The frame is that of scene.h: x right, y down, z forward. The floor lies at y = 0, the ceiling at
-// y = -wall_height_m.
+// y = -kWallHeightM.
 #ifndef CORBSLAM_SERVICES_SIMULATION_WORLDS_FLOOR_WORLD_H_
 #define CORBSLAM_SERVICES_SIMULATION_WORLDS_FLOOR_WORLD_H_
 
@@ -29,7 +29,7 @@ struct FloorBox {
   Eigen::Vector2d high;
 };
 
-enum class FurnitureKind : uint8_t { kShelf, kTable, kChair, kCabinet, kPlant, kPillar };
+enum class FurnitureKind : uint8_t { kShelf, kTable, kChair, kCabinet, kPlant };
 
 struct Furniture {
   FurnitureKind kind = FurnitureKind::kShelf;
@@ -58,7 +58,9 @@ struct Wall {
   std::array<uint32_t, 2> seeds = {};
 };
 constexpr double kWallM = 0.12;
+constexpr double kWallHeightM = 2.8;
 constexpr double kDoorwayM = 1.0;
+constexpr double kDoorHeightM = 2.1;
 
 struct FloorDoor {
   Eigen::Vector2d at;  // Middle of the doorway, in the wall.
@@ -68,9 +70,6 @@ struct FloorDoor {
 
 struct FloorPlan {
   FloorOptions options;
-  double wall_height_m = 2.8;
-  double door_height_m = 2.1;
-  double camera_height_m = 1.5;
   FloorBox outline;
   std::vector<FloorBox> rooms;      // Row by row, rooms_x to the row.
   std::vector<FloorBox> corridors;  // Those along x, front to back, then the two along z.

@@ -151,10 +151,6 @@ Mesh BuildFurniture(const Furniture& furniture) {
     case FurnitureKind::kPlant:
       AddPlant(extent, &dice, &mesh);
       break;
-    case FurnitureKind::kPillar:
-      AddBox({-extent.x, -extent.height, -extent.z}, {extent.x, 0, extent.z},
-             {Material::kPlaster, dice.Seed(), 1}, &mesh);
-      break;
   }
   return mesh;
 }

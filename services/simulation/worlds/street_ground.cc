@@ -12,6 +12,8 @@ using Eigen::Vector2d;
 using Eigen::Vector3f;
 
 constexpr double kReachM = 72;  // The ground reaches this far from the path.
+// Height of the path above the ground, but for what passes disagree in.
+constexpr double kCameraHeightM = 1.65;
 // Where passes of one street disagree in height, no camera comes closer to the ground than this.
 constexpr double kLowestCameraM = 1.22;
 constexpr double kSameGroundM = 4;
@@ -42,7 +44,7 @@ int HeadingOf(const Vector2d& ahead, int parts) {
 
 }  // namespace
 
-StreetGround::StreetGround(const StreetPath& path, double camera_height_m) {
+StreetGround::StreetGround(const StreetPath& path) {
   Vector2d low = Vector2d::Constant(std::numeric_limits<double>::max());
   Vector2d high = -low;
   for (const Station& station : path.stations()) {
@@ -54,7 +56,7 @@ StreetGround::StreetGround(const StreetPath& path, double camera_height_m) {
   cells_x_ = static_cast<int>(std::ceil((high.x() + kReachM - origin_.x()) / kCellM));
   cells_z_ = static_cast<int>(std::ceil((high.y() + kReachM - origin_.y()) / kCellM));
   MeasureMiddles(path);
-  MeasureHeights(path, camera_height_m);
+  MeasureHeights(path);
 }
 
 void StreetGround::MeasureMiddles(const StreetPath& path) {
@@ -75,7 +77,7 @@ void StreetGround::MeasureMiddles(const StreetPath& path) {
   }
 }
 
-void StreetGround::MeasureHeights(const StreetPath& path, double camera_height_m) {
+void StreetGround::MeasureHeights(const StreetPath& path) {
   const int corners_x = cells_x_ + 1;
   const int corners_z = cells_z_ + 1;
   const size_t count = static_cast<size_t>(corners_x) * static_cast<size_t>(corners_z);
@@ -89,7 +91,7 @@ void StreetGround::MeasureHeights(const StreetPath& path, double camera_height_m
                    const double falls = distance * distance + 1;
                    const double weight = 1 / (falls * falls);
                    weights[corner] += weight;
-                   sums[corner] += weight * (station.camera_y + camera_height_m);
+                   sums[corner] += weight * (station.camera_y + kCameraHeightM);
                    if (distance > kSameGroundM) return;
                    lowest[corner] = std::max(lowest[corner], station.camera_y + kLowestCameraM);
                  });

@@ -27,7 +27,7 @@ struct StreetProfile {
 // Immutable after construction; thread-safe.
 class StreetGround {
  public:
-  StreetGround(const StreetPath& path, double camera_height_m);
+  explicit StreetGround(const StreetPath& path);
 
   // Returns the height (y, down) of the carriageway's level at (x, z).
   double RoadY(const Eigen::Vector2d& at) const;
@@ -57,7 +57,7 @@ class StreetGround {
   };
 
   void MeasureMiddles(const StreetPath& path);
-  void MeasureHeights(const StreetPath& path, double camera_height_m);
+  void MeasureHeights(const StreetPath& path);
 
   // Returns a corner of the fine lattice.
   Corner CornerAt(int fine_x, int fine_z) const;

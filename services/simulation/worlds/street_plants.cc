@@ -46,7 +46,6 @@ void PlantStreet(const TreeMeshes& trees, StreetSite* site) {
       way -= StreetPath::kStepM;
       if (way > 0 || station.again) continue;
       const StreetBlock block = BlockAt(*site, station);
-      if (block.tree_spacing_m <= 0) continue;
       Dice dice = site->DiceFor(StreetDice::kTree, site->Kind(number++), side);
       const Vector2d at = Beside(station, LateralOf(side, kStreetTreeMiddleM));
       const bool mouth = site->ground.MiddleDistance(at) < kStreetTreeMiddleM - 0.4;

@@ -35,10 +35,7 @@ enum class StreetDice : uint64_t {
 
 struct StreetSite {
   StreetSite(const StreetPath& path_of_site, const StreetOptions& options_of_site)
-      : options(options_of_site),
-        path(path_of_site),
-        ground(path, options.camera_height_m),
-        footprints(path) {}
+      : options(options_of_site), path(path_of_site), ground(path), footprints(path) {}
 
   const StreetOptions options;
   const StreetPath& path;
@@ -73,9 +70,9 @@ struct StreetBlock {
   double width_high_m = 16;
   double parked_right = 0.5;  // Share of places where a car is parked.
   double parked_left = 0.5;
-  bool bays_left = false;      // Cars stand across the street in bays.
-  double tree_spacing_m = 10;  // 0: none.
-  double border = 0.6;         // Share of front gardens with a hedge, wall or fence.
+  bool bays_left = false;  // Cars stand across the street in bays.
+  double tree_spacing_m = 10;
+  double border = 0.6;  // Share of front gardens with a hedge, wall or fence.
   bool middle_line = false;
 };
 StreetBlock BlockAt(const StreetSite& site, const Station& station);

@@ -15,8 +15,6 @@ namespace corbslam {
 
 struct StreetOptions {
   uint64_t seed = 1;
-  // Height of the path above the ground, but for what passes disagree in.
-  double camera_height_m = 1.65;
   double frame_rate_hz = 10;  // Pose i is taken at i / frame_rate_hz: when movers meet it.
   int moving_cars = 0;        // Oncoming, overtaking and leading ones, spread over the time.
   // Every street has the same few houses, cars and trees in the same order: places look alike that

@@ -150,7 +150,7 @@ TEST(StreetWorld, NothingReachesIntoTheCorridorOfAnyPass) {
   const std::vector<Rigid3d> poses = RoundTheBlock(0.3);
   const Scene scene = BuildStreetScene(poses, {});
   const StreetPath path(poses);
-  const StreetGround ground(path, 1.65);
+  const StreetGround ground(path);
   // Counts corners of whatever stands within a metre of the path, higher than a kerb and lower than
   // crowns and lamps.
   int wrong = 0;
