@@ -22,8 +22,8 @@ add_subdirectory(slam/geometry)
 add_subdirectory(slam/camera)
 add_subdirectory(slam/features)
 add_subdirectory(slam/coding)
-add_subdirectory(slam/simulation)
+add_subdirectory(services/simulation)
 
 # Programs of these folders that want more are described, and not built.
-set(CORBSLAM_KERNEL_TESTS slam_util_test features_test slam_coding_test scene_renderer_test)
+set(CORBSLAM_KERNEL_TESTS slam_util_test features_test slam_coding_test services_simulation_renderer_test)
 add_custom_target(kernels DEPENDS ${CORBSLAM_KERNEL_TESTS})

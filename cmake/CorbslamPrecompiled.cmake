@@ -45,14 +45,15 @@ function(corbslam_add_precompiled KIND)
   target_precompile_headers(${OWNER} PRIVATE ${ARG_HEADERS})
 endfunction()
 
-# Gives TARGET the precompiled headers of its folder: what is below services or tests reads gRPC and the
-# wire contract too. With TEST, GoogleTest.
+# Gives TARGET the precompiled headers of its folder: what is below services, but for the simulator, or
+# tests reads gRPC and the wire contract too. With TEST, GoogleTest.
 function(corbslam_precompile TARGET)
   if(NOT CORBSLAM_PRECOMPILE)
     return()
   endif()
   set(KIND library)
-  if(CMAKE_CURRENT_SOURCE_DIR MATCHES "^${CMAKE_SOURCE_DIR}/(services|tests)(/|$)")
+  if(CMAKE_CURRENT_SOURCE_DIR MATCHES "^${CMAKE_SOURCE_DIR}/(services|tests)(/|$)" AND
+     NOT CMAKE_CURRENT_SOURCE_DIR MATCHES "^${CMAKE_SOURCE_DIR}/services/simulation(/|$)")
     set(KIND service)
   endif()
   if("TEST" IN_LIST ARGN)

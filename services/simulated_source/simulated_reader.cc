@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "slam/simulation/sequence/simulated_sequence.h"
+#include "services/simulation/sequence/simulated_sequence.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::services {

@@ -6,7 +6,7 @@
 
 #include "absl/status/statusor.h"
 #include "client_agent/source/frame_reader.h"
-#include "slam/simulation/sequence/simulation_spec.h"
+#include "services/simulation/sequence/simulation_spec.h"
 
 namespace corbslam::services {
 

@@ -8,7 +8,7 @@
 #include "client_agent/source/source_kinds.h"
 #include "services/simulated_source/simulated_pair.h"
 #include "services/simulated_source/simulated_reader.h"
-#include "slam/simulation/sequence/simulation_options.h"
+#include "services/simulation/sequence/simulation_options.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::services {

@@ -5,7 +5,7 @@
 #define CORBSLAM_SERVICES_SIMULATED_SOURCE_SIMULATED_SOURCE_H_
 
 #include "client_agent/source/source_spec.h"
-#include "slam/simulation/sequence/simulation_spec.h"
+#include "services/simulation/sequence/simulation_spec.h"
 
 namespace corbslam::services {
 

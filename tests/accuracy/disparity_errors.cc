@@ -19,11 +19,11 @@
 #include "absl/strings/str_format.h"
 #include "client_agent/source/source_spec.h"
 #include "services/simulated_source/simulated_source.h"
+#include "services/simulation/renderer.h"
+#include "services/simulation/sequence/simulated_sequence.h"
+#include "services/simulation/sequence/simulated_world.h"
 #include "slam/sensor/corner_depth.h"
 #include "slam/sensor/sensor.h"
-#include "slam/simulation/renderer.h"
-#include "slam/simulation/sequence/simulated_sequence.h"
-#include "slam/simulation/sequence/simulated_world.h"
 #include "slam/util/status_macros.h"
 #include "tests/replay/quantile.h"
 
@@ -109,8 +109,7 @@ absl::StatusOr<Measurements> Measure(const Flags& flags) {
   }
   ASSIGN_OR_RETURN(const auto sequence, SimulatedSequence::Make(*simulation));
   ASSIGN_OR_RETURN(const PoseSequence way, MakeWay(sequence->spec()));
-  const Scene scene = BuildWorld(sequence->spec(), way);
-  ASSIGN_OR_RETURN(const auto renderer, Renderer::Make(scene, {}));
+  const Renderer renderer(BuildWorld(sequence->spec(), way));
   ASSIGN_OR_RETURN(const auto sensor, MakeSensor(sequence->calibration(), SensorOptions()));
   Measurements measurements;
   const std::vector<size_t> frames = FramesOf(source, sequence->frame_count());
@@ -119,7 +118,7 @@ absl::StatusOr<Measurements> Measure(const Flags& flags) {
     ASSIGN_OR_RETURN(const Features features, sensor->Process(images));
     Shot shot;
     shot.world_from_camera = sequence->world_from_camera(frames[i]);
-    Collect(sensor->camera(), features, WithFarSky(renderer->DrawDepth(sensor->camera(), shot)),
+    Collect(sensor->camera(), features, WithFarSky(renderer.DrawDepth(sensor->camera(), shot)),
             measurements);
   }
   return measurements;

@@ -22,10 +22,10 @@
 #include "absl/strings/strip.h"
 #include "client_agent/agent/agent.h"
 #include "client_agent/agent/pose_drift.h"
+#include "services/simulation/sequence/simulated_sequence.h"
+#include "services/simulation/sequence/simulation_options.h"
 #include "slam/evaluation/trajectory.h"
 #include "slam/geometry/lie.h"
-#include "slam/simulation/sequence/simulated_sequence.h"
-#include "slam/simulation/sequence/simulation_options.h"
 #include "slam/util/median.h"
 #include "slam/util/status_macros.h"
 

@@ -5,7 +5,7 @@
 
 #include "client_agent/source/source_spec.h"
 #include "services/simulated_source/simulated_source.h"
-#include "slam/simulation/sequence/simulation_options.h"
+#include "services/simulation/sequence/simulation_options.h"
 #include "tests/fuzz/messages.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {

@@ -44,7 +44,6 @@ const std::map<absl::string_view, Heights>& Ladders() {
            {"sensor", 4},
            {"vocabulary", 4},
            {"map", 5},
-           {"simulation", 5},
            {"place", 6},
            {"matching", 6},
            {"optimisation", 6},
@@ -117,6 +116,7 @@ const std::map<absl::string_view, Heights>& Ladders() {
            {"tool/output", 8},
            {"viewer", 8},
            {"programs", 9},
+           {"simulation", 9},
            {"simulated_source", 10},
            {"tool/doctor", 10},
            {"tool/mission", 10},
@@ -179,8 +179,9 @@ std::string WhyNot(absl::string_view path, absl::string_view include) {
   if (absl::StartsWith(include, "prometheus/") && top != "services") {
     return "only services/ knows Prometheus";
   }
-  if (absl::StartsWith(include, "slam/simulation/") && top == "client_agent") {
-    return "a robot carries no simulator";
+  if (absl::StartsWith(path, "services/simulation/") && absl::StartsWith(include, "services/") &&
+      !absl::StartsWith(include, "services/simulation/")) {
+    return "the simulator stands on slam/ alone";
   }
   const absl::string_view target = Part(include, 0);
   if (!TopRules().contains(target) || IsWire(include)) return "";  // Such a file is not ours.

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "absl/strings/str_cat.h"
-#include "slam/simulation/dice.h"
+#include "services/simulation/dice.h"
 
 namespace corbslam::tests {
 namespace {

@@ -10,9 +10,9 @@
 #include "client_agent/source/calibration/euroc_calibration.h"
 #include "client_agent/source/frame_reader.h"
 #include "services/simulated_source/simulated_source.h"
+#include "services/simulation/sequence/simulated_sequence.h"
 #include "slam/evaluation/trajectory_file.h"
 #include "slam/evaluation/trajectory_io.h"
-#include "slam/simulation/sequence/simulated_sequence.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::services {
