@@ -23,6 +23,7 @@
 #include "services/server/self_watch.h"
 #include "services/server/server.h"
 #include "services/viewer/page_files.h"
+#include "services/viewer/page_path.h"
 #include "services/viewer/truths.h"
 #include "services/viewer/viewer.h"
 #include "services/viewer/web/web_host.h"
