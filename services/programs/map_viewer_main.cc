@@ -26,6 +26,7 @@
 #include "services/server/served_ports.h"
 #include "services/server/server.h"
 #include "services/viewer/page_files.h"
+#include "services/viewer/page_path.h"
 #include "services/viewer/truths.h"
 #include "services/viewer/viewer.h"
 #include "services/viewer/web_certificate.h"

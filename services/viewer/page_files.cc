@@ -1,6 +1,5 @@
 #include "services/viewer/page_files.h"
 
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -53,19 +52,6 @@ WebResponse Missing(const std::string& path) {
 }
 
 }  // namespace
-
-std::string DefaultPagePath() {
-  if (const char* path = std::getenv("CORBSLAM_VIEWER_PAGE"); path != nullptr && *path != '\0') {
-    return path;
-  }
-  std::error_code error;
-  const fs::path program = fs::read_symlink("/proc/self/exe", error);
-  if (!error) {
-    const auto installed = program.parent_path().parent_path() / "share/corbslam/viewer";
-    if (fs::exists(installed, error)) return installed.string();
-  }
-  return CORBSLAM_BUILT_PAGE;
-}
 
 absl::StatusOr<PageFiles> PageFiles::Load(const std::string& folder) {
   PageFiles page;

@@ -11,10 +11,6 @@
 
 namespace corbslam::services {
 
-// Returns the folder of the built page: $CORBSLAM_VIEWER_PAGE, or beside the installed program, or
-// that of the build.
-std::string DefaultPagePath();
-
 // All files of a folder, read once, so that no request reaches the disk. Immutable, thread-safe.
 class PageFiles {
  public:

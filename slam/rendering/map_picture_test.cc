@@ -63,9 +63,9 @@ TEST(RenderMapTest, ShowsEverything) {
   const absl::StatusOr<cv::Mat> image = RenderMap(MakeStreet());
   ASSERT_TRUE(image.ok()) << image.status();
   EXPECT_EQ(image->cols, 1200);
-  EXPECT_GT(CountNear(*image, {60, 160, 40}), 300);  // Own keyframes are there.
-  EXPECT_GT(CountNear(*image, {210, 90, 20}), 300);  // Others' keyframes are there.
-  EXPECT_GT(CountNear(*image, {40, 40, 215}), 300);  // The truth is there.
+  EXPECT_GT(CountNear(*image, {47, 143, 10}), 300);  // Own keyframes are there.
+  EXPECT_GT(CountNear(*image, {216, 79, 31}), 300);  // Others' keyframes are there.
+  EXPECT_GT(CountNear(*image, {40, 40, 198}), 300);  // The truth is there.
   EXPECT_GT(CountNear(*image, {30, 30, 30}), 1000);  // Points and letters are there.
   EXPECT_GT(CountNear(*image, {255, 255, 255}), image->rows * image->cols / 2);
   const std::string path = ::testing::TempDir() + "map_picture_test.png";

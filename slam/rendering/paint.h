@@ -1,11 +1,14 @@
-// The colours of pictures and plots. A colour has a name, so that a page that shows a drawing can
-// give it another one where the page is dark.
+// The colours of pictures and plots: the one table of them, which the viewer's page has again in
+// page/src/model/palette.ts; a test holds them together. A colour has a name, so that a page that
+// shows a drawing gives it the other one where the page is dark.
 #ifndef CORBSLAM_SLAM_RENDERING_PAINT_H_
 #define CORBSLAM_SLAM_RENDERING_PAINT_H_
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
+#include <map>
+#include <set>
+#include <string>
 
 namespace corbslam {
 
@@ -17,27 +20,37 @@ struct Paint {
   uint8_t blue = 0;
 };
 
-inline constexpr Paint kInk{"ink", 30, 30, 30};
-inline constexpr Paint kPaper{"paper", 255, 255, 255};
-inline constexpr Paint kMuted{"muted", 105, 105, 105};
-inline constexpr Paint kGrid{"grid", 222, 222, 222};
-inline constexpr Paint kOwn{"own", 40, 160, 60};
-inline constexpr Paint kOwnEdge{"own-edge", 120, 205, 130};
-inline constexpr Paint kOthers{"others", 20, 90, 210};
-inline constexpr Paint kOthersEdge{"others-edge", 130, 175, 235};
-inline constexpr Paint kTruth{"truth", 215, 40, 40};
+// A colour on light and on dark ground, both as 0xrrggbb.
+struct NamedPaint : Paint {
+  constexpr NamedPaint(const char* name, uint32_t light, uint32_t dark)
+      : Paint{name, static_cast<uint8_t>(light >> 16), static_cast<uint8_t>(light >> 8),
+              static_cast<uint8_t>(light)},
+        on_dark(dark) {}
+  uint32_t on_dark;
+};
 
-// The colours of robots in plots: the first is that of own keyframes, the second that of others'.
-inline constexpr std::array<Paint, 8> kSeriesPaints = {{{"series-1", 30, 140, 50},
-                                                        {"series-2", 20, 90, 210},
-                                                        {"series-3", 205, 95, 10},
-                                                        {"series-4", 130, 60, 200},
-                                                        {"series-5", 0, 130, 130},
-                                                        {"series-6", 195, 30, 110},
-                                                        {"series-7", 125, 85, 45},
-                                                        {"series-8", 110, 120, 0}}};
-// Returns the colour of the `index`th robot; they repeat.
-constexpr Paint SeriesPaint(size_t index) { return kSeriesPaints[index % kSeriesPaints.size()]; }
+inline constexpr NamedPaint kInk{"ink", 0x1e1e1e, 0xe6e6e6};
+inline constexpr NamedPaint kPaper{"paper", 0xffffff, 0x1b1d21};
+inline constexpr NamedPaint kMuted{"muted", 0x5c5c5c, 0xa3a8b0};
+inline constexpr NamedPaint kGrid{"grid", 0xdedede, 0x3a3e45};
+inline constexpr NamedPaint kOwn{"own", 0x0a8f2f, 0x3ddc64};
+inline constexpr NamedPaint kOwnEdge{"own-edge", 0x78cd82, 0x2f7a40};
+inline constexpr NamedPaint kOthers{"others", 0x1f4fd8, 0x6ea0ff};
+inline constexpr NamedPaint kOthersEdge{"others-edge", 0x82afeb, 0x35598f};
+inline constexpr NamedPaint kTruth{"truth", 0xc62828, 0xff6b6b};
+
+// Returns the colour of a robot, or of a series that is none, by its number. Eight are told apart
+// by those who don't tell red from green, too (after Okabe and Ito); up to 24 are shades of them,
+// then they repeat.
+const NamedPaint& SeriesPaint(size_t number);
+
+// Numbers robots so that each picture, page and export of any mission gives a robot the same
+// colour: a number in the name counts, else its first letter; where two would be the same, the
+// later name takes the next one of eight that is free.
+std::map<std::string, size_t> NumberRobots(const std::set<std::string>& robots);
+
+// Returns the CSS variables of all named colours: "--ink: #1e1e1e; ...".
+std::string PaintVariables(bool on_dark);
 
 // Returns the colour of a value from 0 (blue) over purple to 1 (orange), which can be seen on white
 // and on black; of what is no number, grey.

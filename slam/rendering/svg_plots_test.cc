@@ -39,7 +39,7 @@ TEST(LinePlotTest, HasCurveLabelsAndLegend) {
   const std::string svg = DrawLinePlot(MakePlot({{0, 1}, {1, 3}, {2, 2}}), SvgLook::kAlone);
   EXPECT_THAT(svg,
               AllOf(IsDrawing(), HasSubstr("time (s)"), HasSubstr("error (m)"),
-                    HasSubstr("&lt;alpha&gt;"), HasSubstr("#1e8c32"), Not(HasSubstr("<alpha>"))));
+                    HasSubstr("&lt;alpha&gt;"), HasSubstr("#0072b2"), Not(HasSubstr("<alpha>"))));
 }
 
 TEST(LinePlotTest, TakesAnyNumbers) {
@@ -125,7 +125,7 @@ TEST(LinePlotTest, ALonePointCanBeSeen) {
   LinePlot plot = MakePlot({{0, 1}, {kNaN, kNaN}, {1, 3}, {kNaN, kNaN}, {2, 2}, {3, 2}});
   plot.series[0].has_marks = false;
   const std::string svg = DrawLinePlot(plot, SvgLook::kAlone);
-  const size_t curve = svg.find("stroke=\"#1e8c32\" stroke-width=\"1.8\"");
+  const size_t curve = svg.find("stroke=\"#0072b2\" stroke-width=\"1.8\"");
   ASSERT_NE(curve, std::string::npos);
   const std::string data = svg.substr(svg.rfind("<path d=", curve), 200);
   const std::string path = data.substr(0, data.find(" fill"));
@@ -139,7 +139,7 @@ TEST(TimelineTest, AMomentCanBeSeen) {
   timeline.lanes = {{"alpha", SeriesPaint(0), {{0, 9}}, {}},
                     {"bravo", SeriesPaint(1), {{4, 4}}, {}}};
   const std::string svg = DrawTimeline(timeline, SvgLook::kAlone);
-  const size_t bar = svg.find("stroke=\"#145ad2\"");
+  const size_t bar = svg.find("stroke=\"#c94f00\"");
   ASSERT_NE(bar, std::string::npos);
   const size_t begin = svg.rfind("<path d=\"M", bar) + 10;
   const size_t line = svg.find('L', begin);

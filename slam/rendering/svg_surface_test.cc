@@ -52,7 +52,7 @@ TEST(SvgSurfaceTest, StandsAloneOnWhite) {
   EXPECT_THAT(svg, StartsWith("<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"100\""));
   EXPECT_THAT(svg, HasSubstr("<title>a &lt;b&gt;</title>"));
   EXPECT_THAT(svg, HasSubstr("fill=\"#ffffff\""));
-  EXPECT_THAT(svg, HasSubstr("stroke=\"#28a03c\""));
+  EXPECT_THAT(svg, HasSubstr("stroke=\"#0a8f2f\""));
   EXPECT_THAT(svg, Not(HasSubstr("var(")));
 }
 

@@ -20,6 +20,7 @@ namespace {
 // Remembered events come without a pause; how many there are is not told.
 constexpr absl::Duration kQuiet = absl::Seconds(2);
 constexpr int kKeyframesAPage = 1000;
+constexpr int kMostOverlaps = 1000;
 
 // Cancels a call once it has been quiet for a while.
 class QuietWatch {
@@ -63,31 +64,34 @@ absl::StatusOr<ToldMap> StoreReader::ReadMap() {
   return map;
 }
 
-absl::StatusOr<std::vector<v1::WatchMapResponse>> StoreReader::ReadPast(uint32_t max_moments) {
-  v1::ReplayMapRequest request;
-  request.set_mission(MissionName(mission_));
-  request.set_include_points(true);
-  request.set_max_moments(max_moments);
-  std::vector<v1::WatchMapResponse> past;
-  RETURN_IF_ERROR(ReadReplay(*stub_, request, [&past](const v1::WatchMapResponse& response) {
-    past.push_back(response);
-    return absl::OkStatus();
-  }));
-  if (past.empty()) return absl::DataLossError("ReplayMap: nothing of the past came");
-  return past;
+absl::StatusOr<std::vector<v1::Overlap>> StoreReader::ListOverlaps() {
+  v1::ListOverlapsRequest request;
+  request.set_parent(MissionName(mission_));
+  request.set_page_size(kMostOverlaps);
+  grpc::ClientContext context;
+  SetDeadline(context);
+  v1::ListOverlapsResponse response;
+  RETURN_IF_ERROR(ToStatus(stub_->ListOverlaps(&context, request, &response), "ListOverlaps"));
+  return std::vector<v1::Overlap>(response.overlaps().begin(), response.overlaps().end());
 }
 
-absl::Status StoreReader::ReplayMap(uint32_t max_moments, bool with_points,
-                                    const OnMoment& on_moment) {
+absl::Status StoreReader::ReadPast(uint32_t max_moments, bool with_points,
+                                   const TakeMapMessage& take) {
   v1::ReplayMapRequest request;
   request.set_mission(MissionName(mission_));
   request.set_include_points(with_points);
   request.set_max_moments(max_moments);
+  return ReadReplay(*stub_, request, take);
+}
+
+absl::Status StoreReader::ReplayMap(uint32_t max_moments, bool with_points,
+                                    const OnMoment& on_moment) {
   ToldMap map;
-  return ReadReplay(*stub_, request, [&](const v1::WatchMapResponse& response) -> absl::Status {
+  const auto take = [&](const v1::WatchMapResponse& response) -> absl::Status {
     RETURN_IF_ERROR(map.Apply(response));
     return response.continues() ? absl::OkStatus() : on_moment(map);
-  });
+  };
+  return ReadPast(max_moments, with_points, take);
 }
 
 absl::StatusOr<std::map<KeyframeId, int64_t>> StoreReader::ReadKeyframeTimes() {

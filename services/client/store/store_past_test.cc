@@ -88,6 +88,23 @@ TEST_F(StorePastTest, AnErrorOfTheCallerEndsIt) {
   EXPECT_EQ(calls, 1);
 }
 
+TEST_F(StorePastTest, GivesThePastAsItIsTold) {
+  std::vector<uint64_t> revisions;
+  size_t points = 0;
+  const auto take = [&](const v1::WatchMapResponse& message) {
+    if (!message.continues()) revisions.push_back(message.revision());
+    for (const auto& island : message.islands()) points += island.points().positions_size() / 3;
+    return absl::OkStatus();
+  };
+  ASSERT_TRUE(reader_->ReadPast(100, /*with_points=*/true, take).ok());
+  EXPECT_THAT(revisions, ElementsAre(0, 0, 1, 1, 2));
+  EXPECT_GT(points, 0u);
+  EXPECT_EQ(reader_->ReadPast(1, true, take).code(), absl::StatusCode::kInvalidArgument);
+  const auto overlaps = reader_->ListOverlaps();
+  ASSERT_TRUE(overlaps.ok()) << overlaps.status();
+  EXPECT_FALSE(overlaps->empty());
+}
+
 TEST_F(StorePastTest, EventsEndOnceItIsQuiet) {
   SessionRequest request;
   request.mission = "m";

@@ -15,6 +15,7 @@
 #include "absl/status/statusor.h"
 #include "absl/time/time.h"
 #include "corbslam/v1/map_store_service.grpc.pb.h"
+#include "services/client/store/map_streams.h"
 #include "services/client/store/served_mission.h"
 #include "services/client/store/told_map.h"
 #include "services/security/security_options.h"
@@ -62,10 +63,12 @@ class StoreReader {
   absl::StatusOr<ServedMap> ReadGlobalMap();
   // Returns all islands with their points.
   absl::StatusOr<ToldMap> ReadMap();
-  // Returns the mission's past with map points, at most so many moments, 2 to 1,000, as
-  // messages for ToldMap; a moment's last one does not say `continues`, and so does the last of
-  // all. It is as long as the store lets it be: hundreds of megabytes.
-  absl::StatusOr<std::vector<v1::WatchMapResponse>> ReadPast(uint32_t max_moments);
+  // Returns the first thousand overlaps, accepted and refused ones.
+  absl::StatusOr<std::vector<v1::Overlap>> ListOverlaps();
+  // Gives the mission's past, at most so many moments, 2 to 1,000, as messages for ToldMap; a
+  // moment's last one does not say `continues`. It is as long as the store lets it be: hundreds of
+  // megabytes. An error of `take` ends it. UNIMPLEMENTED: the store is older.
+  absl::Status ReadPast(uint32_t max_moments, bool with_points, const TakeMapMessage& take);
   // Gives the map, with points or without, as it was at each of at most `max_moments` moments, 2 to
   // 1,000, and as it is in the end; an error of `on_moment` ends it. UNIMPLEMENTED: the store is
   // older.

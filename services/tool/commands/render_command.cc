@@ -4,13 +4,13 @@
 #include <utility>
 
 #include "absl/algorithm/container.h"
+#include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "services/client/store/store_reader.h"
 #include "services/convert/resource_names.h"
 #include "services/security/flags.h"
 #include "services/tool/commands/commands.h"
-#include "services/tool/commands/render_past.h"
 #include "services/tool/evaluation/accuracy.h"
 #include "services/tool/evaluation/picture.h"
 #include "services/tool/output/progress.h"
@@ -32,9 +32,20 @@ struct RenderArguments {
   std::string truth;
   std::string out = "map.png";
   MapPictureOptions picture;
-  PastOptions past;
   SecurityOptions security;
 };
+
+// Returns true for FILE.svg.
+bool IsSvg(const std::string& path) { return absl::EndsWithIgnoreCase(path, ".svg"); }
+
+// Refuses a name that is no picture's before anybody is asked.
+absl::Status CheckOut(const std::string& out) {
+  for (const char* ending : {".svg", ".png", ".jpg", ".jpeg", ".webp"}) {
+    if (absl::EndsWithIgnoreCase(out, ending)) return absl::OkStatus();
+  }
+  return absl::InvalidArgumentError(absl::StrCat(
+      "--out ", out, ": the file must end with .svg or .png (.jpg and .webp work, too)"));
+}
 
 std::vector<std::string> ListAgents(const ServedMap& map) {
   std::set<std::string> agents;
@@ -83,8 +94,8 @@ absl::StatusOr<FusedAccuracy> AlignTruth(StoreReader& store, std::vector<RobotPa
   return std::move(accuracy.fused);
 }
 
-absl::Status DrawNow(const ServedMap& map, const std::string& own, const FusedAccuracy& accuracy,
-                     const std::vector<RobotPaths>& robots, const RenderArguments& arguments) {
+absl::Status Draw(const ServedMap& map, const std::string& own, const FusedAccuracy& accuracy,
+                  const std::vector<RobotPaths>& robots, const RenderArguments& arguments) {
   const MapPicture picture = ComposePicture(map, own, accuracy, DrivenOf(robots));
   if (IsSvg(arguments.out)) {
     ASSIGN_OR_RETURN(const std::string svg,
@@ -97,10 +108,10 @@ absl::Status DrawNow(const ServedMap& map, const std::string& own, const FusedAc
 
 // Says what a picture of the global map has not got.
 void SayElsewhere(const ServedMap& map, const RenderArguments& arguments) {
-  if (map.elsewhere.islands == 0 || !arguments.past.at.empty()) return;
+  if (map.elsewhere.islands == 0) return;
   Say(absl::StrCat(
       arguments.out, " is without ", Describe(map.elsewhere),
-      ", which nothing connects with the global map; --at 100% draws them beside it\n"));
+      ", which nothing connects with the global map; map_viewer shows them beside it\n"));
 }
 
 // A robot that lies elsewhere is none of the picture of now.
@@ -108,23 +119,17 @@ absl::StatusOr<std::string> ChooseOwnOf(const ServedMap& map, const RenderArgume
   std::vector<std::string> agents = ListAgents(map);
   if (map.elsewhere.keyframes.contains(arguments.own) &&
       !absl::c_linear_search(agents, arguments.own)) {
-    if (arguments.past.at.empty()) {
-      return absl::FailedPreconditionError(
-          absl::StrCat("--own ", arguments.own,
-                       ": nothing connects this robot with the global map yet, which is of ",
-                       absl::StrJoin(agents, ", "), "; --at 100% draws its map, too"));
-    }
-    return arguments.own;
+    return absl::FailedPreconditionError(
+        absl::StrCat("--own ", arguments.own,
+                     ": nothing connects this robot with the global map yet, which is of ",
+                     absl::StrJoin(agents, ", "), "; map_viewer shows its map, too"));
   }
   return ChooseOwn(arguments.own, agents);
 }
 
-absl::Status Render(RenderArguments arguments) {
+absl::Status Render(const RenderArguments& arguments) {
   RETURN_IF_ERROR(CheckNameSegment("--mission", arguments.mission));
-  arguments.past.width_px = arguments.picture.width_px;
-  RETURN_IF_ERROR(CheckPictureOptions(arguments.out, arguments.picture.width_px));
-  const bool looks_back = !arguments.past.at.empty() || !arguments.past.animate.empty();
-  if (looks_back) RETURN_IF_ERROR(CheckPastOptions(arguments.past, arguments.out));
+  RETURN_IF_ERROR(CheckOut(arguments.out));
   ASSIGN_OR_RETURN(const std::shared_ptr<grpc::Channel> channel,
                    ConnectToStore(arguments.server, arguments.security));
   StoreReader store(channel, arguments.mission);
@@ -141,37 +146,16 @@ absl::Status Render(RenderArguments arguments) {
   ASSIGN_OR_RETURN(const std::string own, ChooseOwnOf(map, arguments));
   ASSIGN_OR_RETURN(const std::vector<RobotPaths> paths, ReadPaths(store, ListAgents(map)));
   ASSIGN_OR_RETURN(const FusedAccuracy accuracy, AlignTruth(store, paths, arguments.truth));
-  if (arguments.past.at.empty()) RETURN_IF_ERROR(DrawNow(map, own, accuracy, paths, arguments));
-  if (looks_back) {
-    RETURN_IF_ERROR(RenderPast(store, own, accuracy, arguments.past, arguments.out));
-  }
-  nlohmann::ordered_json files = nlohmann::ordered_json::array({arguments.out});
-  if (!arguments.past.animate.empty()) files.push_back(arguments.past.animate);
+  RETURN_IF_ERROR(Draw(map, own, accuracy, paths, arguments));
   SayElsewhere(map, arguments);
-  PrintResult(absl::StrCat(absl::StrJoin(files.get<std::vector<std::string>>(), ", "), ": ",
-                           map.keyframes.size(), " keyframes in the global map\n"),
+  PrintResult(absl::StrCat(arguments.out, ": ", map.keyframes.size(),
+                           " keyframes in the global map\n"),
               {{"mission", arguments.mission},
                {"own", own},
-               {"files", files},
+               {"files", nlohmann::ordered_json::array({arguments.out})},
                {"keyframes", map.keyframes.size()},
                {"keyframes_elsewhere", map.elsewhere.keyframes}});
   return absl::OkStatus();
-}
-
-void AddPastOptions(CLI::App& render, PastOptions& past) {
-  render.add_option("--at", past.at,
-                    "Draw the mission's past instead, side by side: shares of the way, as "
-                    "25%,50%,100%, or revisions");
-  render.add_option("--animate", past.animate,
-                    "Write the mission's past as an animation, too: FILE.webp");
-  render.add_option("--fps", past.frames_per_second, "Moments a second of --animate, 5 to 20")
-      ->check(CLI::Range(5, 20))
-      ->capture_default_str();
-  render
-      .add_option("--moments", past.moments,
-                  "At most so many moments of the past are looked at, 2 to 1000; by default "
-                  "1000 for --at, 200 for --animate alone")
-      ->check(CLI::Range(2, 1000));
 }
 
 }  // namespace
@@ -189,7 +173,6 @@ void AddRenderCommand(CLI::App& app, Command& chosen) {
       ->capture_default_str();
   render->add_option("--out", arguments->out, "The picture to write: FILE.svg or FILE.png")
       ->capture_default_str();
-  AddPastOptions(*render, arguments->past);
   AddTlsFlags(*render, arguments->security);
   AddClientFlags(*render, arguments->security);
   render->callback([arguments, &chosen] { chosen = [arguments] { return Render(*arguments); }; });

@@ -9,6 +9,7 @@
 #include "services/tool/evaluation/picture.h"
 #include "services/tool/evaluation/report_detail.h"
 #include "services/tool/evaluation/trajectory_files.h"
+#include "services/viewer/page_path.h"
 #include "slam/util/status_macros.h"
 #include "slam/util/text_file.h"
 
@@ -97,7 +98,9 @@ absl::Status WriteResults(const std::string& folder, const std::string& own,
   ReportDetail detail = ComposeDetail(outcome.paths, outcome.map, own, accuracy);
   detail.held = ComposeHeld(outcome.paths, outcome.held, outcome.map);
   RETURN_IF_ERROR(WriteHeldPictures(detail.held, folder));
-  RETURN_IF_ERROR(WriteLines({ToHtml(outcome.report, detail)}, folder + "/report.html"));
+  detail.recorded = outcome.recorded;
+  const ViewerPage page = LoadViewerPage(DefaultPagePath());
+  RETURN_IF_ERROR(WriteLines({ToHtml(outcome.report, detail, page)}, folder + "/report.html"));
   return WritePicture(outcome, accuracy, own, folder + "/map.png");
 }
 

@@ -1,7 +1,6 @@
 #include "services/tool/evaluation/report_detail.h"
 
 #include <algorithm>
-#include <limits>
 #include <utility>
 
 #include "services/tool/evaluation/held_picture.h"
@@ -51,18 +50,6 @@ void AddTimes(const ServedTrajectory& local, ReportDetail::Robot& detail) {
   }
 }
 
-// Returns the path in the global frame, with a gap where tracking was lost and between local maps.
-std::vector<Eigen::Vector3d> PathOf(const ServedTrajectory& global) {
-  std::vector<Eigen::Vector3d> path;
-  for (const std::vector<Eigen::Vector3d>& piece : PiecesOf(global)) {
-    if (!path.empty()) {
-      path.push_back(Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN()));
-    }
-    path.insert(path.end(), piece.begin(), piece.end());
-  }
-  return path;
-}
-
 }  // namespace
 
 ReportDetail ComposeDetail(const std::vector<RobotPaths>& robots, const ServedMap& map,
@@ -72,7 +59,6 @@ ReportDetail ComposeDetail(const std::vector<RobotPaths>& robots, const ServedMa
     ReportDetail::Robot& robot = detail.robots.emplace_back();
     robot.name = robots[i].name;
     AddTimes(robots[i].local, robot);
-    robot.path = PathOf(robots[i].global);
     if (i >= accuracy.robots.size()) continue;
     robot.errors = accuracy.robots[i].profile;
     if (robot.tracked.empty() && !robot.errors.empty()) {

@@ -42,19 +42,5 @@ TEST(PlyFileTest, SaysWhatItCantWrite) {
               HasSubstr("/nowhere/a.ply"));
 }
 
-TEST(RobotColoursTest, AreApartAndTheSameEveryTime) {
-  const std::set<std::string> robots = {"a", "b", "c", "d", "e", "f", "g", "h"};
-  const auto colours = ChooseColours(robots);
-  EXPECT_EQ(colours, ChooseColours(robots));
-  for (const auto& [name, colour] : colours) {
-    for (const auto& [other_name, other] : colours) {
-      const int apart = std::abs(colour.red - other.red) + std::abs(colour.green - other.green) +
-                        std::abs(colour.blue - other.blue);
-      EXPECT_TRUE(name == other_name || apart > 60) << name << " " << other_name;
-    }
-  }
-  EXPECT_EQ(ToString(Colour{31, 119, 180}), "#1f77b4");
-}
-
 }  // namespace
 }  // namespace corbslam::services

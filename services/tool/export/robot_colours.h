@@ -16,8 +16,7 @@ struct Colour {
   friend bool operator==(const Colour&, const Colour&) = default;
 };
 
-// Returns the robots' colours by name: in the order of the names each is far in hue from the one
-// before.
+// Returns the robots' colours by name: those that the viewer's page and plots give them.
 std::map<std::string, Colour> ChooseColours(const std::set<std::string>& robots);
 
 // Returns a text as "#1f77b4".

@@ -230,7 +230,7 @@ absl::StatusOr<MissionOutcome> Lockstep::ReadAll() {
   ASSIGN_OR_RETURN(const std::unique_ptr<Server> server, Server::Start("", {&service}));
   StoreReader reader(server->InProcessChannel(), options_.mission);
   MissionOutcome outcome;
-  RETURN_IF_ERROR(ReadOutcome(reader, options_.robots, outcome));
+  RETURN_IF_ERROR(ReadOutcome(reader, options_, outcome));
   for (size_t i = 0; i < robots_.size(); ++i) {
     const LockstepRobot& robot = robots_[i];
     if (robot.told.has_value()) outcome.paths[i].told = robot.told->paths();

@@ -1,8 +1,11 @@
 #include "services/tool/run/mission_run.h"
 
+#include <glog/logging.h>
+
 #include <utility>
 
 #include "services/tool/report/store_statistics.h"
+#include "services/tool/run/record_mission.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::services {
@@ -17,7 +20,7 @@ absl::StatusOr<ServedTrajectory> ReadPath(StoreReader& store, const std::string&
 }
 
 // Fills the outcome if the store has the mission.
-absl::Status ReadMission(StoreReader& store, MissionOutcome& outcome) {
+absl::Status ReadMission(StoreReader& store, const std::string& mission, MissionOutcome& outcome) {
   absl::StatusOr<v1::GetStatisticsResponse> statistics = store.Statistics();
   if (absl::IsNotFound(statistics.status())) return absl::OkStatus();
   RETURN_IF_ERROR(statistics.status());
@@ -26,15 +29,19 @@ absl::Status ReadMission(StoreReader& store, MissionOutcome& outcome) {
   outcome.report.fused.map_points = outcome.map.points.size();
   ASSIGN_OR_RETURN(const std::vector<v1::LocalMap> local_maps, store.ListLocalMaps());
   outcome.local_map_names = ShortNames(local_maps);
+  absl::StatusOr<RecordedMission> recorded = RecordMission(store, mission);
+  LOG_IF(WARNING, !recorded.ok()) << "report.html has the map from above alone: "
+                                  << recorded.status();
+  if (recorded.ok()) outcome.recorded = *std::move(recorded);
   return absl::OkStatus();
 }
 
 }  // namespace
 
-absl::Status ReadOutcome(StoreReader& store, const std::vector<RobotPlan>& robots,
+absl::Status ReadOutcome(StoreReader& store, const MissionRunOptions& options,
                          MissionOutcome& outcome) {
-  RETURN_IF_ERROR(ReadMission(store, outcome));
-  for (const RobotPlan& robot : robots) {
+  RETURN_IF_ERROR(ReadMission(store, options.mission, outcome));
+  for (const RobotPlan& robot : options.robots) {
     RobotPaths paths;
     paths.name = robot.name;
     paths.source = robot.source;

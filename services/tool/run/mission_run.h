@@ -16,6 +16,7 @@
 #include "services/client/store/store_reader.h"
 #include "services/security/security_options.h"
 #include "services/tool/evaluation/accuracy.h"
+#include "services/tool/report/recorded_mission.h"
 #include "services/tool/report/report.h"
 #include "services/tool/run/plan.h"
 
@@ -57,6 +58,7 @@ struct MissionOutcome {
   std::vector<RobotPaths> paths;  // In the order of the robots.
   ServedMap map;
   LocalMapNames local_map_names;
+  RecordedMission recorded;
   // What each robot held in the end, its own map and what came of others', in its local map's
   // frame; in the order of the robots. Nullopt for one that never had a pose or left nothing.
   std::vector<std::optional<client_agent::NearMap>> held;
@@ -86,7 +88,7 @@ absl::StatusOr<MissionOutcome> RunLockstep(const MissionRunOptions& options,
 // Fills paths, map and what the store's statistics know. Where no robot brought anything, the store
 // knows no such mission: the outcome is empty then, and so are the paths of a robot of which it
 // knows nothing.
-absl::Status ReadOutcome(StoreReader& store, const std::vector<RobotPlan>& robots,
+absl::Status ReadOutcome(StoreReader& store, const MissionRunOptions& options,
                          MissionOutcome& outcome);
 
 }  // namespace corbslam::services

@@ -380,7 +380,7 @@ absl::StatusOr<MissionOutcome> ProcessRun::Run() {
   RETURN_IF_ERROR(WaitUntilShared());
   StopAgents();
   MissionOutcome outcome;
-  RETURN_IF_ERROR(ReadOutcome(*store_, options_.robots, outcome));
+  RETURN_IF_ERROR(ReadOutcome(*store_, options_, outcome));
   for (size_t i = 0; i < agents_.size(); ++i) {
     RunningAgent& agent = agents_[i];
     outcome.paths[i].told = ReadRobotToldPaths(agent);

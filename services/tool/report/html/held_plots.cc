@@ -64,8 +64,8 @@ std::string CompanyPlots(const RunReport& report) {
   const std::vector<RobotReport>& alone = report.company->alone;
   for (size_t i = 0; i < std::min(report.robots.size(), alone.size()); ++i) {
     const std::string& name = report.robots[i].name;
-    AddBar(name + " with company", kSeriesPaints[0], report.robots[i].ate_global_m, plot);
-    AddBar(name + " alone", kSeriesPaints[2], alone[i].ate_global_m, plot);
+    AddBar(name + " with company", SeriesPaint(0), report.robots[i].ate_global_m, plot);
+    AddBar(name + " alone", SeriesPaint(2), alone[i].ate_global_m, plot);
   }
   if (plot.bars.empty()) return "";
   return absl::StrCat(

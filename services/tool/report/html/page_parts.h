@@ -1,4 +1,4 @@
-// The page's template, style and script, as they were when the program was built.
+// The page's template and style, as they were when the program was built.
 #ifndef CORBSLAM_SERVICES_TOOL_REPORT_HTML_PAGE_PARTS_H_
 #define CORBSLAM_SERVICES_TOOL_REPORT_HTML_PAGE_PARTS_H_
 
@@ -9,7 +9,6 @@ namespace corbslam::services {
 // Parts in double braces, as {{title}}, are replaced.
 absl::string_view PageTemplate();
 absl::string_view PageStyle();
-absl::string_view PageScript();
 
 }  // namespace corbslam::services
 

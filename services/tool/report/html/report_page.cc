@@ -9,7 +9,6 @@
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_replace.h"
 #include "services/tool/report/html/held_plots.h"
-#include "services/tool/report/html/map_data.h"
 #include "services/tool/report/html/page_parts.h"
 #include "services/tool/report/html/report_plots.h"
 #include "services/tool/report/report_company.h"
@@ -29,9 +28,28 @@ std::string HashOf(absl::string_view text) {
       "'");
 }
 
-std::string Policy() {
-  return absl::StrCat("default-src 'none'; base-uri 'none'; form-action 'none'; style-src ",
-                      HashOf(PageStyle()), "; script-src ", HashOf(PageScript()));
+// Returns the page's style, with the colours of all drawings.
+std::string Style() {
+  return absl::StrCat(":root { ", PaintVariables(/*on_dark=*/false),
+                      "}\n@media screen and (prefers-color-scheme: dark) { :root { ",
+                      PaintVariables(/*on_dark=*/true), "} }\n", PageStyle());
+}
+
+// The frame with the viewer's page inherits the policy.
+std::string Policy(const ViewerPage& viewer) {
+  const std::string policy = absl::StrCat(
+      "default-src 'none'; base-uri 'none'; form-action 'none'; style-src ", HashOf(Style()));
+  if (viewer.script.empty()) return policy;
+  return absl::StrCat(policy, " ", HashOf(viewer.style), "; script-src ", HashOf(viewer.script));
+}
+
+// Paper gets the map from above: what WebGL drew is not kept for printing.
+std::string Map(const ReportDetail& detail, const ViewerPage& viewer) {
+  const bool is_recorded = !viewer.script.empty() && !detail.recorded.past.empty();
+  const std::string frame =
+      is_recorded ? ViewerFrame(viewer, detail.recorded, detail.map.truth) : "";
+  return absl::StrCat(frame, "<figure", is_recorded ? " class=\"paper\"" : "", ">\n",
+                      FlatMap(detail.map), "</figure>\n");
 }
 
 std::string ToHtml(const ReportTable& table, const std::string& caption) {
@@ -165,21 +183,21 @@ std::string Cost(const RunReport& report) {
 
 }  // namespace
 
-std::string ToHtml(const RunReport& report, const ReportDetail& detail) {
+std::string ToHtml(const RunReport& report, const ReportDetail& detail, const ViewerPage& viewer) {
   const std::string fusion = absl::StrCat(ToHtml(FusedTable(report), "The fused map"),
                                           Lines(FusionLines(report)), FusionPlots(report));
   // Each part is put in once: braces in what is put in mean nothing.
   return absl::StrReplaceAll(
       PageTemplate(),
-      {{"{{policy}}", Policy()},
+      {{"{{policy}}", Policy(viewer)},
        {"{{title}}", EscapeMarkup(absl::StrCat("Mission ", report.mission, ": corbslam run"))},
-       {"{{style}}", PageStyle()},
+       {"{{style}}", Style()},
        {"{{about}}", About(report)},
        {"{{figures}}", Figures(report)},
        {"{{contents}}", Contents(report, detail)},
        {"{{warnings}}", Warnings(report)},
        {"{{map_note}}", MapNote(detail.map)},
-       {"{{map}}", FlatMap(detail.map)},
+       {"{{map}}", Map(detail, viewer)},
        {"{{company}}", Company(report)},
        {"{{held}}", HeldMaps(detail)},
        {"{{accuracy}}", AccuracyPlots(detail)},
@@ -191,9 +209,7 @@ std::string ToHtml(const RunReport& report, const ReportDetail& detail) {
         EscapeMarkup(absl::StrFormat("corbslam %s, %.1f s. report.json beside this page "
                                      "holds the numbers for programs.",
                                      report.version, report.wall_s))},
-       {"{{command}}", EscapeMarkup(report.command)},
-       {"{{data}}", WriteMapData(detail)},
-       {"{{script}}", PageScript()}});
+       {"{{command}}", EscapeMarkup(report.command)}});
 }
 
 }  // namespace corbslam::services

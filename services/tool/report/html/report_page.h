@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "services/tool/report/html/viewer_frame.h"
 #include "services/tool/report/report.h"
 #include "slam/evaluation/trajectory_error.h"
 #include "slam/rendering/map_picture.h"
@@ -26,8 +27,7 @@ struct ReportDetail {
     bool errors_are_global = false;  // Under the one alignment of all robots, not its own.
     std::vector<LengthError> by_length;
     std::vector<Tracked> tracked;
-    std::vector<double> local_maps_s;   // When each further local map begins.
-    std::vector<Eigen::Vector3d> path;  // Every tracked frame in the global frame.
+    std::vector<double> local_maps_s;  // When each further local map begins.
   };
   // What one robot held of the map in the end, in its local map's frame.
   struct Held {
@@ -38,11 +38,14 @@ struct ReportDetail {
   std::vector<Robot> robots;  // In the report's order.
   std::vector<Held> held;     // Of those that hold anything.
   MapPicture map;             // The map in the global frame.
+  RecordedMission recorded;   // What the viewer's page shows.
 };
 
-// Every text of the report is escaped. The page forbids itself all but its own style and script,
-// which it names by their hashes; it loads nothing.
-std::string ToHtml(const RunReport& report, const ReportDetail& detail);
+// Every text of the report is escaped. The page forbids itself all but its own styles and script,
+// which it names by their hashes; it loads nothing. It shows the map in the viewer's page; without
+// that, or where nothing was recorded, as a picture from above.
+std::string ToHtml(const RunReport& report, const ReportDetail& detail,
+                   const ViewerPage& viewer = {});
 
 }  // namespace corbslam::services
 

@@ -2,15 +2,17 @@
 
 #include <algorithm>
 #include <limits>
+#include <map>
+#include <set>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "services/tool/report/html/long_interval.h"
-#include "services/tool/report/html/map_data.h"
-#include "slam/rendering/map_cell.h"
+#include "slam/rendering/paint.h"
 #include "slam/rendering/svg_plots.h"
 #include "slam/rendering/svg_text.h"
+#include "slam/rendering/view_from_above.h"
 
 namespace corbslam::services {
 namespace {
@@ -19,6 +21,18 @@ constexpr SvgLook kLook = SvgLook::kInAPage;
 
 std::string Plots(const std::string& figures) {
   return absl::StrCat("<div class=\"plots\">\n", figures, "</div>\n");
+}
+
+// Returns each robot's colour, as the viewer's page has it.
+std::vector<Paint> RobotPaints(const ReportDetail& detail) {
+  std::set<std::string> names;
+  for (const ReportDetail::Robot& robot : detail.robots) names.insert(robot.name);
+  const std::map<std::string, size_t> numbers = NumberRobots(names);
+  std::vector<Paint> paints;
+  for (const ReportDetail::Robot& robot : detail.robots) {
+    paints.push_back(SeriesPaint(numbers.at(robot.name)));
+  }
+  return paints;
 }
 
 bool HasErrors(const ReportDetail& detail) {
@@ -231,13 +245,13 @@ std::string FusionPlots(const RunReport& report) {
   plot.title = "How long merges and global bundle adjustments took";
   plot.x_label = "time (ms)";
   for (size_t i = 0; i < report.merge_ms.size(); ++i) {
-    plot.bars.push_back({absl::StrCat("merge ", i + 1), kSeriesPaints[0], report.merge_ms[i],
+    plot.bars.push_back({absl::StrCat("merge ", i + 1), SeriesPaint(0), report.merge_ms[i],
                          absl::StrFormat("%.0f", report.merge_ms[i])});
   }
   for (size_t i = 0; i < report.global_ba_ms.size(); ++i) {
     const AdjustmentReport& adjustment = report.global_ba_ms[i];
     plot.bars.push_back(
-        {absl::StrCat("adjustment ", i + 1), kSeriesPaints[1], adjustment.ms,
+        {absl::StrCat("adjustment ", i + 1), SeriesPaint(1), adjustment.ms,
          absl::StrFormat("%.0f, %d keyframes", adjustment.ms, adjustment.keyframes)});
   }
   if (plot.bars.empty()) return "<p class=\"note\">Nothing was merged or adjusted.</p>\n";

@@ -11,7 +11,7 @@ await bundle({
   outfile: file,
   platform: 'node',
   format: 'esm',
-  external: ['playwright-core', 'ws', 'esbuild'],
+  external: ['playwright-core', 'ws'],
 });
 if (rest.includes('--bundle-only')) process.exit(0);
 process.exit(spawnSync(process.execPath, [file, ...rest], { stdio: 'inherit' }).status ?? 1);

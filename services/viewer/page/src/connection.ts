@@ -31,7 +31,12 @@ export class Connection {
 
   /** What the page shows of robots and fusion is how they are now. */
   get isLive(): boolean {
-    return this.state.name === 'open' && this.pulse !== undefined && this.pulse.storeAnswers;
+    return (this.state.name === 'open' || this.isRecorded) && this.pulse !== undefined && this.pulse.storeAnswers;
+  }
+
+  /** What is shown is what a run left behind. */
+  private get isRecorded(): boolean {
+    return this.state.name === 'recorded';
   }
 
   onState(state: StreamState): void {
@@ -69,8 +74,8 @@ export class Connection {
 
   private show(): void {
     const isWaiting = this.state.name === 'connecting' || (this.state.name === 'open' && !this.pulse);
-    const words = this.isPast ? 'the past' : this.isLive ? 'live' : isWaiting && !this.wasOpen ? 'connecting' : 'not live';
-    this.sign.showConnection(this.isLive && !this.isPast, words);
+    const words = this.isPast ? 'the past' : this.isRecorded ? 'recorded' : this.isLive ? 'live' : isWaiting && !this.wasOpen ? 'connecting' : 'not live';
+    this.sign.showConnection(this.isLive && words === 'live', words);
     this.sign.showBanner(this.words());
   }
 
@@ -78,6 +83,7 @@ export class Connection {
     const { state, pulse } = this;
     const stays = this.hasPicture() ? ' The picture is as it was.' : '';
     switch (state.name) {
+      case 'recorded': return this.trouble;
       case 'away': return `The viewer does not answer; it is asked again in ${seconds(state.retryMs)}.${stays}`;
       case 'connecting': return this.wasOpen ? `Connecting again …${stays}` : '';
       case 'silent': return `Nothing has come from the viewer for ${seconds(state.forMs)}.${stays}`;

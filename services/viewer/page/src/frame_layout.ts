@@ -16,13 +16,14 @@ export class FrameLayout {
   readonly below = h('div', { class: 'below' });
   readonly root: HTMLElement;
 
-  constructor(mission: string, toolbar: HTMLElement) {
+  /** `isServed`: a server has other missions, too. */
+  constructor(mission: string, toolbar: HTMLElement, isServed = true) {
     const back = h('a', { href: '#', class: 'back', title: 'All missions' }, '‹ Missions');
-    const tabs = h('nav', { class: 'tabs', 'aria-label': 'Panels' }, ...TABS.map(([id, words]) => this.tab(id, words)));
+    const tabs = h('nav', { class: 'tabs', 'aria-label': 'Panels' }, ...TABS.filter(([id]) => isServed || id !== 'events').map(([id, words]) => this.tab(id, words)));
     const sides = h('div', { class: 'sides' }, tabs, this.left, this.right);
     this.banner.hidden = true;
     this.root = h('div', { class: 'page' },
-      h('header', {}, back, h('h1', { title: mission }, h('bdi', {}, mission)), this.connection),
+      h('header', {}, ...(isServed ? [back] : []), h('h1', { title: mission }, h('bdi', {}, mission)), this.connection),
       h('main', { class: 'map' }, this.canvas, h('div', { class: 'ports' }, this.globalPort, this.localPort),
         h('div', { class: 'above' }, toolbar, this.banner), this.below),
       sides);
@@ -47,7 +48,7 @@ export class FrameLayout {
   }
 
   showConnection(isLive: boolean, words: string): void {
-    this.connection.className = `chip ${isLive ? 'online' : words === 'the past' ? 'past' : 'offline'}`;
+    this.connection.className = `chip ${isLive ? 'online' : words === 'the past' || words === 'recorded' ? 'past' : 'offline'}`;
     setText(this.connection, words);
   }
 

@@ -1,6 +1,6 @@
 import type { MissionPage } from './mission_page';
 import { parseKeyframeName } from './model/ids';
-import { type ViewState, formatState } from './view_state';
+import { type ViewState, keepInAddress } from './view_state';
 
 const SETTLED_MS = 300;
 /** An overlap of a link may be one that was refused: those are asked for after so many looks. */
@@ -93,6 +93,6 @@ export class KeptView {
     const { page } = this;
     const camera = this.isCameraChosen ? page.stage.globalPort.pose : [];
     page.state = { ...page.state, camera, chosen: page.selection.name, at: page.past.moment };
-    history.replaceState(null, '', formatState(page.state));
+    keepInAddress(page.state);
   }
 }

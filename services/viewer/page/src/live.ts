@@ -1,6 +1,7 @@
 import type { MissionEvent } from '@gen/corbslam/v1/events_pb';
 import type { MissionPulse, ViewerMessage } from '@gen/corbslam/v1/viewer_pb';
-import { Stream, type StreamState } from './feed/stream';
+import type { Rest } from './feed/rest';
+import type { MissionStream, StreamState } from './feed/stream';
 import type { MapChange } from './model/map_change';
 import { type IslandChange, MapModel } from './model/map_model';
 
@@ -18,7 +19,7 @@ export interface LiveListener {
 /** The live map of one mission. */
 export class Live {
   readonly model = new MapModel();
-  readonly stream: Stream;
+  readonly stream: MissionStream;
   pulse: MissionPulse | undefined;
   isConnected = false;
   hasPicture = false;
@@ -27,8 +28,8 @@ export class Live {
   private heldFloats = 0;
   private isPicture = false;
 
-  constructor(mission: string, token: string | undefined, private readonly listener: LiveListener) {
-    this.stream = new Stream(mission, token, {
+  constructor(mission: string, rest: Rest, private readonly listener: LiveListener) {
+    this.stream = rest.openStream(mission, {
       onMap: (change) => this.onMap(change),
       onMessage: (message) => this.onMessage(message),
       onState: (state) => {

@@ -1,3 +1,4 @@
+import { RecordedRest, parseRecording } from './feed/recording';
 import { Rest, RestError } from './feed/rest';
 import { StartScreen } from './panels/start';
 import { MissionPage } from './mission_page';
@@ -7,7 +8,8 @@ import { parseState } from './view_state';
 import { applyTheme } from './theme';
 
 const LOOK_AGAIN_MS = 3000;
-const rest = new Rest(takeToken());
+const recording = parseRecording(document.getElementById('recording')?.textContent);
+const rest = recording ? new RecordedRest(recording) : new Rest(takeToken());
 const start = new StartScreen(openMission, (token) => {
   keepToken(token);
   rest.token = token || undefined;
@@ -24,7 +26,8 @@ function openMission(mission: string): void {
 async function route(): Promise<void> {
   clearTimeout(timer);
   rest.token = takeToken();
-  const state = parseState(location.hash);
+  const address = parseState(location.hash);
+  const state = recording ? { ...address, mission: recording.mission } : address;
   if (page && page.mission === state.mission) return page.followLink(state);
   page?.close();
   page = undefined;

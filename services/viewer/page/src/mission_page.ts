@@ -41,7 +41,7 @@ import { SceneLabels } from './scene_labels';
 import { Selection } from './selection';
 import { applyTheme, onSystemTheme } from './theme';
 import { onGraphicsTrouble, requestTrouble } from './trouble';
-import { type ViewState, formatState } from './view_state';
+import { type ViewState, keepInAddress } from './view_state';
 
 const PANELS_EVERY_MS = 250;
 const RECENT_NS = 5_000_000_000n;
@@ -95,8 +95,8 @@ export class MissionPage {
     this.toolbar = new Toolbar({
       change, fit: () => this.fit(), history: () => this.past.toggle(), help: () => this.toggleHelp(),
       measure: () => this.measure.toggle(),
-    });
-    this.layout = new FrameLayout(this.mission, this.toolbar.root);
+    }, !rest.recording);
+    this.layout = new FrameLayout(this.mission, this.toolbar.root, !rest.recording);
     document.body.replaceChildren(this.layout.root, this.help);
     this.stage = new Stage(this.layout.canvas, this.layout.globalPort, this.layout.localPort);
     this.inSight = new KeepInSight(this.stage);
@@ -115,13 +115,13 @@ export class MissionPage {
     this.robots = new RobotsPanel({
       toggle: (robot) => this.toggleRobot(robot), select: (robot) => change({ robot }),
       colour: (robot) => this.painter.legendColour(robot, this.state, this.model.islandsOf(robot)),
-      drift: (robot) => driftWords(this.drifts.of(robot)),
+      drift: (robot) => (rest.recording ? '' : driftWords(this.drifts.of(robot))),
       hasLocalised: (robot) => this.fetched.lastLocalised(robot) !== undefined,
     }, this.names);
     this.overlapsPanel = new OverlapsPanel((overlap) => this.selection.overlap(overlap));
     this.numbers.root.append(this.plots.root);
     this.layout.left.append(this.find.root, this.robots.root, this.numbers.root);
-    this.layout.right.append(details.root, this.overlapsPanel.root, this.events.root);
+    this.layout.right.append(details.root, this.overlapsPanel.root, ...(rest.recording ? [] : [this.events.root]));
     this.layout.below.append(this.past.timeline.root, this.measure.root,
       h('div', { class: 'measures' }, this.scale.root, this.legend.root, this.clock));
     this.connection = new Connection(this.layout, !!rest.token, (reason) => this.onRefused(reason), () => ((this.live as Live | undefined)?.model.keyframeCount ?? 0) > 0);
@@ -177,7 +177,7 @@ export class MissionPage {
     const layerChanged = part.layer !== undefined && part.layer !== this.state.layer;
     const next = { ...this.state, ...part };
     if (next.follow && !next.robot) next.robot = this.painter.robots[0] ?? '';
-    history.replaceState(null, '', formatState(next));
+    keepInAddress(next);
     this.adopt(next);
     if (layerChanged) setTimeout(() => this.inSight.fit(this.state), 50);
   }
@@ -215,7 +215,7 @@ export class MissionPage {
   }
 
   private openLive(): Live {
-    return new Live(this.mission, this.rest.token, {
+    return new Live(this.mission, this.rest, {
       onMap: (changes) => void (this.past.model === undefined && this.onMap(changes)),
       onPulse: (pulse) => {
         this.names.learn(pulse);
@@ -303,7 +303,7 @@ export class MissionPage {
     this.kept.show();
     this.plots.update(this.series, state.robot, this.painter.robots, (robot) => this.painter.robotColour(robot));
     setText(this.clock, live.pulse && now.isLive ? timeOfDay(live.pulse.timeNs) : '');
-    if (this.robots.isShown) this.drifts.want();
+    if (this.robots.isShown && !this.rest.recording) this.drifts.want();
     this.robots.update(this.painter.robots, model, live.pulse, state, now);
     this.fetched.wantDriven(live.pulse);
     this.events.rename();

@@ -1,6 +1,6 @@
 import { type Rest, RestError } from './feed/rest';
 import { many } from './model/words';
-import { type TruePose, type TruthFit, alignTruth, dashes, parseTruth, referenceKeyframes, truthFit } from './model/truth';
+import { type TruePose, type TruthFit, alignTruth, dashes, dashesOfPath, parseTruth, referenceKeyframes, truthFit } from './model/truth';
 import type { MapModel } from './model/map_model';
 import { Refresher } from './refresher';
 import type { Stage } from './scene/stage';
@@ -17,7 +17,7 @@ export class TrueTrajectory {
   private readonly again: Refresher;
 
   constructor(
-    private readonly rest: Pick<Rest, 'truth'>, private readonly mission: string,
+    private readonly rest: Pick<Rest, 'truth'> & Partial<Pick<Rest, 'recording'>>, private readonly mission: string,
     private readonly stage: { truth: Pick<Stage['truth'], 'show'>; invalidate(): void },
     private readonly model: () => MapModel, private readonly onChange: () => void, everyMs = 2000,
   ) {
@@ -70,12 +70,18 @@ export class TrueTrajectory {
   }
 
   private async refresh(): Promise<void> {
+    const recorded = this.rest.recording?.truth;
+    if (recorded) return this.lay(recorded.flatMap(dashesOfPath));
     this.truth ??= parseTruth(await this.ask());
     if (this.truth.length === 0) return;
     const told = referenceKeyframes(this.model());
     const alignment = alignTruth(this.truth, told);
     this.fit = alignment ? truthFit(this.truth, told, alignment) : undefined;
-    this.stage.truth.show(alignment ? dashes(this.truth, alignment) : []);
+    this.lay(alignment ? dashes(this.truth, alignment) : []);
+  }
+
+  private lay(segments: number[]): void {
+    this.stage.truth.show(segments);
     this.onChange();
     this.stage.invalidate();
   }

@@ -80,6 +80,11 @@ export function formatState(state: ViewState): string {
   return `#${values}`.replaceAll('%2C', ',').replaceAll('%2F', '/');
 }
 
+/** Shows a state in the address, so that a link opens the same; inside a report the page has no address. */
+export function keepInAddress(state: ViewState): void {
+  if (location.protocol !== 'about:') history.replaceState(null, '', formatState(state));
+}
+
 /** Six numbers, of which the last three are another place than the first three; else none. */
 function parseCamera(text: string | null): number[] {
   const numbers = (text ?? '').split(',').map(Number);

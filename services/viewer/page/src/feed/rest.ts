@@ -6,6 +6,8 @@ import { type KeyframeId, keyframeName } from '../model/ids';
 import type { MapChange } from '../model/map_change';
 import { decodeMapChange } from './map_change';
 import { LengthPrefixed } from './length_prefixed';
+import type { Recording } from './recording';
+import { type MissionStream, Stream, type StreamListener } from './stream';
 
 /** Beside the page, wherever that is: a proxy may have put the viewer below a path of its own. */
 const MISSIONS = 'api/missions';
@@ -23,8 +25,15 @@ export class RestError extends Error {
 /** The viewer's request and answer interface. */
 export class Rest {
   receivedBytes = 0;
+  /** What is shown instead of a server's missions. */
+  readonly recording: Recording | undefined = undefined;
 
   constructor(public token: string | undefined) {}
+
+  /** What a mission tells by itself. */
+  openStream(mission: string, listener: StreamListener): MissionStream {
+    return new Stream(mission, this.token, listener);
+  }
 
   async missions(): Promise<Mission[]> {
     const missions: Mission[] = [];
@@ -112,7 +121,7 @@ export class Rest {
     if (cutter.rest > 0) throw new RestError(0, 'The answer broke off.');
   }
 
-  private async get(path: string): Promise<Response> {
+  protected async get(path: string): Promise<Response> {
     const headers: HeadersInit = this.token ? { Authorization: `Bearer ${this.token}` } : {};
     const response = await fetch(path, { headers });
     if (!response.ok) throw new RestError(response.status, await reason(response));

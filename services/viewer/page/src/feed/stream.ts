@@ -18,6 +18,7 @@ const LISTEN_EVERY_MS = 1000;
 export type StreamState =
   | { name: 'connecting' }
   | { name: 'open' }
+  | { name: 'recorded' }
   | { name: 'away'; retryMs: number }
   | { name: 'refused'; why: 'token' | 'mission' }
   | { name: 'silent'; forMs: number }
@@ -31,6 +32,14 @@ export interface StreamListener {
   onState(state: StreamState): void;
 }
 
+/** Where it comes from. */
+export interface MissionStream {
+  readonly receivedBytes: number;
+  /** Messages came that are not decoded yet. */
+  readonly isBehind: boolean;
+  close(): void;
+}
+
 /** Beside the page, wherever that is: a proxy may have put the viewer below a path of its own. */
 export function streamAddress(page: string, mission: string): string {
   const url = new URL(`stream/missions/${encodeURIComponent(mission)}?points=1`, page);
@@ -40,7 +49,7 @@ export function streamAddress(page: string, mission: string): string {
 }
 
 /** The WebSocket of one mission: decodes in slices, and connects again with growing pauses. */
-export class Stream {
+export class Stream implements MissionStream {
   receivedBytes = 0;
   private socket: WebSocket | undefined;
   private queue: ArrayBuffer[] = [];
@@ -69,7 +78,6 @@ export class Stream {
     this.queue = [];
   }
 
-  /** Messages came that are not decoded yet. */
   get isBehind(): boolean {
     return this.queue.length > 0;
   }

@@ -94,6 +94,14 @@ export function dashes(truth: TruePose[], alignment: Alignment): number[] {
   return segments;
 }
 
+/** The same of x, y and z of one pose after the other that lie in the island's frame already. */
+export function dashesOfPath(places: number[]): number[] {
+  const rotation: Pose['rotation'] = [0, 0, 0, 1];
+  const poses = Array.from({ length: Math.floor(places.length / 3) }, (_, timeS): TruePose =>
+    ({ timeS, centre: places.slice(3 * timeS, 3 * timeS + 3) as Vec3, rotation }));
+  return dashes(poses, { scale: 1, rotation, translation: [0, 0, 0] });
+}
+
 function nearest(truth: TruePose[], timeS: number): TruePose | undefined {
   let low = 0;
   let high = truth.length;

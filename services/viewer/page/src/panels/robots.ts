@@ -111,7 +111,8 @@ export class RobotsPanel {
     const [retired, faded, lost] = [sum((map) => map.retiredKeyframes), sum((map) => map.fadedMapPoints), sum((map) => map.lostFrames)];
     if (retired > 0n) rows.push(['… let go of since', `${count(retired)}: others see the same`]);
     if (faded > 0n) rows.push(['Points let go of', `${count(faded)}: not seen again`]);
-    rows.push([isPast ? 'Moved by fusion now' : 'Moved by fusion', this.actions.drift(robot)]);
+    const drift = this.actions.drift(robot);
+    if (drift) rows.push([isPast ? 'Moved by fusion now' : 'Moved by fusion', drift]);
     if (lost > 0n) rows.push(['Lost frames', count(lost)]);
     return rows;
   }

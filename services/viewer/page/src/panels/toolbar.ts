@@ -17,6 +17,8 @@ const TOGGLES: [Toggle, string, string][] = [
   ['points', 'Points', 'P'], ['keyframes', 'Keyframes', 'K'], ['paths', 'Paths', 'J'],
   ['frames', 'Every frame', 'E'], ['overlaps', 'Overlaps', 'O'], ['refused', 'Refused', 'R'],
 ];
+/** What a server is asked for once it is to be seen. */
+const ASKED_FOR: ReadonlySet<Toggle> = new Set(['frames']);
 const COLOURS: [ColourMode, string][] = [
   ['robot', 'Robot'], ['island', 'Island'], ['paper', 'Own / others'], ['height', 'Height'], ['age', 'Age'],
   ['observations', 'Observations'],
@@ -31,11 +33,12 @@ export class Toolbar {
   private readonly measure: HTMLButtonElement;
   private readonly selects = new Map<keyof ViewState, HTMLSelectElement>();
 
-  constructor(private readonly actions: ToolActions) {
+  /** `isServed`: a server can be asked for what is not part of the map. */
+  constructor(private readonly actions: ToolActions, isServed = true) {
     const { change, fit, history, help, measure } = actions;
     this.root = h('div', { class: 'toolbar', role: 'toolbar', 'aria-label': 'What is shown' },
-      h('div', { class: 'group' }, ...TOGGLES.map(([name, words, key]) => this.toggle(name, words, key))),
-      h('div', { class: 'group' }, this.select('colour', 'Colour', COLOURS), this.select('layer', 'Layer', LAYERS), this.select('size', 'Point', POINT_SIZES)),
+      h('div', { class: 'group' }, ...TOGGLES.filter(([name]) => isServed || !ASKED_FOR.has(name)).map(([name, words, key]) => this.toggle(name, words, key))),
+      h('div', { class: 'group' }, this.select('colour', 'Colour', COLOURS), ...(isServed ? [this.select('layer', 'Layer', LAYERS)] : []), this.select('size', 'Point', POINT_SIZES)),
       h('div', { class: 'group' },
         button('Fit', 'Show all (F)', fit), this.toggle('top', 'Top', 'T'), this.toggle('follow', 'Follow', 'G'),
         this.measure = button('Measure', 'How far two keyframes or points are apart (M)', measure),
