@@ -7,6 +7,6 @@ set -eu
 
 root=$(cd "$(dirname "$0")/.." && pwd)
 out=${1:-$root/out/demo}
-export CORBSLAM_TARGETS="map_store fusion_worker client_agent simulated_agent corbslam"
+export CORBSLAM_TARGETS="map_store fusion_worker client_agent simulated_agent corbslam viewer_page"
 "$root/deploy/build.sh" -DCORBSLAM_BUILD_TESTS=OFF -DCORBSLAM_BUILD_BENCHMARKS=OFF
 exec "$root/build/release/bin/corbslam" demo --company ${2:+--source "$2"} --out "$out"

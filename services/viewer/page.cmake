@@ -19,4 +19,5 @@ if(NODE_PROGRAM AND NPM_PROGRAM AND EXISTS "${CORBSLAM_PAGE_SOURCES}/package-loc
   add_custom_target(viewer_page ALL DEPENDS "${CORBSLAM_BUILT_PAGE}/index.html")
 else()
   message(STATUS "The viewer's page is not built: no node and npm")
+  add_custom_target(viewer_page)
 endif()
