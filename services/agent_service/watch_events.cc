@@ -5,6 +5,7 @@
 
 #include "services/agent_service/agent_service.h"
 #include "services/agent_service/pulled_stream.h"
+#include "services/server/refusal.h"
 
 namespace corbslam::services {
 

@@ -8,6 +8,7 @@
 #include "services/agent_service/agent_service.h"
 #include "services/agent_service/near_map_message.h"
 #include "services/agent_service/pulled_stream.h"
+#include "services/server/refusal.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::services {

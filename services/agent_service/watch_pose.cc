@@ -10,6 +10,7 @@
 #include "services/agent_service/agent_service.h"
 #include "services/agent_service/pulled_stream.h"
 #include "services/convert/geometry.h"
+#include "services/server/refusal.h"
 
 namespace corbslam::services {
 

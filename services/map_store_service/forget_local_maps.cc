@@ -3,7 +3,6 @@
 #include "services/convert/resource_names.h"
 #include "services/map_store_service/map_store_service.h"
 #include "services/observe/logging/log_fields.h"
-#include "services/server/unary.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::services {
@@ -33,21 +32,17 @@ void ForgottenToProto(const map_store::ForgottenLocalMaps& forgotten,
 
 }  // namespace
 
-grpc::ServerUnaryReactor* MapStoreService::ForgetLocalMaps(
-    grpc::CallbackServerContext* context, const v1::ForgetLocalMapsRequest* request,
-    v1::ForgetLocalMapsResponse* response) {
-  return AnswerLong(
-      long_pool_, context, request->parent(), [this, request, response]() -> absl::Status {
-        ASSIGN_OR_RETURN(const AgentPath path, ParseAgentName(request->parent(), false));
-        ASSIGN_OR_RETURN(const map_store::ForgottenLocalMaps forgotten,
-                         store_.ForgetLocalMaps(path.mission, FromProto(path.agent, *request)));
-        ForgottenToProto(forgotten, response);
-        LOG(INFO) << LogFields{.mission = path.mission}
-                  << (request->dry_run() ? "local maps that would be deleted of agent "
-                                         : "local maps deleted of agent ")
-                  << path.agent << ": " << forgotten.local_maps.size();
-        return absl::OkStatus();
-      });
+absl::Status MapStoreService::ForgetLocalMaps(const v1::ForgetLocalMapsRequest& request,
+                                              v1::ForgetLocalMapsResponse* response) {
+  ASSIGN_OR_RETURN(const AgentPath path, ParseAgentName(request.parent(), false));
+  ASSIGN_OR_RETURN(const map_store::ForgottenLocalMaps forgotten,
+                   store_.ForgetLocalMaps(path.mission, FromProto(path.agent, request)));
+  ForgottenToProto(forgotten, response);
+  LOG(INFO) << LogFields{.mission = path.mission}
+            << (request.dry_run() ? "local maps that would be deleted of agent "
+                                  : "local maps deleted of agent ")
+            << path.agent << ": " << forgotten.local_maps.size();
+  return absl::OkStatus();
 }
 
 }  // namespace corbslam::services

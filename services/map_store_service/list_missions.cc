@@ -23,28 +23,29 @@ constexpr size_t kEnoughBytes = 1 << 20;
 grpc::ServerUnaryReactor* MapStoreService::ListMissions(grpc::CallbackServerContext* context,
                                                         const v1::ListMissionsRequest* request,
                                                         v1::ListMissionsResponse* response) {
-  const ListFilter shows = options_.may_list != nullptr ? options_.may_list(*context) : nullptr;
-  return AnswerOn(pool_, context, [this, shows, request, response]() -> absl::Status {
-    ASSIGN_OR_RETURN(PageRequest page, ReadPage(*request));
-    size_t left = page.page_size;
-    // The page ends with a mission that is shown, so that its token names no other one.
-    bool may_end = false;
-    do {
-      const bool is_enough = response->ByteSizeLong() >= kEnoughBytes;
-      page.page_size = is_enough ? 1 : std::min(left, kLot);
-      ASSIGN_OR_RETURN(const auto found, store_.ListMissions(page));
-      for (const auto& item : found.items) {
-        may_end = shows == nullptr || shows(item.name);
-        if (!may_end) continue;
-        ToProto(item, response->add_missions());
-        --left;
-      }
-      page.page_token = found.next_page_token;
-      may_end = may_end && (left == 0 || response->ByteSizeLong() >= kEnoughBytes);
-    } while (!may_end && !page.page_token.empty());
-    response->set_next_page_token(page.page_token);
-    return absl::OkStatus();
-  });
+  return AnswerOn(pool_, context,
+                  [this, shows = Shows(*context), request, response]() -> absl::Status {
+                    ASSIGN_OR_RETURN(PageRequest page, ReadPage(*request));
+                    size_t left = page.page_size;
+                    // The page ends with a mission that is shown, so that its token names no other
+                    // one.
+                    bool may_end = false;
+                    do {
+                      const bool is_enough = response->ByteSizeLong() >= kEnoughBytes;
+                      page.page_size = is_enough ? 1 : std::min(left, kLot);
+                      ASSIGN_OR_RETURN(const auto found, store_.ListMissions(page));
+                      for (const auto& item : found.items) {
+                        may_end = shows(item.name);
+                        if (!may_end) continue;
+                        ToProto(item, response->add_missions());
+                        --left;
+                      }
+                      page.page_token = found.next_page_token;
+                      may_end = may_end && (left == 0 || response->ByteSizeLong() >= kEnoughBytes);
+                    } while (!may_end && !page.page_token.empty());
+                    response->set_next_page_token(page.page_token);
+                    return absl::OkStatus();
+                  });
 }
 
 }  // namespace corbslam::services

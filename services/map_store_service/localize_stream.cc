@@ -10,6 +10,7 @@
 #include "services/map_store_service/map_store_service.h"
 #include "services/map_store_service/streams/read_timer.h"
 #include "services/server/stream_task.h"
+#include "slam/util/status_macros.h"
 
 namespace corbslam::services {
 namespace {
@@ -131,14 +132,11 @@ class LocalizeReactor : public grpc::ServerBidiReactor<v1::LocalizeRequest, v1::
 }  // namespace
 
 grpc::ServerBidiReactor<v1::LocalizeRequest, v1::LocalizeResponse>* MapStoreService::LocalizeStream(
-    grpc::CallbackServerContext* context) {
-  const auto answer = [this, context](const v1::LocalizeRequest& request,
-                                      const std::function<bool()>& goes_on,
-                                      v1::LocalizeResponse* response) -> absl::Status {
-    if (options_.may_look != nullptr) {
-      const absl::Status allowed = options_.may_look(*context, request.mission());
-      if (!allowed.ok()) return allowed;
-    }
+    grpc::CallbackServerContext* context, MayAsk may_look) {
+  const auto answer = [this, may_look = std::move(may_look)](
+                          const v1::LocalizeRequest& request, const std::function<bool()>& goes_on,
+                          v1::LocalizeResponse* response) -> absl::Status {
+    RETURN_IF_ERROR(may_look(request));
     return AnswerLocalize(request, goes_on, response);
   };
   return new LocalizeReactor(locating_pool_, limits_, context->peer(), answer);

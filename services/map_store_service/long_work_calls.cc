@@ -1,8 +1,8 @@
 #include <memory>
 #include <utility>
 
-#include "services/convert/status.h"
 #include "services/map_store_service/map_store_service.h"
+#include "services/server/refusal.h"
 #include "services/server/unary.h"
 
 namespace corbslam::services {
@@ -21,7 +21,7 @@ std::string MissionPart(const std::string& name) {
 
 absl::StatusOr<std::shared_ptr<const void>> MapStoreService::EnterLongWork(
     const grpc::CallbackServerContext& context, const std::string& name) {
-  std::string caller = options_.name_caller != nullptr ? options_.name_caller(context) : "";
+  std::string caller = NameOf(context);
   if (caller.empty()) caller = HostOfPeer(context.peer());
   return long_work_.Enter(caller, MissionPart(name.substr(0, kMaxName)));
 }
@@ -31,11 +31,7 @@ grpc::ServerUnaryReactor* MapStoreService::AnswerLong(TaskPool& pool,
                                                       const std::string& name,
                                                       const std::function<absl::Status()>& answer) {
   absl::StatusOr<std::shared_ptr<const void>> ticket = EnterLongWork(*context, name);
-  if (!ticket.ok()) {
-    grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
-    reactor->Finish(ToGrpcStatus(ticket.status()));
-    return reactor;
-  }
+  if (!ticket.ok()) return RefuseCall(context, ticket.status());
   const auto kept = std::make_shared<std::shared_ptr<const void>>(*std::move(ticket));
   return AnswerOn(pool, context, [kept, answer] {
     const absl::Status status = answer();

@@ -20,64 +20,12 @@
 #include "services/map_store_service/streams/replay_slots.h"
 #include "services/map_store_service/streams/stream_limits.h"
 #include "services/map_store_service/streams/sync_observer.h"
+#include "services/server/guarded_service.h"
+#include "services/server/stream_task.h"
 #include "services/server/task_pool.h"
 #include "services/server/work_slots.h"
 
 namespace corbslam::services {
-
-// Has all methods, with Sync's messages as bytes: a message that can't be read would otherwise look
-// like the end of the stream.
-using MapStoreBackupMethods =
-    v1::MapStore::WithCallbackMethod_StoreBackup<v1::MapStore::WithCallbackMethod_ListStoredBackups<
-        v1::MapStore::WithCallbackMethod_RestoreStoredBackup<
-            v1::MapStore::WithCallbackMethod_VerifyStoredBackup<
-                v1::MapStore::WithCallbackMethod_DeleteStoredBackup<
-                    v1::MapStore::WithCallbackMethod_ArchiveMission<
-                        v1::MapStore::WithCallbackMethod_ForgetLocalMaps<
-                            v1::MapStore::Service>>>>>>>;
-using MapStoreSettingsMethods = v1::MapStore::WithCallbackMethod_SetRobotSettings<
-    v1::MapStore::WithCallbackMethod_GetRobotSettings<
-        v1::MapStore::WithCallbackMethod_GetOverlap<MapStoreBackupMethods>>>;
-using MapStoreMethods = v1::MapStore::WithRawCallbackMethod_Sync<v1::MapStore::WithCallbackMethod_WatchMap<
-    v1::MapStore::WithCallbackMethod_WatchEvents<v1::MapStore::WithCallbackMethod_ReplayMap<
-        v1::MapStore::WithCallbackMethod_ListMissions<v1::MapStore::WithCallbackMethod_GetMission<
-            v1::MapStore::WithCallbackMethod_DeleteMission<v1::MapStore::WithCallbackMethod_BackupMission<
-                v1::MapStore::WithCallbackMethod_RestoreMission<v1::MapStore::WithCallbackMethod_ListAgents<
-                    v1::MapStore::WithCallbackMethod_ListLocalMaps<v1::MapStore::WithCallbackMethod_GetLocalMap<
-                        v1::MapStore::WithCallbackMethod_ListKeyframes<v1::MapStore::WithCallbackMethod_GetKeyframe<
-                            v1::MapStore::WithCallbackMethod_GetStatistics<v1::MapStore::WithCallbackMethod_GetTrajectory<
-                                v1::MapStore::WithCallbackMethod_ListOverlaps<v1::MapStore::WithCallbackMethod_RetractOverlap<
-                                    v1::MapStore::WithCallbackMethod_RederiveGlobalLayer<
-                                        v1::MapStore::WithCallbackMethod_AskForExactPlaces<
-                                            v1::MapStore::WithCallbackMethod_Localize<
-                                                v1::MapStore::WithCallbackMethod_LocalizeStream<
-                                                    v1::MapStore::WithCallbackMethod_CreateMission<
-                                                        v1::MapStore::WithCallbackMethod_UpdateMission<
-                                                            v1::MapStore::WithCallbackMethod_SleepMission<
-                                                                MapStoreSettingsMethods>>>>>>>>>>>>>>>>>>>>>>>>>;
-
-// Returns OK if the caller may open a session as this agent of this mission.
-using SessionCheck = std::function<absl::Status(
-    const grpc::CallbackServerContext&, const std::string& mission, const std::string& agent)>;
-
-// Returns OK if the caller may restore this mission, which its request names only once it has
-// begun.
-using RestoreCheck =
-    std::function<absl::Status(const grpc::CallbackServerContext&, const std::string& mission)>;
-
-// Returns OK if the caller may look into what has this name, which begins with its mission's.
-using LookCheck =
-    std::function<absl::Status(const grpc::CallbackServerContext&, const std::string& name)>;
-
-// Returns a check of whether the caller's streams may stay open (StreamLimits::EndWhoMayNotStay).
-using StayCheckMaker = std::function<StayCheck(const grpc::CallbackServerContext&)>;
-
-// Returns who the caller is, for logs; empty if nobody knows.
-using CallerNamer = std::function<std::string(const grpc::CallbackServerContext&)>;
-
-// Returns a check of which missions the caller's list has.
-using ListFilter = std::function<bool(const std::string& mission)>;
-using ListFilterMaker = std::function<ListFilter(const grpc::CallbackServerContext&)>;
 
 struct MapStoreServiceOptions {
   // Number of threads that read and apply batches and answer look-ups. They may be more than
@@ -91,21 +39,18 @@ struct MapStoreServiceOptions {
   std::vector<SyncObserver*> observers;
   // Not owned, must outlive the service; null: the store keeps no backups.
   map_store::StoredBackups* backups = nullptr;
-  // Null: everybody may.
-  SessionCheck may_open;
-  RestoreCheck may_restore;
-  LookCheck may_look;  // Of LocalizeStream, each of whose requests names a mission.
-  StayCheckMaker may_stay;
-  ListFilterMaker may_list;
-  CallerNamer name_caller;
+  // Null: everybody may do everything.
+  std::shared_ptr<const Door> door = nullptr;
 };
 
-// Serves all calls; each RPC is in the file of its name. `store` is not owned and must outlive it;
-// the server must be shut down before it is destroyed. Thread-safe.
-class MapStoreService : public MapStoreMethods {
+// Serves all calls; look-ups, orders and what concerns backups are in a file each, every stream in
+// its own. `store` is not owned and must outlive it; the server must be shut down before it is
+// destroyed. Thread-safe.
+class MapStoreService : public GuardedService {
  public:
   explicit MapStoreService(map_store::MapStore* store, const MapStoreServiceOptions& options = {})
-      : store_(*store),
+      : GuardedService(*v1::SyncRequest::descriptor()->file()->service(0), options.door),
+        store_(*store),
         options_(Observed(options, &recent_codes_)),
         limits_(options.streams),
         pool_(options.threads, options.streams.max_waiting_calls) {
@@ -116,7 +61,12 @@ class MapStoreService : public MapStoreMethods {
         return mission.has_value() ? store->WhenAwake(*mission, std::move(again)) : error;
       });
     }
+    ServeCalls();
+    if (door() != nullptr) door()->OnRevoked(link_.Guard([this] { limits_.EndWhoMayNotStay(); }));
   }
+  ~MapStoreService() override { link_.Cut(); }
+  MapStoreService(const MapStoreService&) = delete;
+  MapStoreService& operator=(const MapStoreService&) = delete;
 
   // How many pictures are looked up at one time, and how many wait: a look-up waits for workers.
   static constexpr int kMaxLocating = 4;
@@ -135,9 +85,6 @@ class MapStoreService : public MapStoreMethods {
   // stream begins. The server is about to stop.
   void EndStreams() { limits_.Close(); }
 
-  // Ends those of these streams whose callers may not stay any more, with the reason.
-  void EndWhoMayNotStay() { limits_.EndWhoMayNotStay(); }
-
   // Returns the number of calls and batches that no thread has begun with.
   size_t waiting_tasks() const { return pool_.waiting(); }
   const StreamLimits& streams() const { return limits_; }
@@ -145,118 +92,156 @@ class MapStoreService : public MapStoreMethods {
   // Returns the number of calls that take long and are under way, or wait.
   size_t long_work() const { return long_work_.size(); }
 
+ private:
+  // Each call of the contract, with what answers it.
+  void ServeCalls() {
+    Serve("Sync", &MapStoreService::Sync);
+    Serve("WatchMap", &MapStoreService::WatchMap);
+    Serve("WatchEvents", &MapStoreService::WatchEvents);
+    Serve("ReplayMap", &MapStoreService::ReplayMap);
+    Serve("ListMissions", &MapStoreService::ListMissions);
+    Serve("GetMission", pool_, &MapStoreService::GetMission);
+    Serve("CreateMission", pool_, &MapStoreService::CreateMission);
+    Serve("SetRobotSettings", pool_, &MapStoreService::SetRobotSettings);
+    Serve("GetRobotSettings", pool_, &MapStoreService::GetRobotSettings);
+    Serve("UpdateMission", pool_, &MapStoreService::UpdateMission);
+    ServeLong("DeleteMission", long_pool_, &MapStoreService::DeleteMission);
+    ServeLong("SleepMission", long_pool_, &MapStoreService::SleepMission);
+    Serve("BackupMission", &MapStoreService::BackupMission);
+    Serve("RestoreMission", &MapStoreService::RestoreMission);
+    ServeLong("StoreBackup", backup_pool_, &MapStoreService::StoreBackup);
+    Serve("ListStoredBackups", &MapStoreService::ListStoredBackups);
+    ServeLong("RestoreStoredBackup", backup_pool_, &MapStoreService::RestoreStoredBackup);
+    ServeLong("VerifyStoredBackup", backup_pool_, &MapStoreService::VerifyStoredBackup);
+    ServeLong("DeleteStoredBackup", backup_pool_, &MapStoreService::DeleteStoredBackup);
+    ServeLong("ArchiveMission", backup_pool_, &MapStoreService::ArchiveMission);
+    Serve("ListAgents", pool_, &MapStoreService::ListAgents);
+    Serve("ListLocalMaps", pool_, &MapStoreService::ListLocalMaps);
+    Serve("GetLocalMap", pool_, &MapStoreService::GetLocalMap);
+    Serve("ListKeyframes", pool_, &MapStoreService::ListKeyframes);
+    Serve("GetKeyframe", pool_, &MapStoreService::GetKeyframe);
+    Serve("GetStatistics", pool_, &MapStoreService::GetStatistics);
+    Serve("GetTrajectory", &MapStoreService::GetTrajectory);
+    Serve("ListOverlaps", pool_, &MapStoreService::ListOverlaps);
+    Serve("GetOverlap", pool_, &MapStoreService::GetOverlap);
+    Serve("AskForExactPlaces", pool_, &MapStoreService::AskForExactPlaces);
+    ServeLong("RetractOverlap", long_pool_, &MapStoreService::RetractOverlap);
+    ServeLong("ForgetLocalMaps", long_pool_, &MapStoreService::ForgetLocalMaps);
+    ServeLong("RederiveGlobalLayer", long_pool_, &MapStoreService::RederiveGlobalLayer);
+    Serve("Localize", &MapStoreService::Localize);
+    Serve("LocalizeStream", &MapStoreService::LocalizeStream);
+  }
+
   grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>* Sync(
-      grpc::CallbackServerContext* context) override;
-  grpc::ServerWriteReactor<v1::WatchMapResponse>* WatchMap(
-      grpc::CallbackServerContext* context, const v1::WatchMapRequest* request) override;
-  grpc::ServerWriteReactor<v1::MissionEvent>* WatchEvents(
-      grpc::CallbackServerContext* context, const v1::WatchEventsRequest* request) override;
-  grpc::ServerWriteReactor<v1::WatchMapResponse>* ReplayMap(
-      grpc::CallbackServerContext* context, const v1::ReplayMapRequest* request) override;
+      grpc::CallbackServerContext* context, MayAsk may_open);
+  grpc::ServerWriteReactor<v1::WatchMapResponse>* WatchMap(grpc::CallbackServerContext* context,
+                                                           const v1::WatchMapRequest* request);
+  grpc::ServerWriteReactor<v1::MissionEvent>* WatchEvents(grpc::CallbackServerContext* context,
+                                                          const v1::WatchEventsRequest* request);
+  grpc::ServerWriteReactor<v1::WatchMapResponse>* ReplayMap(grpc::CallbackServerContext* context,
+                                                            const v1::ReplayMapRequest* request);
   grpc::ServerUnaryReactor* ListMissions(grpc::CallbackServerContext* context,
                                          const v1::ListMissionsRequest* request,
-                                         v1::ListMissionsResponse* response) override;
-  grpc::ServerUnaryReactor* GetMission(grpc::CallbackServerContext* context,
-                                       const v1::GetMissionRequest* request,
-                                       v1::Mission* response) override;
-  grpc::ServerUnaryReactor* CreateMission(grpc::CallbackServerContext* context,
-                                          const v1::CreateMissionRequest* request,
-                                          v1::Mission* response) override;
-  grpc::ServerUnaryReactor* SetRobotSettings(grpc::CallbackServerContext* context,
-                                             const v1::SetRobotSettingsRequest* request,
-                                             v1::RobotSettingsList* response) override;
-  grpc::ServerUnaryReactor* GetRobotSettings(grpc::CallbackServerContext* context,
-                                             const v1::GetRobotSettingsRequest* request,
-                                             v1::RobotSettingsList* response) override;
-  grpc::ServerUnaryReactor* UpdateMission(grpc::CallbackServerContext* context,
-                                          const v1::UpdateMissionRequest* request,
-                                          v1::Mission* response) override;
-  grpc::ServerUnaryReactor* DeleteMission(grpc::CallbackServerContext* context,
-                                          const v1::DeleteMissionRequest* request,
-                                          v1::DeleteMissionResponse* response) override;
-  grpc::ServerUnaryReactor* SleepMission(grpc::CallbackServerContext* context,
-                                         const v1::SleepMissionRequest* request,
-                                         v1::Mission* response) override;
+                                         v1::ListMissionsResponse* response);
+  absl::Status GetMission(const v1::GetMissionRequest& request, v1::Mission* response);
+  absl::Status CreateMission(const v1::CreateMissionRequest& request, v1::Mission* response);
+  absl::Status SetRobotSettings(const v1::SetRobotSettingsRequest& request,
+                                v1::RobotSettingsList* response);
+  absl::Status GetRobotSettings(const v1::GetRobotSettingsRequest& request,
+                                v1::RobotSettingsList* response);
+  absl::Status UpdateMission(const v1::UpdateMissionRequest& request, v1::Mission* response);
+  absl::Status DeleteMission(const v1::DeleteMissionRequest& request,
+                             v1::DeleteMissionResponse* response);
+  absl::Status SleepMission(const v1::SleepMissionRequest& request, v1::Mission* response);
   grpc::ServerWriteReactor<v1::BackupMissionResponse>* BackupMission(
-      grpc::CallbackServerContext* context, const v1::BackupMissionRequest* request) override;
+      grpc::CallbackServerContext* context, const v1::BackupMissionRequest* request);
   grpc::ServerReadReactor<v1::RestoreMissionRequest>* RestoreMission(
-      grpc::CallbackServerContext* context, v1::Mission* response) override;
-  grpc::ServerUnaryReactor* StoreBackup(grpc::CallbackServerContext* context,
-                                        const v1::StoreBackupRequest* request,
-                                        v1::StoredBackup* response) override;
+      grpc::CallbackServerContext* context, MayAsk may_restore, v1::Mission* response);
+  absl::Status StoreBackup(const v1::StoreBackupRequest& request, v1::StoredBackup* response);
   grpc::ServerUnaryReactor* ListStoredBackups(grpc::CallbackServerContext* context,
                                               const v1::ListStoredBackupsRequest* request,
-                                              v1::ListStoredBackupsResponse* response) override;
-  grpc::ServerUnaryReactor* RestoreStoredBackup(grpc::CallbackServerContext* context,
-                                                const v1::RestoreStoredBackupRequest* request,
-                                                v1::Mission* response) override;
-  grpc::ServerUnaryReactor* VerifyStoredBackup(grpc::CallbackServerContext* context,
-                                               const v1::VerifyStoredBackupRequest* request,
-                                               v1::StoredBackup* response) override;
-  grpc::ServerUnaryReactor* DeleteStoredBackup(grpc::CallbackServerContext* context,
-                                               const v1::DeleteStoredBackupRequest* request,
-                                               v1::StoredBackup* response) override;
-  grpc::ServerUnaryReactor* ArchiveMission(grpc::CallbackServerContext* context,
-                                           const v1::ArchiveMissionRequest* request,
-                                           v1::StoredBackup* response) override;
-  grpc::ServerUnaryReactor* ListAgents(grpc::CallbackServerContext* context,
-                                       const v1::ListAgentsRequest* request,
-                                       v1::ListAgentsResponse* response) override;
-  grpc::ServerUnaryReactor* ListLocalMaps(grpc::CallbackServerContext* context,
-                                          const v1::ListLocalMapsRequest* request,
-                                          v1::ListLocalMapsResponse* response) override;
-  grpc::ServerUnaryReactor* GetLocalMap(grpc::CallbackServerContext* context,
-                                        const v1::GetLocalMapRequest* request,
-                                        v1::LocalMap* response) override;
-  grpc::ServerUnaryReactor* ListKeyframes(grpc::CallbackServerContext* context,
-                                          const v1::ListKeyframesRequest* request,
-                                          v1::ListKeyframesResponse* response) override;
-  grpc::ServerUnaryReactor* GetKeyframe(grpc::CallbackServerContext* context,
-                                        const v1::GetKeyframeRequest* request,
-                                        v1::Keyframe* response) override;
-  grpc::ServerUnaryReactor* GetStatistics(grpc::CallbackServerContext* context,
-                                          const v1::GetStatisticsRequest* request,
-                                          v1::GetStatisticsResponse* response) override;
+                                              v1::ListStoredBackupsResponse* response);
+  absl::Status RestoreStoredBackup(const v1::RestoreStoredBackupRequest& request,
+                                   v1::Mission* response);
+  absl::Status VerifyStoredBackup(const v1::VerifyStoredBackupRequest& request,
+                                  v1::StoredBackup* response);
+  absl::Status DeleteStoredBackup(const v1::DeleteStoredBackupRequest& request,
+                                  v1::StoredBackup* response);
+  absl::Status ArchiveMission(const v1::ArchiveMissionRequest& request, v1::StoredBackup* response);
+  absl::Status ListAgents(const v1::ListAgentsRequest& request, v1::ListAgentsResponse* response);
+  absl::Status ListLocalMaps(const v1::ListLocalMapsRequest& request,
+                             v1::ListLocalMapsResponse* response);
+  absl::Status GetLocalMap(const v1::GetLocalMapRequest& request, v1::LocalMap* response);
+  absl::Status ListKeyframes(const v1::ListKeyframesRequest& request,
+                             v1::ListKeyframesResponse* response);
+  absl::Status GetKeyframe(const v1::GetKeyframeRequest& request, v1::Keyframe* response);
+  absl::Status GetStatistics(const v1::GetStatisticsRequest& request,
+                             v1::GetStatisticsResponse* response);
   grpc::ServerWriteReactor<v1::GetTrajectoryResponse>* GetTrajectory(
-      grpc::CallbackServerContext* context, const v1::GetTrajectoryRequest* request) override;
-  grpc::ServerUnaryReactor* ListOverlaps(grpc::CallbackServerContext* context,
-                                         const v1::ListOverlapsRequest* request,
-                                         v1::ListOverlapsResponse* response) override;
-  grpc::ServerUnaryReactor* GetOverlap(grpc::CallbackServerContext* context,
-                                       const v1::GetOverlapRequest* request,
-                                       v1::Overlap* response) override;
-  grpc::ServerUnaryReactor* AskForExactPlaces(grpc::CallbackServerContext* context,
-                                              const v1::AskForExactPlacesRequest* request,
-                                              v1::AskForExactPlacesResponse* response) override;
-  grpc::ServerUnaryReactor* RetractOverlap(grpc::CallbackServerContext* context,
-                                           const v1::RetractOverlapRequest* request,
-                                           v1::RetractOverlapResponse* response) override;
-  grpc::ServerUnaryReactor* ForgetLocalMaps(grpc::CallbackServerContext* context,
-                                            const v1::ForgetLocalMapsRequest* request,
-                                            v1::ForgetLocalMapsResponse* response) override;
-  grpc::ServerUnaryReactor* RederiveGlobalLayer(grpc::CallbackServerContext* context,
-                                                const v1::RederiveGlobalLayerRequest* request,
-                                                v1::RederiveGlobalLayerResponse* response) override;
+      grpc::CallbackServerContext* context, const v1::GetTrajectoryRequest* request);
+  absl::Status ListOverlaps(const v1::ListOverlapsRequest& request,
+                            v1::ListOverlapsResponse* response);
+  absl::Status GetOverlap(const v1::GetOverlapRequest& request, v1::Overlap* response);
+  absl::Status AskForExactPlaces(const v1::AskForExactPlacesRequest& request,
+                                 v1::AskForExactPlacesResponse* response);
+  absl::Status RetractOverlap(const v1::RetractOverlapRequest& request,
+                              v1::RetractOverlapResponse* response);
+  absl::Status ForgetLocalMaps(const v1::ForgetLocalMapsRequest& request,
+                               v1::ForgetLocalMapsResponse* response);
+  absl::Status RederiveGlobalLayer(const v1::RederiveGlobalLayerRequest& request,
+                                   v1::RederiveGlobalLayerResponse* response);
 
   grpc::ServerUnaryReactor* Localize(grpc::CallbackServerContext* context,
                                      const v1::LocalizeRequest* request,
-                                     v1::LocalizeResponse* response) override;
+                                     v1::LocalizeResponse* response);
   grpc::ServerBidiReactor<v1::LocalizeRequest, v1::LocalizeResponse>* LocalizeStream(
-      grpc::CallbackServerContext* context) override;
+      grpc::CallbackServerContext* context, MayAsk may_look);
 
- private:
   StayCheck MayStay(const grpc::CallbackServerContext& context) const {
-    return options_.may_stay != nullptr ? options_.may_stay(context) : nullptr;
+    if (door() == nullptr) return nullptr;
+    return [caller = door()->Meet(context)] { return caller->MayStay(); };
   }
   // Counts work that takes long, for its caller and the mission in `name`.
   absl::StatusOr<std::shared_ptr<const void>> EnterLongWork(
       const grpc::CallbackServerContext& context, const std::string& name);
+  // As Serve, for what takes long, about the backup, the parent or the name in the request.
+  template <typename Request, typename Response>
+  void ServeLong(const char* name, TaskPool& pool,
+                 absl::Status (MapStoreService::*call)(const Request&, Response*)) {
+    Serve<Request, Response>(name, [this, &pool, call](grpc::CallbackServerContext* context,
+                                                       const Request* request, Response* response) {
+      return AnswerLong(pool, context, AboutWhat(*request), [this, call, request, response] {
+        return (this->*call)(*request, response);
+      });
+    });
+  }
+  template <typename Request>
+  static const std::string& AboutWhat(const Request& request) {
+    if constexpr (requires { request.backup(); }) {
+      return request.backup();
+    } else if constexpr (requires { request.parent(); }) {
+      return request.parent();
+    } else {
+      return request.name();
+    }
+  }
   // As AnswerOn, for what takes long.
   grpc::ServerUnaryReactor* AnswerLong(TaskPool& pool, grpc::CallbackServerContext* context,
                                        const std::string& name,
                                        const std::function<absl::Status()>& answer);
   absl::Status AnswerLocalize(const v1::LocalizeRequest& request,
                               const std::function<bool()>& goes_on, v1::LocalizeResponse* response);
+  // Returns which missions the caller's lists have.
+  std::function<bool(const std::string& mission)> Shows(
+      const grpc::CallbackServerContext& context) const {
+    if (door() == nullptr) return [](const std::string&) { return true; };
+    return
+        [caller = door()->Meet(context)](const auto& mission) { return caller->MayLook(mission); };
+  }
+  // Returns who the caller is, for logs; empty if nobody knows.
+  std::string NameOf(const grpc::CallbackServerContext& context) const {
+    return door() != nullptr ? door()->Meet(context)->name() : "";
+  }
   static MapStoreServiceOptions Observed(MapStoreServiceOptions options, SyncObserver* observer) {
     options.observers.push_back(observer);
     return options;
@@ -283,6 +268,7 @@ class MapStoreService : public MapStoreMethods {
   const std::unique_ptr<TaskPool> locating_ =
       TaskPool::ForLookUps(kMaxLocating, kMaxWaitingToLocate);
   TaskPool& locating_pool_ = *locating_;
+  StreamLink link_;
 };
 
 }  // namespace corbslam::services

@@ -30,11 +30,10 @@ enum class RestoreJob { kNone, kTake, kRestore, kFinish };
 class RestoreReactor : public grpc::ServerReadReactor<v1::RestoreMissionRequest>,
                        private StreamTask<RestoreJob> {
  public:
-  using Check = std::function<absl::Status(const std::string& mission)>;
   using Enter = std::function<absl::StatusOr<std::shared_ptr<const void>>(const std::string& name)>;
 
   RestoreReactor(MapStore& store, TaskPool& pool, StreamLimits& limits, absl::string_view peer,
-                 Check may_restore, Enter enter, v1::Mission* response)
+                 MayAsk may_restore, Enter enter, v1::Mission* response)
       : StreamTask(pool, Threads::kLookUps),
         store_(store),
         limits_(limits.options()),
@@ -110,7 +109,7 @@ class RestoreReactor : public grpc::ServerReadReactor<v1::RestoreMissionRequest>
   absl::Status Take() {
     if (mission_.empty()) {
       ASSIGN_OR_RETURN(const std::string mission, ParseMissionName(request_.name()));
-      RETURN_IF_ERROR(may_restore_(mission));
+      RETURN_IF_ERROR(may_restore_(request_));
       ASSIGN_OR_RETURN(work_, enter_(request_.name()));
       mission_ = mission;
     }
@@ -131,7 +130,7 @@ class RestoreReactor : public grpc::ServerReadReactor<v1::RestoreMissionRequest>
   const StreamLimitOptions& limits_;
   // An error if there were too many streams before this one.
   absl::StatusOr<std::unique_ptr<StreamLimits::Ticket>> ticket_;
-  const Check may_restore_;
+  const MayAsk may_restore_;
   const Enter enter_;
   v1::Mission& response_;
   // Only gRPC uses it between StartRead and OnReadDone, and only DoJob otherwise.
@@ -157,16 +156,12 @@ class RestoreReactor : public grpc::ServerReadReactor<v1::RestoreMissionRequest>
 }  // namespace
 
 grpc::ServerReadReactor<v1::RestoreMissionRequest>* MapStoreService::RestoreMission(
-    grpc::CallbackServerContext* context, v1::Mission* response) {
-  const auto may_restore = [this, context](const std::string& mission) {
-    if (options_.may_restore == nullptr) return absl::OkStatus();
-    return options_.may_restore(*context, mission);
-  };
+    grpc::CallbackServerContext* context, MayAsk may_restore, v1::Mission* response) {
   const auto enter = [this, context](const std::string& name) {
     return EnterLongWork(*context, name);
   };
-  return new RestoreReactor(store_, long_pool_, limits_, context->peer(), may_restore, enter,
-                            response);
+  return new RestoreReactor(store_, long_pool_, limits_, context->peer(), std::move(may_restore),
+                            enter, response);
 }
 
 }  // namespace corbslam::services

@@ -11,7 +11,6 @@
 #include "services/map_store_service/map_store_service.h"
 #include "services/map_store_service/settings_to_proto.h"
 #include "services/observe/logging/log_fields.h"
-#include "services/server/unary.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::services {
@@ -75,30 +74,24 @@ v1::RobotSettingsList ToProto(const std::vector<SignedSettings>& settings) {
   return list;
 }
 
-grpc::ServerUnaryReactor* MapStoreService::SetRobotSettings(
-    grpc::CallbackServerContext* context, const v1::SetRobotSettingsRequest* request,
-    v1::RobotSettingsList* response) {
-  return AnswerOn(pool_, context, [this, request, response]() -> absl::Status {
-    ASSIGN_OR_RETURN(const AgentPath whose, ParseWhose(request->name()));
-    ASSIGN_OR_RETURN(const SignedSettings settings, SettingsFromProto(request->settings(), whose));
-    RETURN_IF_ERROR(store_.SetRobotSettings(whose.mission, whose.agent, settings));
-    LOG(INFO) << LogFields{.mission = whose.mission, .agent = whose.agent}
-              << "robots' settings changed: version " << settings.version;
-    ASSIGN_OR_RETURN(const MissionInfo info, store_.GetMission(whose.mission));
-    *response = SettingsOf(whose, info);
-    return absl::OkStatus();
-  });
+absl::Status MapStoreService::SetRobotSettings(const v1::SetRobotSettingsRequest& request,
+                                               v1::RobotSettingsList* response) {
+  ASSIGN_OR_RETURN(const AgentPath whose, ParseWhose(request.name()));
+  ASSIGN_OR_RETURN(const SignedSettings settings, SettingsFromProto(request.settings(), whose));
+  RETURN_IF_ERROR(store_.SetRobotSettings(whose.mission, whose.agent, settings));
+  LOG(INFO) << LogFields{.mission = whose.mission, .agent = whose.agent}
+            << "robots' settings changed: version " << settings.version;
+  ASSIGN_OR_RETURN(const MissionInfo info, store_.GetMission(whose.mission));
+  *response = SettingsOf(whose, info);
+  return absl::OkStatus();
 }
 
-grpc::ServerUnaryReactor* MapStoreService::GetRobotSettings(
-    grpc::CallbackServerContext* context, const v1::GetRobotSettingsRequest* request,
-    v1::RobotSettingsList* response) {
-  return AnswerOn(pool_, context, [this, request, response]() -> absl::Status {
-    ASSIGN_OR_RETURN(const AgentPath whose, ParseWhose(request->name()));
-    ASSIGN_OR_RETURN(const MissionInfo info, store_.GetMission(whose.mission));
-    *response = SettingsOf(whose, info);
-    return absl::OkStatus();
-  });
+absl::Status MapStoreService::GetRobotSettings(const v1::GetRobotSettingsRequest& request,
+                                               v1::RobotSettingsList* response) {
+  ASSIGN_OR_RETURN(const AgentPath whose, ParseWhose(request.name()));
+  ASSIGN_OR_RETURN(const MissionInfo info, store_.GetMission(whose.mission));
+  *response = SettingsOf(whose, info);
+  return absl::OkStatus();
 }
 
 }  // namespace corbslam::services

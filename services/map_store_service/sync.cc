@@ -243,7 +243,7 @@ absl::Status SyncReactor::ReadRequest(v1::SyncRequest& request) {
 }
 
 absl::Status SyncReactor::Handle(const v1::SyncRequest& request) {
-  if (request.has_open()) return Open(request.open());
+  if (request.has_open()) return Open(request);
   if (!session_id_) {
     return absl::InvalidArgumentError("the first message must have the part open");
   }
@@ -256,10 +256,11 @@ absl::Status SyncReactor::Handle(const v1::SyncRequest& request) {
   return absl::InvalidArgumentError("a message has no part that is known");
 }
 
-absl::Status SyncReactor::Open(const v1::OpenSession& open) {
+absl::Status SyncReactor::Open(const v1::SyncRequest& message) {
+  const v1::OpenSession& open = message.open();
   if (session_id_) return absl::InvalidArgumentError("the session is open already");
   ASSIGN_OR_RETURN(SessionRequest request, FromProto(open));
-  RETURN_IF_ERROR(caller_.may_open(request));
+  RETURN_IF_ERROR(caller_.may_open(message));
   RETURN_IF_ERROR(ticket_->Name(AgentName(request.mission, request.agent)));
   request.peer = peer_;
   if (request.capabilities.coded_features) form_ = FeatureForm::kCoded;
@@ -441,15 +442,9 @@ void SyncReactor::End(const absl::Status& status) {
 }
 
 grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>* MapStoreService::Sync(
-    grpc::CallbackServerContext* context) {
-  const auto may_open = [this, context](const SessionRequest& request) {
-    if (options_.may_open == nullptr) return absl::OkStatus();
-    return options_.may_open(*context, request.mission, request.agent);
-  };
-  const std::string name =
-      options_.name_caller != nullptr ? options_.name_caller(*context) : std::string();
+    grpc::CallbackServerContext* context, MayAsk may_open) {
   return new SyncReactor(store_, pool_, limits_, options_,
-                         {context->peer(), name, may_open, MayStay(*context),
+                         {context->peer(), NameOf(*context), std::move(may_open), MayStay(*context),
                           [context] { return context->IsCancelled(); }});
 }
 

@@ -40,14 +40,11 @@ enum class SyncJob { kNone, kWrite, kFinish, kRequest, kRead, kShare };
 class SyncReactor : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>,
                     private StreamTask<SyncJob> {
  public:
-  // Returns OK if the caller may open this session.
-  using OpenCheck = std::function<absl::Status(const SessionRequest&)>;
-
   // Who opened the stream.
   struct Caller {
     std::string peer;  // As gRPC spells it.
     std::string name;  // Empty if nobody knows.
-    OpenCheck may_open;
+    MayAsk may_open;   // Of the message that opens the session.
     StayCheck may_stay;
     std::function<bool()> is_cancelled;
   };
@@ -78,7 +75,7 @@ class SyncReactor : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteB
   absl::Status WaitUntilAwake(const absl::Status& error);
   absl::Status ReadRequest(v1::SyncRequest& request);
   absl::Status Handle(const v1::SyncRequest& request);
-  absl::Status Open(const v1::OpenSession& open);
+  absl::Status Open(const v1::SyncRequest& message);
   absl::Status Apply(const v1::MapUpdateBatch& part);
   absl::Status NoteLocalised(const v1::LocalisedFrames& localised);
   absl::Status NoteReport(const v1::AgentReport& report);

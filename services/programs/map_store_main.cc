@@ -30,7 +30,6 @@
 #include "services/programs/store_observers.h"
 #include "services/programs/store_workers.h"
 #include "services/security/flags.h"
-#include "services/security/guarded_map_store.h"
 #include "services/server/memory_limit.h"
 #include "services/server/readiness_watch.h"
 #include "services/server/self_watch.h"
@@ -196,12 +195,10 @@ absl::Status Run(Flags flags) {
   ASSIGN_OR_RETURN(const std::unique_ptr<StoreBackups> backups,
                    StoreBackups::Make(flags.backup, &store, rocks));
   MapStoreServiceOptions service_options = flags.service;
-  SetChecks(security.access, service_options);
+  service_options.door = security.access;
   service_options.observers = observers.OfStreams();
   service_options.backups = backups->backups();
   MapStoreService service(&store, service_options);
-  GuardedMapStore guarded(&service, security.access);
-  const RevokedStreamsEnder revoked(&service, security.access);
   ASSIGN_OR_RETURN(
       const auto metrics,
       observers.Serve(store, service, backups->MakeCollector(),
@@ -209,7 +206,7 @@ absl::Status Run(Flags flags) {
                        {"backups", flags.data_dir.empty() ? "" : flags.backup.directory}}));
   security.server.rpc_observer = observers.OfCalls();
   ASSIGN_OR_RETURN(const std::unique_ptr<Server> server,
-                   Server::Start(flags.listen, {&guarded}, security.server));
+                   Server::Start(flags.listen, {&service}, security.server));
   LOG(INFO) << DescribeStart(flags, server->address(), store.ListLoads().size());
   AnnounceAddress(server->address());
   SelfWatch watch(

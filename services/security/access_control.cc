@@ -8,12 +8,19 @@
 #include "absl/strings/escaping.h"
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_split.h"
 #include "absl/strings/strip.h"
 #include "absl/time/clock.h"
+#include "corbslam/v1/access.pb.h"
+#include "services/convert/resource_names.h"
 #include "services/convert/status.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::services {
+
+using google::protobuf::FieldDescriptor;
+using google::protobuf::Message;
+
 namespace {
 
 using Metadata = std::multimap<grpc::string_ref, grpc::string_ref>;
@@ -63,6 +70,68 @@ class CallGate : public grpc::AuthMetadataProcessor {
 
   const std::shared_ptr<const AccessControl> access_;
   const TurnedAwayListener on_turned_away_;
+};
+
+// Returns the text of a field such as "name" or "mission.name".
+absl::StatusOr<std::string> ReadField(const Message& message, absl::string_view path) {
+  const std::pair<std::string, std::string> parts = absl::StrSplit(path, absl::MaxSplits('.', 1));
+  const FieldDescriptor* field = message.GetDescriptor()->FindFieldByName(parts.first);
+  const auto wanted =
+      parts.second.empty() ? FieldDescriptor::CPPTYPE_STRING : FieldDescriptor::CPPTYPE_MESSAGE;
+  if (field == nullptr || field->is_repeated() || field->cpp_type() != wanted) {
+    return absl::InternalError(absl::StrCat(message.GetTypeName(), " has no text ", path));
+  }
+  const google::protobuf::Reflection& reflection = *message.GetReflection();
+  if (parts.second.empty()) return reflection.GetString(message, field);
+  return ReadField(reflection.GetMessage(message, field), parts.second);
+}
+
+absl::StatusOr<std::string> MissionOf(absl::string_view name) {
+  const std::vector<absl::string_view> parts = absl::StrSplit(name, '/');
+  if (parts.size() < 2 || parts[0] != "missions") {
+    return absl::InvalidArgumentError(absl::StrCat("name is \"",
+                                                   absl::CHexEscape(name.substr(0, 200)),
+                                                   "\", must begin with missions/{mission}"));
+  }
+  RETURN_IF_ERROR(CheckNameSegment("mission", parts[1]));
+  return std::string(parts[1]);
+}
+
+// Returns whether a call says whatever the action is about, if it names these.
+bool SaysEnough(Action action, bool names_mission, bool names_agent) {
+  switch (action) {
+    case Action::kListMissions:
+    case Action::kCompute:
+      return true;
+    case Action::kUpload:
+    case Action::kCommand:
+      return names_mission && names_agent;
+    default:
+      return names_mission;
+  }
+}
+
+class IdentifiedCaller : public KnownCaller {
+ public:
+  IdentifiedCaller(const AccessControl& access, absl::StatusOr<Identity> identity)
+      : access_(access), identity_(std::move(identity)) {}
+
+  std::string name() const override {
+    if (!identity_.ok()) return "";
+    const std::string token =
+        identity_->token_id.empty() ? "" : absl::StrCat(" (token ", identity_->token_id, ")");
+    return absl::StrCat(Describe(*identity_), token);
+  }
+  absl::Status MayStay() const override {
+    return identity_.ok() ? access_.CheckNotRevoked(*identity_) : identity_.status();
+  }
+  bool MayLook(const std::string& mission) const override {
+    return identity_.ok() && Authorise(*identity_, {Action::kLook, mission, std::nullopt}).ok();
+  }
+
+ private:
+  const AccessControl& access_;
+  const absl::StatusOr<Identity> identity_;
 };
 
 }  // namespace
@@ -166,6 +235,41 @@ absl::Status AccessControl::Check(const Access& access, const Evidence& evidence
                                   absl::Time now) const {
   ASSIGN_OR_RETURN(const Identity identity, Identify(evidence, now));
   return Authorise(identity, access);
+}
+
+absl::Status AccessControl::Check(const google::protobuf::MethodDescriptor& method,
+                                  const grpc::ServerContextBase& context,
+                                  const Message& message) const {
+  const v1::Access& asked = method.options().GetExtension(v1::access);
+  const std::optional<Action> action = ActionOf(method);
+  if (!action || !SaysEnough(*action, asked.mission_size() > 0 || options_.mission,
+                             !asked.agent().empty() || options_.agent)) {
+    return absl::PermissionDeniedError(
+        absl::StrCat(method.full_name(), " does not say what it does, and of which mission"));
+  }
+  const Evidence evidence = EvidenceOf(context);
+  if (asked.mission_size() == 0) {
+    return Check({*action, options_.mission, options_.agent}, evidence, absl::Now());
+  }
+  for (int i = 0; i < asked.mission_size(); ++i) {
+    ASSIGN_OR_RETURN(const std::string name, ReadField(message, asked.mission(i)));
+    if (i > 0 && name.empty()) continue;
+    // That the caller may do it in some mission was checked with the call.
+    if (asked.or_all_missions() && name == kAllMissions) continue;
+    Access access{*action, std::nullopt, std::nullopt};
+    ASSIGN_OR_RETURN(access.mission, MissionOf(name));
+    if (!asked.agent().empty()) {
+      ASSIGN_OR_RETURN(access.agent, ReadField(message, asked.agent()));
+    }
+    RETURN_IF_ERROR(Check(access, evidence, absl::Now()));
+  }
+  return absl::OkStatus();
+}
+
+std::shared_ptr<const KnownCaller> AccessControl::Meet(
+    const grpc::ServerContextBase& context) const {
+  return std::make_shared<const IdentifiedCaller>(*this,
+                                                  Identify(EvidenceOf(context), absl::Now()));
 }
 
 std::shared_ptr<grpc::AuthMetadataProcessor> MakeCallGate(

@@ -20,6 +20,7 @@
 #include "services/security/policy.h"
 #include "services/security/revoked_list.h"
 #include "services/security/token.h"
+#include "services/server/door.h"
 
 namespace corbslam::services {
 
@@ -50,7 +51,7 @@ struct AccessControlOptions {
 };
 
 // Knows who may call what. Thread-safe.
-class AccessControl {
+class AccessControl : public Door {
  public:
   explicit AccessControl(const AccessControlOptions& options)
       : options_(options),
@@ -62,8 +63,13 @@ class AccessControl {
 
   // Checks, before a call's request is read, whether the caller may call this method at all.
   absl::Status CheckMethod(absl::string_view path, const Evidence& evidence, absl::Time now) const;
-  // Checks the access once the request has named the mission.
   absl::Status Check(const Access& access, const Evidence& evidence, absl::Time now) const;
+  // Checks, once it is known what a call asks for, what stands at it in the proto: for each mission
+  // that the message names. INVALID_ARGUMENT for a name that can't be read.
+  absl::Status Check(const google::protobuf::MethodDescriptor& method,
+                     const grpc::ServerContextBase& context,
+                     const google::protobuf::Message& message) const override;
+  std::shared_ptr<const KnownCaller> Meet(const grpc::ServerContextBase& context) const override;
   // Returns UNAUTHENTICATED, naming what, once the identity is revoked; a token that has expired,
   // or whose key is gone, is none of that: a stream that is open stays so.
   absl::Status CheckNotRevoked(const Identity& identity) const;
@@ -71,8 +77,8 @@ class AccessControl {
   // Replace what calls are decided by from now on.
   void SetTokens(TokenVerifier tokens) ABSL_LOCKS_EXCLUDED(mutex_);
   void SetRevoked(RevokedList revoked) ABSL_LOCKS_EXCLUDED(mutex_);
-  // Has `listener` called after each SetRevoked, by its thread, as long as this lives.
-  void OnRevoked(std::function<void()> listener) const ABSL_LOCKS_EXCLUDED(mutex_);
+  // `listener` is called after each SetRevoked, by its thread.
+  void OnRevoked(std::function<void()> listener) const override ABSL_LOCKS_EXCLUDED(mutex_);
 
  private:
   // What changes while the server runs.

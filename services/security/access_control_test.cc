@@ -1,9 +1,12 @@
 #include "services/security/access_control.h"
 
 #include <gmock/gmock.h>
+#include <google/protobuf/descriptor.pb.h>
+#include <google/protobuf/field_mask.pb.h>
 #include <gtest/gtest.h>
 
 #include "absl/strings/str_cat.h"
+#include "corbslam/v1/access.pb.h"
 #include "services/security/testing/token_keys.h"
 
 namespace corbslam::services {
@@ -100,6 +103,41 @@ TEST(AccessControlTest, TokensAreRefusedWhereNoKeyIsKnown) {
       access.CheckMethod(kGetMission, {{}, Bearer("missions/-/operators/olga")}, kNow);
   EXPECT_EQ(status.code(), absl::StatusCode::kUnauthenticated);
   EXPECT_THAT(std::string(status.message()), HasSubstr("--token-key"));
+}
+
+// Makes a call of a contract that has been forgotten to say what the call does, or which mission.
+const google::protobuf::MethodDescriptor* MakeMethod(v1::Access::Action action,
+                                                     google::protobuf::DescriptorPool& pool) {
+  google::protobuf::FileDescriptorProto file;
+  google::protobuf::FieldMask::descriptor()->file()->CopyTo(&file);
+  EXPECT_NE(pool.BuildFile(file), nullptr);
+  file.Clear();
+  file.set_name("forgotten.proto");
+  file.add_dependency("google/protobuf/field_mask.proto");
+  google::protobuf::ServiceDescriptorProto& service = *file.add_service();
+  service.set_name("Forgotten");
+  google::protobuf::MethodDescriptorProto& method = *service.add_method();
+  method.set_name("Get");
+  method.set_input_type("google.protobuf.FieldMask");
+  method.set_output_type("google.protobuf.FieldMask");
+  if (action != v1::Access::ACTION_UNSPECIFIED) {
+    method.mutable_options()->MutableExtension(v1::access)->set_action(action);
+  }
+  const google::protobuf::FileDescriptor* built = pool.BuildFile(file);
+  return built != nullptr ? built->service(0)->method(0) : nullptr;
+}
+
+TEST(AccessControlTest, ACallThatDoesNotSayWhatItDoesAndWhereIsRefused) {
+  for (const auto action : {v1::Access::ACTION_UNSPECIFIED, v1::Access::LOOK, v1::Access::UPLOAD,
+                            v1::Access::COMMAND, v1::Access::ADMINISTER}) {
+    google::protobuf::DescriptorPool pool;
+    const google::protobuf::MethodDescriptor* method = MakeMethod(action, pool);
+    ASSERT_NE(method, nullptr);
+    const absl::Status status =
+        Make().Check(*method, grpc::CallbackServerContext(), google::protobuf::FieldMask());
+    EXPECT_EQ(status, absl::PermissionDeniedError(
+                          "Forgotten.Get does not say what it does, and of which mission"));
+  }
 }
 
 // Returns what a store called "north", which takes tokens of a day at most, says to these claims.

@@ -18,9 +18,9 @@
 #include "services/client/remote/remote_uplink.h"
 #include "services/convert/status.h"
 #include "services/convert/testing/test_data.h"
+#include "services/map_store_service/map_store_service.h"
 #include "services/programs/default_vocabulary.h"
 #include "services/security/credential_watch.h"
-#include "services/security/guarded_map_store.h"
 #include "services/security/security_options.h"
 #include "services/security/testing/test_certificates.h"
 #include "services/server/server.h"
@@ -87,11 +87,9 @@ class CredentialRotationTest : public ::testing::Test {
     const auto security = MakeServerSecurity(options);
     ASSERT_TRUE(security.ok()) << security.status();
     MapStoreServiceOptions service_options;
-    SetChecks(security->access, service_options);
+    service_options.door = security->access;
     service_ = std::make_unique<MapStoreService>(&store_, service_options);
-    guarded_ = std::make_unique<GuardedMapStore>(service_.get(), security->access);
-    ender_ = std::make_unique<RevokedStreamsEnder>(service_.get(), security->access);
-    auto server = Server::Start("127.0.0.1:0", {guarded_.get()}, security->server);
+    auto server = Server::Start("127.0.0.1:0", {service_.get()}, security->server);
     ASSERT_TRUE(server.ok()) << server.status();
     server_ = *std::move(server);
   }
@@ -154,8 +152,6 @@ class CredentialRotationTest : public ::testing::Test {
   uint64_t next_local_map_ = 1;
   MapStore store_{MapStoreOptions(), *vocabulary_, std::make_unique<InMemoryJournal>(), nullptr};
   std::unique_ptr<MapStoreService> service_;
-  std::unique_ptr<GuardedMapStore> guarded_;
-  std::unique_ptr<RevokedStreamsEnder> ender_;
   std::unique_ptr<Server> server_;
 };
 std::shared_ptr<const Vocabulary>* CredentialRotationTest::vocabulary_ = nullptr;

@@ -1,13 +1,19 @@
 #include "services/security/policy.h"
 
 #include <algorithm>
-#include <map>
+#include <string>
+#include <vector>
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_split.h"
+#include "corbslam/v1/access.pb.h"
 #include "services/convert/resource_names.h"
 
 namespace corbslam::services {
+
+using google::protobuf::MethodDescriptor;
+
 namespace {
 
 bool Allows(Role role, Action action) {
@@ -86,58 +92,32 @@ std::string DescribeAccess(const Access& access) {
   return "do this";
 }
 
-const std::map<absl::string_view, Action>& OwnMethods() {
-  static const auto& methods = *new std::map<absl::string_view, Action>{
-      {"/corbslam.v1.MapStore/Sync", Action::kUpload},
-      {"/corbslam.v1.MapStore/WatchMap", Action::kLook},
-      {"/corbslam.v1.MapStore/WatchEvents", Action::kLook},
-      {"/corbslam.v1.MapStore/ReplayMap", Action::kLook},
-      {"/corbslam.v1.MapStore/ListMissions", Action::kListMissions},
-      {"/corbslam.v1.MapStore/GetMission", Action::kLook},
-      {"/corbslam.v1.MapStore/CreateMission", Action::kAdminister},
-      {"/corbslam.v1.MapStore/UpdateMission", Action::kAdminister},
-      {"/corbslam.v1.MapStore/SetRobotSettings", Action::kAdminister},
-      {"/corbslam.v1.MapStore/GetRobotSettings", Action::kLook},
-      {"/corbslam.v1.MapStore/DeleteMission", Action::kAdminister},
-      {"/corbslam.v1.MapStore/SleepMission", Action::kAdminister},
-      {"/corbslam.v1.MapStore/BackupMission", Action::kAdminister},
-      {"/corbslam.v1.MapStore/RestoreMission", Action::kAdminister},
-      {"/corbslam.v1.MapStore/StoreBackup", Action::kAdminister},
-      {"/corbslam.v1.MapStore/ListStoredBackups", Action::kAdminister},
-      {"/corbslam.v1.MapStore/RestoreStoredBackup", Action::kAdminister},
-      {"/corbslam.v1.MapStore/VerifyStoredBackup", Action::kAdminister},
-      {"/corbslam.v1.MapStore/DeleteStoredBackup", Action::kAdminister},
-      {"/corbslam.v1.MapStore/ArchiveMission", Action::kAdminister},
-      {"/corbslam.v1.MapStore/ListAgents", Action::kLook},
-      {"/corbslam.v1.MapStore/ListLocalMaps", Action::kLook},
-      {"/corbslam.v1.MapStore/GetLocalMap", Action::kLook},
-      {"/corbslam.v1.MapStore/ListKeyframes", Action::kLook},
-      {"/corbslam.v1.MapStore/GetKeyframe", Action::kLook},
-      {"/corbslam.v1.MapStore/GetStatistics", Action::kLook},
-      {"/corbslam.v1.MapStore/GetTrajectory", Action::kLook},
-      {"/corbslam.v1.MapStore/ListOverlaps", Action::kLook},
-      {"/corbslam.v1.MapStore/GetOverlap", Action::kLook},
-      {"/corbslam.v1.MapStore/Localize", Action::kLook},
-      {"/corbslam.v1.MapStore/LocalizeStream", Action::kLook},
-      {"/corbslam.v1.MapStore/AskForExactPlaces", Action::kAdminister},
-      {"/corbslam.v1.MapStore/RetractOverlap", Action::kAdminister},
-      {"/corbslam.v1.MapStore/ForgetLocalMaps", Action::kAdminister},
-      {"/corbslam.v1.MapStore/RederiveGlobalLayer", Action::kAdminister},
-      {"/corbslam.v1.FusionWorker/VerifyOverlap", Action::kCompute},
-      {"/corbslam.v1.FusionWorker/FuseMaps", Action::kCompute},
-      {"/corbslam.v1.FusionWorker/AdjustBundle", Action::kCompute},
-      {"/corbslam.v1.FusionWorker/LocateFrame", Action::kCompute},
-      {"/corbslam.v1.FusionWorker/ExtractFeatures", Action::kCompute},
-      {"/corbslam.v1.Agent/WatchPose", Action::kLook},
-      {"/corbslam.v1.Agent/WatchEvents", Action::kLook},
-      {"/corbslam.v1.Agent/WatchMap", Action::kLook},
-      {"/corbslam.v1.Agent/GetStatus", Action::kLook},
-      {"/corbslam.v1.Agent/GetTrajectory", Action::kLook},
-      {"/corbslam.v1.Agent/PauseMapping", Action::kCommand},
-      {"/corbslam.v1.Agent/ResumeMapping", Action::kCommand},
-      {"/corbslam.v1.Agent/OpenNewMap", Action::kCommand},
-      {"/corbslam.v1.Agent/SetMask", Action::kCommand}};
-  return methods;
+std::optional<Action> FromProto(v1::Access::Action action) {
+  switch (action) {
+    case v1::Access::LOOK:
+      return Action::kLook;
+    case v1::Access::LIST_MISSIONS:
+      return Action::kListMissions;
+    case v1::Access::UPLOAD:
+      return Action::kUpload;
+    case v1::Access::COMMAND:
+      return Action::kCommand;
+    case v1::Access::ADMINISTER:
+      return Action::kAdminister;
+    case v1::Access::COMPUTE:
+      return Action::kCompute;
+    default:
+      return std::nullopt;
+  }
+}
+
+// Returns null for a method of no proto that this program has.
+const MethodDescriptor* FindMethod(absl::string_view path) {
+  const std::vector<std::string> parts = absl::StrSplit(path, '/');
+  if (parts.size() != 3 || !parts[0].empty()) return nullptr;
+  const google::protobuf::ServiceDescriptor* service =
+      google::protobuf::DescriptorPool::generated_pool()->FindServiceByName(parts[1]);
+  return service != nullptr ? service->FindMethodByName(parts[2]) : nullptr;
 }
 
 }  // namespace
@@ -149,8 +129,15 @@ absl::Status Authorise(const Identity& identity, const Access& access) {
       absl::StrCat(Describe(identity), " may not ", DescribeAccess(access)));
 }
 
+std::optional<Action> ActionOf(const MethodDescriptor& method) {
+  return FromProto(method.options().GetExtension(v1::access).action());
+}
+
 std::optional<Action> ActionOf(absl::string_view path) {
-  if (const auto own = OwnMethods().find(path); own != OwnMethods().end()) return own->second;
+  if (const MethodDescriptor* method = FindMethod(path)) {
+    if (const std::optional<Action> said = ActionOf(*method)) return said;
+  }
+  // gRPC's own protos don't say it.
   if (absl::StartsWith(path, "/grpc.health.v1.Health/")) return Action::kCheckHealth;
   if (absl::StartsWith(path, "/grpc.reflection.v1alpha.ServerReflection/")) {
     return Action::kReflect;

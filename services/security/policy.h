@@ -1,6 +1,9 @@
-// Says who may do what; no other place does.
+// Says who may do what; no other place does. What a call does stands at it in the proto
+// (corbslam/v1/access.proto).
 #ifndef CORBSLAM_SERVICES_SECURITY_POLICY_H_
 #define CORBSLAM_SERVICES_SECURITY_POLICY_H_
+
+#include <google/protobuf/descriptor.h>
 
 #include <optional>
 #include <string>
@@ -34,8 +37,10 @@ struct Access {
 // Returns OK, or PERMISSION_DENIED, which says who, what, and of which mission.
 absl::Status Authorise(const Identity& identity, const Access& access);
 
-// Returns what a method does, by its path such as "/corbslam.v1.MapStore/Sync"; nullopt for a
-// method that isn't known, which nobody may call.
+// Returns what a method does; nullopt for one that doesn't say it, which nobody may call.
+std::optional<Action> ActionOf(const google::protobuf::MethodDescriptor& method);
+// Likewise of a path such as "/corbslam.v1.MapStore/Sync", of gRPC's own services too; nullopt for
+// a method that isn't known.
 std::optional<Action> ActionOf(absl::string_view path);
 
 }  // namespace corbslam::services

@@ -8,6 +8,8 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_split.h"
+#include "corbslam/v1/access.pb.h"
 #include "corbslam/v1/agent_service.pb.h"
 #include "corbslam/v1/fusion_worker_service.pb.h"
 #include "corbslam/v1/map_store_service.pb.h"
@@ -117,6 +119,35 @@ TEST(PolicyTest, EveryMethodOfTheContractHasARule) {
           absl::StrCat("/", service->full_name(), "/", service->method(i)->name());
       EXPECT_TRUE(ActionOf(path).has_value()) << path;
     }
+  }
+}
+
+// Returns true if messages of this type have this text, such as "mission.name".
+bool HasText(const google::protobuf::Descriptor* type, const std::string& path) {
+  const google::protobuf::FieldDescriptor* field = nullptr;
+  for (const absl::string_view name : absl::StrSplit(path, '.')) {
+    field = type != nullptr ? type->FindFieldByName(std::string(name)) : nullptr;
+    if (field == nullptr || field->is_repeated()) return false;
+    type = field->message_type();
+  }
+  return field->type() == google::protobuf::FieldDescriptor::TYPE_STRING;
+}
+
+// A store has several missions, so that each of its calls says of which one it is.
+TEST(PolicyTest, EveryCallOfAStoreNamesItsMission) {
+  const google::protobuf::ServiceDescriptor* service =
+      v1::SyncRequest::descriptor()->file()->service(0);
+  for (int i = 0; i < service->method_count(); ++i) {
+    const google::protobuf::MethodDescriptor& method = *service->method(i);
+    const v1::Access& access = method.options().GetExtension(v1::access);
+    EXPECT_EQ(access.mission_size() == 0, access.action() == v1::Access::LIST_MISSIONS)
+        << method.name();
+    EXPECT_EQ(access.agent().empty(), access.action() != v1::Access::UPLOAD) << method.name();
+    for (const std::string& path : access.mission()) {
+      EXPECT_TRUE(HasText(method.input_type(), path)) << method.name() << " " << path;
+    }
+    EXPECT_TRUE(access.agent().empty() || HasText(method.input_type(), access.agent()));
+    EXPECT_EQ(access.or_all_missions(), method.name() == "ListStoredBackups") << method.name();
   }
 }
 

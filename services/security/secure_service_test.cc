@@ -21,8 +21,8 @@
 #include "services/convert/status.h"
 #include "services/convert/testing/test_data.h"
 #include "services/fusion_worker_service/fusion_worker_service.h"
+#include "services/map_store_service/map_store_service.h"
 #include "services/programs/default_vocabulary.h"
-#include "services/security/guarded_map_store.h"
 #include "services/security/security_options.h"
 #include "services/security/testing/test_certificates.h"
 #include "services/server/server.h"
@@ -88,12 +88,11 @@ class SecureServiceTest : public ::testing::Test {
     const auto security = MakeServerSecurity(options);
     ASSERT_TRUE(security.ok()) << security.status();
     MapStoreServiceOptions service_options;
-    SetChecks(security->access, service_options);
+    service_options.door = security->access;
     service_ = std::make_unique<MapStoreService>(store_.get(), service_options);
-    guarded_ = std::make_unique<GuardedMapStore>(service_.get(), security->access);
     worker_service_ = std::make_unique<FusionWorkerService>(&worker_);
     auto server =
-        Server::Start("127.0.0.1:0", {guarded_.get(), worker_service_.get()}, security->server);
+        Server::Start("127.0.0.1:0", {service_.get(), worker_service_.get()}, security->server);
     ASSERT_TRUE(server.ok()) << server.status();
     server_ = *std::move(server);
   }
@@ -180,7 +179,6 @@ class SecureServiceTest : public ::testing::Test {
   IdleWorker worker_;
   std::unique_ptr<MapStore> store_;
   std::unique_ptr<MapStoreService> service_;
-  std::unique_ptr<GuardedMapStore> guarded_;
   std::unique_ptr<FusionWorkerService> worker_service_;
   std::unique_ptr<Server> server_;
 };

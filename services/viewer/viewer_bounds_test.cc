@@ -1,5 +1,6 @@
 // Tests what one browser, one token or one host can't take from others.
 #include <gmock/gmock.h>
+#include <grpcpp/create_channel.h>
 #include <gtest/gtest.h>
 
 #include <fstream>
@@ -14,8 +15,8 @@
 #include "services/http/browser_options.h"
 #include "services/http/testing/raw_http.h"
 #include "services/http/testing/web_client.h"
+#include "services/map_store_service/map_store_service.h"
 #include "services/programs/default_vocabulary.h"
-#include "services/security/guarded_map_store.h"
 #include "services/security/security_options.h"
 #include "services/security/testing/test_certificates.h"
 #include "services/security/testing/token_keys.h"
@@ -199,15 +200,16 @@ TEST(ViewerTokenWatchTest, WhomTheStoreRevokesSeesNothingHere) {
   const std::string list = certificates.Path("revoked");
   std::ofstream(list) << "other\n";
   MapStore store(MapStoreOptions(), *vocabulary, std::make_unique<InMemoryJournal>(), nullptr);
-  MapStoreService service(&store);
   SecurityOptions secure = certificates.Options("store");
   secure.ca_file.clear();
   secure.token_key_file = certificates.Path("token.pub");
   secure.revoked_file = list;
   const auto security = MakeServerSecurity(secure);
   ASSERT_TRUE(security.ok()) << security.status();
-  GuardedMapStore guarded(&service, security->access);
-  const auto server = Server::Start("127.0.0.1:0", {&guarded}, security->server);
+  MapStoreServiceOptions guarded;
+  guarded.door = security->access;
+  MapStoreService service(&store, guarded);
+  const auto server = Server::Start("127.0.0.1:0", {&service}, security->server);
   ASSERT_TRUE(server.ok()) << server.status();
   SecurityOptions calling;
   calling.ca_file = certificates.Path("ca.pem");

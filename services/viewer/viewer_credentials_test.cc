@@ -13,8 +13,8 @@
 #include "services/client/remote/channel.h"
 #include "services/http/browser_options.h"
 #include "services/http/testing/raw_http.h"
+#include "services/map_store_service/map_store_service.h"
 #include "services/programs/default_vocabulary.h"
-#include "services/security/guarded_map_store.h"
 #include "services/security/security_options.h"
 #include "services/security/testing/test_certificates.h"
 #include "services/server/server.h"
@@ -48,16 +48,17 @@ class SecureStore {
  public:
   SecureStore(const TestCertificates& certificates, const std::string& address,
               const std::shared_ptr<const Vocabulary>& vocabulary)
-      : store_(MapStoreOptions(), vocabulary, std::make_unique<InMemoryJournal>(), nullptr),
-        service_(&store_) {
+      : store_(MapStoreOptions(), vocabulary, std::make_unique<InMemoryJournal>(), nullptr) {
     SecurityOptions options = certificates.Options("store");
     options.ca_file.clear();
     options.token_key_file = certificates.Path("token.pub");
     const auto security = MakeServerSecurity(options);
     EXPECT_TRUE(security.ok()) << security.status();
     if (!security.ok()) return;
-    guarded_ = std::make_unique<GuardedMapStore>(&service_, security->access);
-    auto server = Server::Start(address, {guarded_.get()}, security->server);
+    MapStoreServiceOptions guarded;
+    guarded.door = security->access;
+    service_ = std::make_unique<MapStoreService>(&store_, guarded);
+    auto server = Server::Start(address, {service_.get()}, security->server);
     EXPECT_TRUE(server.ok()) << server.status();
     if (server.ok()) server_ = *std::move(server);
   }
@@ -65,8 +66,7 @@ class SecureStore {
 
  private:
   MapStore store_;
-  MapStoreService service_;
-  std::unique_ptr<GuardedMapStore> guarded_;
+  std::unique_ptr<MapStoreService> service_;
   std::unique_ptr<Server> server_;
 };
 

@@ -10,8 +10,8 @@ import sys
 
 COMMENT = re.compile(r"//[^\n]*")
 TOKEN = re.compile(
-    r"\s*(?:(?P<open>(?P<kind>message|enum|service|oneof)\s+(?P<name>\w+)\s*\{)"
-    r"|rpc\s+(?P<call>\w+)\s*(?P<request>\([^)]*\))\s*returns\s*(?P<response>\([^)]*\))\s*(?:;|\{\s*\})"
+    r"\s*(?:(?P<open>(?P<kind>message|enum|service|oneof|extend)\s+(?P<name>[\w.]+)\s*\{)"
+    r"|rpc\s+(?P<call>\w+)\s*(?P<request>\([^)]*\))\s*returns\s*(?P<response>\([^)]*\))\s*(?:;|\{(?:[^{}]|\{[^{}]*\})*\})"
     r"|(?P<rest>[^;{}]*);"
     r"|(?P<close>\}))")
 FIELD = re.compile(r"(?:(repeated|optional)\s+)?(map\s*<[^>]*>|[\w.]+)\s+(\w+)\s*=\s*(\d+)")

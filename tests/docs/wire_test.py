@@ -16,7 +16,8 @@ message A {
   enum E { E_NONE = 0; E_ONE = 1; }
   message F { repeated fixed64 ids = 3 [packed = true]; reserved 4; }
 }
-service S { rpc Do(stream A) returns (A); rpc Be(A) returns (stream A) {} }
+extend google.protobuf.MethodOptions { A access = 7; }
+service S { rpc Do(stream A) returns (A) { option (access) = {ids: 1 part: "x"}; } rpc Be(A) returns (stream A) {} }
 """
 
 
