@@ -6,6 +6,7 @@
 #include <iterator>
 #include <set>
 
+#include "slam/util/named_thread.h"
 #include "slam/util/thread_priority.h"
 
 namespace corbslam::map_store {
@@ -25,7 +26,7 @@ BackupKeeper::BackupKeeper(absl::Duration every, std::function<absl::Time()> clo
       back_up_(std::move(back_up)) {}
 
 void BackupKeeper::Start() {
-  thread_ = std::thread([this] { Run(); });
+  thread_ = StartThread("backup keeper", [this] { Run(); });
 }
 
 void BackupKeeper::Stop() {

@@ -2,6 +2,7 @@
 
 #include <glog/logging.h>
 
+#include "slam/util/named_thread.h"
 #include "slam/util/thread_priority.h"
 
 namespace corbslam::map_store {
@@ -15,7 +16,7 @@ constexpr absl::Duration kFirstPause = absl::Seconds(1);
 }  // namespace
 
 void BackupVerifier::Start() {
-  if (bytes_per_s_ > 0) thread_ = std::thread([this] { Run(); });
+  if (bytes_per_s_ > 0) thread_ = StartThread("backup verifier", [this] { Run(); });
 }
 
 void BackupVerifier::Stop() {

@@ -1,5 +1,7 @@
 #include "map_store/process/fusion_executor.h"
 
+#include "slam/util/named_thread.h"
+
 namespace corbslam::map_store {
 
 void FusionExecutor::Start(ListMissions missions, int threads_per_lane) {
@@ -7,7 +9,7 @@ void FusionExecutor::Start(ListMissions missions, int threads_per_lane) {
   if (worker_ == nullptr) return;
   for (int i = 0; i < threads_per_lane; ++i) {
     for (const FusionLane lane : kFusionLanes) {
-      threads_.emplace_back([this, lane] { RunLane(lane); });
+      threads_.push_back(StartThread("fusion", [this, lane] { RunLane(lane); }));
     }
   }
 }

@@ -7,6 +7,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "map_store/view/damage_words.h"
+#include "slam/util/named_thread.h"
 #include "slam/util/resident_memory.h"
 #include "slam/util/status_macros.h"
 #include "slam/util/thread_priority.h"
@@ -29,7 +30,7 @@ absl::Status IsUsed(absl::string_view name) {
 }  // namespace
 
 void MissionEvictor::Start() {
-  thread_ = std::thread([this] { Run(); });
+  thread_ = StartThread("mission evictor", [this] { Run(); });
 }
 
 void MissionEvictor::Stop() {

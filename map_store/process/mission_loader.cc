@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "slam/util/named_thread.h"
 #include "slam/util/thread_priority.h"
 
 namespace corbslam::map_store {
@@ -18,7 +19,9 @@ void MissionLoader::Start(int threads) {
     absl::MutexLock lock(&mutex_);
     running_ = true;
   }
-  for (int i = 0; i < threads; ++i) threads_.emplace_back([this] { Run(); });
+  for (int i = 0; i < threads; ++i) {
+    threads_.push_back(StartThread("mission loader", [this] { Run(); }));
+  }
 }
 
 void MissionLoader::Stop() {

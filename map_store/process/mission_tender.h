@@ -8,6 +8,7 @@
 
 #include "absl/time/time.h"
 #include "map_store/process/work_signal.h"
+#include "slam/util/named_thread.h"
 
 namespace corbslam::map_store {
 
@@ -19,7 +20,7 @@ class MissionTender {
 
   // The first call is a minute later.
   void Start() {
-    thread_ = std::thread([this] {
+    thread_ = StartThread("mission tender", [this] {
       while (signal_.WaitFor(absl::Minutes(1))) tend_();
     });
   }

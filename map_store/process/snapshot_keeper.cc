@@ -4,6 +4,7 @@
 
 #include <utility>
 
+#include "slam/util/named_thread.h"
 #include "slam/util/thread_priority.h"
 
 namespace corbslam::map_store {
@@ -17,7 +18,7 @@ constexpr absl::Duration kAfterFailure = absl::Minutes(1);
 void SnapshotKeeper::Start(ListMissions missions, std::function<void()> when_written) {
   missions_ = std::move(missions);
   when_written_ = std::move(when_written);
-  thread_ = std::thread([this] { Run(); });
+  thread_ = StartThread("snapshots", [this] { Run(); });
 }
 
 void SnapshotKeeper::Stop() {

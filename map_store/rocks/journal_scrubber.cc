@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "absl/time/clock.h"
+#include "slam/util/named_thread.h"
 #include "slam/util/status_macros.h"
 #include "slam/util/thread_priority.h"
 
@@ -20,7 +21,7 @@ constexpr absl::Duration kBetweenScrubs = absl::Minutes(10);
 
 JournalScrubber::JournalScrubber(Access access, uint64_t bytes_per_s)
     : access_(std::move(access)), bytes_per_s_(bytes_per_s) {
-  if (bytes_per_s_ > 0) thread_ = std::thread([this] { Run(); });
+  if (bytes_per_s_ > 0) thread_ = StartThread("scrubber", [this] { Run(); });
 }
 
 JournalScrubber::~JournalScrubber() {

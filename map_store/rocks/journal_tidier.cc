@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "absl/time/clock.h"
+#include "slam/util/named_thread.h"
 #include "slam/util/thread_priority.h"
 
 namespace corbslam::map_store {
@@ -18,7 +19,7 @@ constexpr absl::Duration kBetweenWarnings = absl::Minutes(10);
 }  // namespace
 
 JournalTidier::JournalTidier(ListMissions missions)
-    : missions_(std::move(missions)), thread_([this] { Run(); }) {}
+    : missions_(std::move(missions)), thread_(StartThread("journal tidier", [this] { Run(); })) {}
 
 JournalTidier::~JournalTidier() {
   Stop();

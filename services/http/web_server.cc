@@ -15,6 +15,7 @@
 #include "services/runtime/address.h"
 #include "services/runtime/file_limit.h"
 #include "services/runtime/listen_errors.h"
+#include "slam/util/named_thread.h"
 #include "slam/util/status_macros.h"
 #include "slam/util/thread_priority.h"
 
@@ -84,7 +85,7 @@ class WebLoop : public WebServer {
   }
   void Run() {
     AcceptNext();
-    thread_ = std::thread([this] {
+    thread_ = StartThread("http", [this] {
       if (options_.steps_behind) StepBehindRobots(kStepsLower, "scrapes");
       context_.run();
     });

@@ -17,6 +17,7 @@
 #include "services/observe/logging/log_format.h"
 #include "services/runtime/file_limit.h"
 #include "services/server/server.h"
+#include "slam/util/named_thread.h"
 
 namespace corbslam::services {
 namespace {
@@ -91,10 +92,10 @@ int RunProgram(CLI::App& app, int argc, char** argv, const Program& program) {
 }
 
 StopWatcher::StopWatcher()
-    : thread_([this] {
+    : thread_(StartThread("stop signals", [this] {
         WaitForStopSignal();
         stopped_.Notify();
-      }) {}
+      })) {}
 
 StopWatcher::~StopWatcher() {
   if (!stopped_.HasBeenNotified()) pthread_kill(thread_.native_handle(), SIGTERM);

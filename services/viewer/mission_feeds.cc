@@ -5,6 +5,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
+#include "slam/util/named_thread.h"
 
 namespace corbslam::services {
 namespace {
@@ -15,9 +16,12 @@ constexpr absl::Duration kSweepInterval = absl::Seconds(1);
 
 MissionFeeds::MissionFeeds(std::shared_ptr<grpc::Channel> store, Robots robots,
                            const MissionFeedsOptions& options)
-    : store_(std::move(store)), robots_(std::move(robots)), options_(options), sweeper_([this] {
+    : store_(std::move(store)),
+      robots_(std::move(robots)),
+      options_(options),
+      sweeper_(StartThread("feed sweeper", [this] {
         while (!stop_.WaitForNotificationWithTimeout(kSweepInterval)) Sweep();
-      }) {}
+      })) {}
 
 MissionFeeds::~MissionFeeds() {
   stop_.Notify();

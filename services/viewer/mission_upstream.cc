@@ -6,6 +6,7 @@
 #include "absl/time/clock.h"
 #include "services/client/store/call_status.h"
 #include "services/convert/resource_names.h"
+#include "slam/util/named_thread.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::services {
@@ -90,16 +91,18 @@ MissionUpstream::MissionUpstream(std::string mission, const std::shared_ptr<grpc
   for (const AskedRobot& robot : robots) {
     robots_.push_back({robot.agent, v1::Agent::NewStub(robot.channel)});
   }
-  threads_.emplace_back([this] {
+  threads_.push_back(StartThread("mission map", [this] {
     Repeat([this](bool& got) {
       const absl::Status status = FollowMap(got);
       feed_.BeginAnew();
       absl::MutexLock lock(&mutex_);
       map_status_ = status;
     });
-  });
-  threads_.emplace_back([this] { Repeat([this](bool& got) { FollowEvents(got).IgnoreError(); }); });
-  threads_.emplace_back([this] { TakePulses(); });
+  }));
+  threads_.push_back(StartThread("mission events", [this] {
+    Repeat([this](bool& got) { FollowEvents(got).IgnoreError(); });
+  }));
+  threads_.push_back(StartThread("mission pulse", [this] { TakePulses(); }));
 }
 
 MissionUpstream::~MissionUpstream() {

@@ -8,6 +8,7 @@
 #include "services/client/store/call_status.h"
 #include "services/convert/resource_names.h"
 #include "services/security/revoked_list.h"
+#include "slam/util/named_thread.h"
 
 namespace corbslam::services {
 namespace {
@@ -22,7 +23,7 @@ constexpr size_t kMaxTokens = 1000;
 
 TokenWatch::TokenWatch(const std::shared_ptr<grpc::Channel>& store, absl::Duration interval)
     : store_(store != nullptr ? v1::MapStore::NewStub(store) : nullptr), interval_(interval) {
-  if (store_ != nullptr) thread_ = std::thread([this] { Run(); });
+  if (store_ != nullptr) thread_ = StartThread("token watch", [this] { Run(); });
 }
 
 TokenWatch::~TokenWatch() {

@@ -7,6 +7,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "slam/exchange/session_end.h"
+#include "slam/util/named_thread.h"
 
 namespace corbslam::services {
 namespace {
@@ -51,7 +52,7 @@ UplinkLog::UplinkLog(LogFields who, Explain explain, const UplinkLogOptions& opt
       explain_(std::move(explain)),
       options_(options),
       without_since_(options_.clock()),
-      thread_([this] { Run(); }) {}
+      thread_(StartThread("uplink log", [this] { Run(); })) {}
 
 UplinkLog::~UplinkLog() {
   {

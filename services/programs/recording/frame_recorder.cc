@@ -8,6 +8,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
 #include "services/programs/recording/recorded_agent.h"
+#include "slam/util/named_thread.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::services {
@@ -47,7 +48,7 @@ FrameRecorder::FrameRecorder(RecordingHead head, std::unique_ptr<RecordingFiles>
     : options_(options),
       files_(std::move(files)),
       head_(std::move(head)),
-      thread_([this] { Run(); }) {}
+      thread_(StartThread("recorder", [this] { Run(); })) {}
 
 FrameRecorder::~FrameRecorder() { Finish().IgnoreError(); }
 
