@@ -217,7 +217,7 @@ void AddFlags(CLI::App& app, Flags& flags) {
            "PEM file of Ed25519 public keys whose tokens browsers show"},
           {"--open", &flags.open, "Everybody who reaches it may look at every mission"},
           {"--max-pages",
-           &flags.web.max_streams,
+           &flags.max_pages,
            "Pages that are open at once",
            {.in = {1, 10000}}},
           {"--max-missions",
