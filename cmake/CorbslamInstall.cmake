@@ -8,25 +8,22 @@ set(CORBSLAM_DOCUMENTS "${CMAKE_BINARY_DIR}/documents")
 file(MAKE_DIRECTORY "${CORBSLAM_DOCUMENTS}")
 find_program(GZIP_PROGRAM gzip REQUIRED)
 
-# Programs say themselves what is in their manuals and completions. CMake runs a target that is named by its
+# Programs say themselves what is in their manuals. CMake runs a target that is named by its
 # name under the emulator, where the build has one.
 function(corbslam_install_program NAME PART)
   set(PREFIX "${CORBSLAM_DOCUMENTS}/${NAME}")
   add_custom_command(
-    OUTPUT "${PREFIX}.1.gz" "${PREFIX}.bash" "${PREFIX}.zsh"
+    OUTPUT "${PREFIX}.1.gz"
     COMMAND ${NAME} --man-page > "${PREFIX}.1"
     COMMAND "${GZIP_PROGRAM}" -9nf "${PREFIX}.1"
-    COMMAND ${NAME} --completion bash > "${PREFIX}.bash"
-    COMMAND ${NAME} --completion zsh > "${PREFIX}.zsh"
     DEPENDS ${NAME})
-  add_custom_target(${NAME}_documents ALL
-                    DEPENDS "${PREFIX}.1.gz" "${PREFIX}.bash" "${PREFIX}.zsh")
+  add_custom_target(${NAME}_documents ALL DEPENDS "${PREFIX}.1.gz")
   add_dependencies(installed ${NAME} ${NAME}_documents)
   install(TARGETS ${NAME} RUNTIME COMPONENT ${PART})
   install(FILES "${PREFIX}.1.gz" DESTINATION "${CMAKE_INSTALL_MANDIR}/man1" COMPONENT ${PART})
-  install(FILES "${PREFIX}.bash" RENAME ${NAME}
+  install(FILES "${CMAKE_SOURCE_DIR}/deploy/completion.bash" RENAME ${NAME}
           DESTINATION "${CMAKE_INSTALL_DATADIR}/bash-completion/completions" COMPONENT ${PART})
-  install(FILES "${PREFIX}.zsh" RENAME _${NAME}
+  install(FILES "${CMAKE_SOURCE_DIR}/deploy/completion.bash" RENAME _${NAME}
           DESTINATION "${CMAKE_INSTALL_DATADIR}/zsh/vendor-completions" COMPONENT ${PART})
 endfunction()
 

@@ -9,7 +9,6 @@
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_split.h"
 #include "services/command_line/advice.h"
-#include "services/command_line/completion.h"
 #include "services/command_line/environment.h"
 #include "services/command_line/help_formatter.h"
 #include "services/command_line/man_page.h"
@@ -93,26 +92,16 @@ CommandLine::CommandLine(CLI::App* app, const std::string& program)
   app_->footer(absl::StrCat("\nFlags count before environment variables (", prefix_,
                             "FLAG for --flag, dashes as\nunderscores), those before the file of "
                             "--config, that before the [defaults]."));
-  AddPrinters();
+  app_->add_flag_callback("--man-page",
+                          [=, this] {
+                            throw CLI::CallForVersion(
+                                FormatManPage(*app_, prefix_, ProgramVersion()), 0);
+                          })
+      ->group("")
+      ->configurable(false);
   SetFormatter(*app_, std::make_shared<HelpFormatter>());
   ReadFromEnvironment(*app_, prefix_);
   CheckEveryValue(*app_);
-}
-
-void CommandLine::AddPrinters() {
-  const auto print = [](const std::string& text) { throw CLI::CallForVersion(text, 0); };
-  app_->add_flag_callback("--man-page",
-                          [=, this] { print(FormatManPage(*app_, prefix_, ProgramVersion())); })
-      ->group("")
-      ->configurable(false);
-  app_->add_option_function<std::string>(
-          "--completion",
-          [=, this](const std::string& shell) {
-            print(shell == "zsh" ? ZshCompletion(*app_) : BashCompletion(*app_));
-          })
-      ->check(CLI::IsMember({"bash", "zsh"}))
-      ->group("")
-      ->configurable(false);
 }
 
 void CommandLine::CheckEnvironment() const {

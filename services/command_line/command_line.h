@@ -22,7 +22,7 @@ inline constexpr int kWrongUsage = 2;
 std::string ProgramVersion();
 
 // Parses one program's flags. Not thread-safe. Adds what every program has: --config, --version,
-// --help-all, and, for packagers and not in --help, --man-page and --completion bash|zsh.
+// --help-all, and, for packagers and not in --help, --man-page.
 class CommandLine {
  public:
   // The caller must have added all flags and commands. Variables are called CORBSLAM_PROGRAM_FLAG.
@@ -46,7 +46,6 @@ class CommandLine {
   std::string DescribeConfiguration();
 
  private:
-  void AddPrinters();
   void CheckEnvironment() const;
   // Returns where the option's value stands: "command line", a variable or FILE:LINE; "" for a
   // default.

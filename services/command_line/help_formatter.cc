@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_replace.h"
 #include "absl/strings/str_split.h"
 #include "absl/strings/strip.h"
 
@@ -27,6 +28,11 @@ std::vector<std::string> BreakIntoLines(const std::string& text, size_t length) 
 std::string ValueName(const CLI::Option& option) {
   if (option.get_type_size() == 0) return "";
   const std::string name = option.get_type_name();
+  // CLI::IsMember describes itself as "TEXT:{se3,sim3}".
+  const size_t begin = name.find('{');
+  if (begin != std::string::npos) {
+    return absl::StrReplaceAll(name.substr(begin + 1, name.find('}') - begin - 1), {{",", "|"}});
+  }
   // The limits stand behind a colon; the error of a wrong value names them.
   return name.substr(0, name.find(':'));
 }

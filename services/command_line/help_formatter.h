@@ -10,7 +10,8 @@ namespace corbslam::services {
 // Flags of this group are in --help-all only.
 inline constexpr char kRareGroup[] = "Limits";
 
-// Returns what an option takes, such as "HOST" or "on|off"; "" for a flag.
+// Returns what an option takes, such as "HOST" or "on|off", where it is one of a few; "" for a
+// flag.
 std::string ValueName(const CLI::Option& option);
 // Returns the option's default in brackets behind a space, or "" if it has none worth a word.
 std::string DefaultNote(const CLI::Option& option);

@@ -4,10 +4,7 @@
 #define CORBSLAM_SERVICES_COMMAND_LINE_VALUES_H_
 
 #include <CLI/CLI.hpp>
-#include <cstdint>
 #include <string>
-#include <utility>
-#include <vector>
 
 namespace corbslam::services {
 
@@ -23,21 +20,6 @@ std::string InOurWords(const std::string& message);
 
 // Lets an option be given an empty text: one that takes back what was set.
 CLI::Option* MayBeEmpty(CLI::Option* option);
-
-// Reads one of some words and makes it the number that the option is bound to. The error lists the
-// words.
-CLI::Validator Choice(std::vector<std::pair<std::string, int>> numbers_of_words);
-
-// Bounds of a number of bytes. 0, for no bound, may lie outside of them.
-struct ByteRange {
-  uint64_t least = 0;
-  uint64_t most = uint64_t{1} << 50;  // More has no computer.
-  bool may_be_0 = false;
-};
-// Reads a number of bytes, as 500MB, 0.5GiB or 4096 (1 KB is 1024, as 1 KiB is), for an option
-// whose type is named kBytesType. The error says the bounds.
-inline constexpr char kBytesType[] = "BYTES";
-CLI::Validator BytesWithin(const ByteRange& range);
 
 }  // namespace corbslam::services
 

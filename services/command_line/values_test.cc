@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "services/command_line/command_line.h"
+#include "services/command_line/setting.h"
 #include "services/testing/test_path.h"
 
 namespace corbslam::services {
@@ -18,6 +19,8 @@ namespace {
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 
+constexpr NamedValues<int, 2> kModes = {{{"none", 0}, {"all", 1}}};
+
 // A program with an option of each kind, one of them of a command.
 struct ValuedProgram {
   ValuedProgram() {
@@ -25,15 +28,11 @@ struct ValuedProgram {
     MayBeEmpty(app.add_option("--note", note));
     app.add_option("--count", count);
     app.add_option("--limit", limit);
-    app.add_option("--seconds", seconds)->check(CLI::Range(0.0, 10.0));
-    app.add_option("--kbps", kbps)->type_name("KBPS");
-    app.add_flag("--strict", strict);
-    app.add_option("--budget", budget)
-        ->transform(BytesWithin({.least = 1024, .most = uint64_t{1} << 40, .may_be_0 = true}))
-        ->type_name(kBytesType);
-    app.add_option("--mode", mode)
-        ->transform(Choice({{"none", 0}, {"all", 1}}))
-        ->type_name("none|all");
+    AddSettings(app, {{"--seconds", &seconds, "", {.in = {0, 10}}},
+                      {"--kbps", &kbps, "", {.unit = "KBPS"}},
+                      {"--strict", &strict, ""},
+                      {"--budget", &budget, "", {.in = Bytes(1024, uint64_t{1} << 40, "no bound")}},
+                      {"--mode", OneOf(kModes, &mode), ""}});
     app.add_subcommand("go")->add_option("--far", far)->check(CLI::Range(1, 100));
   }
 

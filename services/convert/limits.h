@@ -6,6 +6,8 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "slam/util/number_range.h"
+
 namespace corbslam::services {
 
 inline constexpr int kMaxKeypoints = 20000;
@@ -31,8 +33,9 @@ inline constexpr size_t kMaxCamerasOfStream = 10'000;
 inline constexpr uint64_t kMinDownlink_Bps = 1'000;
 inline constexpr uint64_t kMaxDownlink_Bps = uint64_t{1} << 40;
 // A robot that wants what is near it says how near, within these limits.
-inline constexpr double kMinShareRadius_m = 1;
-inline constexpr double kMaxShareRadius_m = 1e6;
+inline constexpr NumberRange kShareRadius_m = {1, 1e6};
+// What a link may carry, in thousands of bits a second.
+inline constexpr NumberRange kLink_kbps = {8, 10'000'000, "no bound"};
 // Our own writers begin another part of a batch or shared update after so many bytes.
 inline constexpr size_t kPartBytes = 2u << 20;
 // A keypoint takes about so many bytes as columns.

@@ -1,5 +1,6 @@
 #include "services/convert/shared_update.h"
 
+#include <algorithm>
 #include <string>
 #include <utility>
 
@@ -329,34 +330,24 @@ Capabilities ReadCapabilities(const Message& proto) {
   return capabilities;
 }
 
+// The first entry of a mode is the one that is written.
+constexpr std::pair<v1::Share, ShareMode> kShares[] = {
+    {v1::SHARE_UNSPECIFIED, ShareMode::kEverything},
+    {v1::SHARE_EVERYTHING, ShareMode::kEverything},
+    {v1::SHARE_NEARBY, ShareMode::kNearby},
+    {v1::SHARE_CORRECTIONS, ShareMode::kCorrections},
+    {v1::SHARE_NONE, ShareMode::kNone},
+};
+
 v1::Share ToProto(ShareMode mode) {
-  switch (mode) {
-    case ShareMode::kNone:
-      return v1::SHARE_NONE;
-    case ShareMode::kCorrections:
-      return v1::SHARE_CORRECTIONS;
-    case ShareMode::kNearby:
-      return v1::SHARE_NEARBY;
-    case ShareMode::kEverything:
-      break;
-  }
-  return v1::SHARE_UNSPECIFIED;
+  return std::ranges::find(kShares, mode, &std::pair<v1::Share, ShareMode>::second)->first;
 }
 
 absl::StatusOr<ShareMode> ReadShareMode(int share) {
-  switch (share) {
-    case v1::SHARE_UNSPECIFIED:
-    case v1::SHARE_EVERYTHING:
-      return ShareMode::kEverything;
-    case v1::SHARE_NONE:
-      return ShareMode::kNone;
-    case v1::SHARE_CORRECTIONS:
-      return ShareMode::kCorrections;
-    case v1::SHARE_NEARBY:
-      return ShareMode::kNearby;
-    default:
-      return OutOfRange("share", share, v1::Share_MIN, v1::Share_MAX);
+  for (const auto& [proto, mode] : kShares) {
+    if (proto == share) return mode;
   }
+  return OutOfRange("share", share, v1::Share_MIN, v1::Share_MAX);
 }
 
 // A radius is checked whatever the mode is, and used with SHARE_NEARBY only.
@@ -365,9 +356,8 @@ absl::StatusOr<ShareScope> ReadShareScope(const v1::OpenSession& proto) {
   ASSIGN_OR_RETURN(scope.mode, ReadShareMode(proto.share()));
   const double radius_m = proto.share_radius_m();
   if (radius_m == 0) return scope;
-  // No comparison with a number that is none is true.
-  if (!(radius_m >= kMinShareRadius_m && radius_m <= kMaxShareRadius_m)) {
-    return OutOfRange("share_radius_m", radius_m, kMinShareRadius_m, kMaxShareRadius_m);
+  if (!kShareRadius_m.Contains(radius_m)) {
+    return OutOfRange("share_radius_m", radius_m, kShareRadius_m.least, kShareRadius_m.most);
   }
   if (scope.mode == ShareMode::kNearby) scope.radius_m = radius_m;
   return scope;

@@ -7,7 +7,7 @@
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "services/convert/resource_names.h"
-#include "services/convert/robot_settings_check.h"
+#include "services/convert/robot_setting_table.h"
 #include "services/map_store_service/map_store_service.h"
 #include "services/map_store_service/settings_to_proto.h"
 #include "services/observe/logging/log_fields.h"

@@ -1,7 +1,7 @@
 #include "services/programs/backup_flags.h"
 
 #include "absl/strings/str_cat.h"
-#include "services/command_line/help_formatter.h"
+#include "services/command_line/setting.h"
 #include "services/programs/checks.h"
 #include "slam/util/status_macros.h"
 
@@ -13,30 +13,33 @@ constexpr absl::Duration kLeastInterval = absl::Seconds(10);
 }  // namespace
 
 void AddBackupFlags(CLI::App& app, BackupFlags& flags) {
-  app.add_option("--backup-dir", flags.directory,
-                 "Folder, best on another disk, for backups of all missions that the store makes "
-                 "by itself. Without: none");
-  app.add_option("--backup-every", flags.every,
-                 "How often, as 1h or 30m; a mission that has not changed gets none")
-      ->capture_default_str();
-  app.add_option("--backup-keep", flags.keep,
-                 "How many of a mission are kept; archives are kept beside them")
-      ->check(CLI::Range(size_t{1}, size_t{100000}))
-      ->capture_default_str();
-  app.add_option("--backup-mb-per-s", flags.mb_per_s, "MB a second that backups write; 0: any")
-      ->check(CLI::Range(0.0, 100000.0))
-      ->group(kRareGroup)
-      ->capture_default_str();
-  app.add_option("--backup-take-over", flags.take_over_from,
-                 "Id of the store whose folder --backup-dir was, which is gone, and whose place "
-                 "this one takes; the refusal names it")
-      ->group(kRareGroup);
-  app.add_option("--scrub-mb-per-s", flags.scrub_mb_per_s,
-                 "MB a second of the data folder, and as many of the backups, that are read again "
-                 "to find damage; 0: never")
-      ->check(CLI::Range(0.0, 100000.0))
-      ->group(kRareGroup)
-      ->capture_default_str();
+  AddSettings(
+      app,
+      {
+          {"--backup-dir", &flags.directory,
+           "Folder, best on another disk, for backups of all missions that the store makes by "
+           "itself. Without: none"},
+          {"--backup-every", &flags.every,
+           "How often, as 1h or 30m; a mission that has not changed gets none"},
+          {"--backup-keep",
+           &flags.keep,
+           "How many of a mission are kept; archives are kept beside them",
+           {.in = {1, 100000}}},
+          {"--backup-mb-per-s",
+           &flags.mb_per_s,
+           "MB a second that backups write; 0: any",
+           {.in = {0, 100000}, .rare = true}},
+          {"--backup-take-over",
+           &flags.take_over_from,
+           "Id of the store whose folder --backup-dir was, which is gone, and whose place this "
+           "one takes; the refusal names it",
+           {.rare = true}},
+          {"--scrub-mb-per-s",
+           &flags.scrub_mb_per_s,
+           "MB a second of the data folder, and as many of the backups, that are read again to "
+           "find damage; 0: never",
+           {.in = {0, 100000}, .rare = true}},
+      });
 }
 
 absl::StatusOr<absl::Duration> ParseBackupInterval(const BackupFlags& flags) {

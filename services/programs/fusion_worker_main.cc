@@ -9,6 +9,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "fusion_worker/local_fusion_worker.h"
+#include "services/command_line/setting.h"
 #include "services/fusion_worker_service/fusion_worker_service.h"
 #include "services/observe/kept_work/keeping_fusion_worker.h"
 #include "services/programs/checks.h"
@@ -102,6 +103,46 @@ absl::Status Run(Flags flags) {
   return absl::OkStatus();
 }
 
+void AddFlags(CLI::App& app, Flags& flags) {
+  AddSettings(
+      app,
+      {
+          {"--listen", &flags.listen, "HOST:PORT to serve on; port 0: any free one"},
+          {"--requests",
+           &flags.service.threads,
+           "Requests that are worked on at once",
+           {.in = {1, 256}}},
+          {"--max-requests",
+           &flags.service.max_requests,
+           "Requests that are held at once; further ones are sent elsewhere",
+           {.in = {1, 10000}}},
+          {"--threads",
+           &flags.worker.threads,
+           "Solver threads of fusing a request",
+           {.in = {1, 64}}},
+          {"--seed", &flags.worker.seed, "Of all random choices"},
+          {"--niceness",
+           &flags.niceness,
+           "Steps that its threads are nicer than it was started: 0 like others, 19 only when "
+           "nobody else wants the processor",
+           {.in = {0, 19}}},
+          {"--max-connection-age",
+           &flags.max_connection_age_s,
+           "Seconds after which a store is asked to connect anew",
+           {.in = {1, 1e6}}},
+          {"--drain",
+           &flags.drain_s,
+           "Seconds that requests have to end after SIGTERM",
+           {.in = {0, 3600}}},
+          {"--keep-adjustments", &flags.keep_adjustments,
+           "Folder that each request to adjust is written to, to find out why a map is as it is; "
+           "nothing in it is deleted"},
+      });
+  AddTlsFlags(app, flags.security);
+  AddServerFlags(app, flags.security);
+  AddMetricsFlag(app, flags.observe);
+}
+
 }  // namespace
 }  // namespace corbslam::services
 
@@ -109,38 +150,7 @@ int main(int argc, char** argv) {
   corbslam::services::BlockStopSignals();
   corbslam::services::Flags flags;
   CLI::App app("Verifies overlaps, fuses maps and adjusts bundles for map stores", "fusion_worker");
-  app.add_option("--listen", flags.listen, "HOST:PORT to serve on; port 0: any free one")
-      ->capture_default_str();
-  app.add_option("--requests", flags.service.threads, "Requests that are worked on at once")
-      ->check(CLI::Range(1, 256))
-      ->capture_default_str();
-  app.add_option("--max-requests", flags.service.max_requests,
-                 "Requests that are held at once; further ones are sent elsewhere")
-      ->check(CLI::Range(1, 10000))
-      ->capture_default_str();
-  app.add_option("--threads", flags.worker.threads, "Solver threads of fusing a request")
-      ->check(CLI::Range(1, 64))
-      ->capture_default_str();
-  app.add_option("--seed", flags.worker.seed, "Of all random choices")->capture_default_str();
-  app.add_option(
-         "--niceness", flags.niceness,
-         "Steps that its threads are nicer than it was started: 0 like others, 19 only when "
-         "nobody else wants the processor")
-      ->check(CLI::Range(0, 19))
-      ->capture_default_str();
-  app.add_option("--max-connection-age", flags.max_connection_age_s,
-                 "Seconds after which a store is asked to connect anew")
-      ->check(CLI::Range(1.0, 1e6))
-      ->capture_default_str();
-  app.add_option("--drain", flags.drain_s, "Seconds that requests have to end after SIGTERM")
-      ->check(CLI::Range(0.0, 3600.0))
-      ->capture_default_str();
-  app.add_option("--keep-adjustments", flags.keep_adjustments,
-                 "Folder that each request to adjust is written to, to find out why a map "
-                 "is as it is; nothing in it is deleted");
-  corbslam::services::AddTlsFlags(app, flags.security);
-  corbslam::services::AddServerFlags(app, flags.security);
-  corbslam::services::AddMetricsFlag(app, flags.observe);
+  corbslam::services::AddFlags(app, flags);
   return corbslam::services::RunProgram(app, argc, argv,
                                         {[&] { return corbslam::services::Run(flags); },
                                          [&] { return corbslam::services::Check(flags); }});

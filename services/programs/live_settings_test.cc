@@ -78,7 +78,7 @@ class LiveSettingsTest : public ::testing::Test {
         .check = [flags](const SettableFlags& set) { return CheckSettable(With(set, flags)); },
         .limits =
             [](const SettableFlags&, const SettableFlags& set) {
-              return client_agent::ChangedLimits{.share = ScopeOf(set.share)};
+              return client_agent::ChangedLimits{.share = ScopeOf(set, /*is_bounded=*/false)};
             }});
   }
   static std::string Refused(const LiveSettings& live) { return live.Report()["refused"].dump(); }
@@ -110,12 +110,12 @@ const std::vector<Case>& CasesThatDontFit() {
        [](v1::RobotSettings& set) { set.set_memory_budget_bytes(500 * kMiB); },
        "1000 MiB for --outbox-mb"},
       {"a budget, though its own flags have all come",
-       [](RobotFlags& own) { own.share.mode = ShareMode::kEverything, own.given = {"--share"}; },
+       [](RobotFlags& own) { own.share = ShareMode::kEverything, own.given = {"--share"}; },
        [](v1::RobotSettings& set) { set.set_memory_budget_bytes(500 * kMiB); },
        "--share everything has no bound"},
       {"features that its own budget has no room for",
        [](RobotFlags& own) {
-         own.memory.budget_bytes = 300 * kMiB, own.given = {"--memory-budget"};
+         own.memory_budget_bytes = 300 * kMiB, own.given = {"--memory-budget"};
        },
        [](v1::RobotSettings& set) { set.set_features(20'000); }, "20000 features"},
       {"a radius without what it is of", [](RobotFlags&) {},

@@ -15,8 +15,7 @@
 #include "map_store/mission/mission_load.h"
 #include "map_store/rocks/rocks_journal.h"
 #include "map_store/store/map_store.h"
-#include "services/command_line/help_formatter.h"
-#include "services/command_line/values.h"
+#include "services/command_line/setting.h"
 #include "services/convert/resource_names.h"
 #include "services/map_store_service/map_store_service.h"
 #include "services/programs/backup_flags.h"
@@ -50,7 +49,7 @@ using map_store::RocksJournalOptions;
 namespace {
 
 // More of a mission has none.
-constexpr size_t kMostItems = size_t{1} << 50;
+constexpr double kMostItems = double{uint64_t{1} << 50};
 
 constexpr double kSleepAfter_s = 600;
 
@@ -118,15 +117,6 @@ std::vector<absl::Status> CheckWorkers(const Flags& flags) {
   return found;
 }
 
-// A number without a unit is one of bytes, which is hardly ever meant.
-absl::Status CheckMemoryBudget(uint64_t bytes) {
-  constexpr uint64_t kLeast = uint64_t{64} << 20;
-  if (bytes == 0 || bytes >= kLeast) return absl::OkStatus();
-  return absl::InvalidArgumentError(
-      absl::StrCat("--memory-budget is ", bytes, " bytes; the store itself needs ", kLeast,
-                   " (64MiB). Give it with a unit, as 6GiB, or 0 for no limit"));
-}
-
 std::vector<absl::Status> Check(const Flags& flags) {
   std::vector<absl::Status> found = {
       flags.store.Validate(),
@@ -140,7 +130,6 @@ std::vector<absl::Status> Check(const Flags& flags) {
   found.insert(found.end(), workers.begin(), workers.end());
   if (!flags.data_dir.empty()) found.push_back(CheckFolder("--data-dir", flags.data_dir));
   found.push_back(CheckBackupFlags(flags.backup, flags.data_dir));
-  found.push_back(CheckMemoryBudget(flags.memory_budget_bytes.value_or(0)));
   const std::vector<absl::Status> observing = CheckObserving(flags.observe);
   found.insert(found.end(), observing.begin(), observing.end());
   return found;
@@ -165,7 +154,6 @@ std::string DescribeStart(const Flags& flags, const std::string& address, size_t
 }
 
 absl::Status Run(Flags flags) {
-  RETURN_IF_ERROR(CheckMemoryBudget(flags.memory_budget_bytes.value_or(0)));
   flags.store.memory_budget_bytes = flags.memory_budget_bytes.value_or(DefaultMemoryBudget());
   flags.store.retire = !flags.keep_everything;
   flags.store.join_local_maps = !flags.keep_everything && !flags.keep_local_maps_apart;
@@ -227,73 +215,83 @@ absl::Status Run(Flags flags) {
   return absl::OkStatus();
 }
 
+std::vector<Setting> PlaceRows(Flags& flags) {
+  return {
+      {"--listen", &flags.listen, "HOST:PORT to serve on; port 0: any free one"},
+      {"--worker",
+       &flags.workers,
+       "HOST:PORT of a fusion worker; may be repeated",
+       {.delimiter = ','}},
+      {"--in-process-worker", &flags.in_process_worker, "Fuse in this process"},
+      {"--data-dir", &flags.data_dir,
+       "Folder that keeps the missions; made if it is not there. Without: in memory"},
+      {"--min-free-mb",
+       &flags.min_free_mb,
+       "MiB that are left free on its disk; with less, agents are told to wait",
+       {.in = {0, 1 << 20}, .rare = true}},
+      {"--vocabulary", &flags.vocabulary, "File of the bag of words"},
+      // A number without a unit is one of bytes, which is hardly ever meant.
+      {"--memory-budget",
+       &flags.memory_budget_bytes,
+       "Memory of the process, as 6GiB or 600MiB, beyond which nothing is taken in; 0: no limit. "
+       "Default: three quarters of the container's or the machine's",
+       {.in = Bytes(uint64_t{64} << 20, kMostBytes, "no limit")}},
+  };
+}
+
+std::vector<Setting> WorkRows(Flags& flags) {
+  return {
+      {"--sleep-after",
+       &flags.store.sleep_after_s,
+       "Seconds after which a mission that nobody uses leaves memory, and is read again when "
+       "somebody wants it; needs --data-dir; 0: never",
+       {.in = {0, 1e9}}},
+      {"--threads",
+       &flags.service.threads,
+       "Threads that apply batches and answer",
+       {.in = {1, 256}}},
+      {"--adjust-threads",
+       &flags.store.adjust_threads,
+       "Solver threads of a bundle adjustment",
+       {.in = {1, 64}, .rare = true}},
+      {"--cull-share",
+       &flags.store.cull_share,
+       "Keyframes whose points three others see to this share are culled; 0: none",
+       {.in = {0, 1}, .rare = true}},
+      {"--cull-target",
+       &flags.store.cull_target,
+       "Keyframes of an island beyond which the most redundant are culled; 0: none",
+       {.in = {0, kMostItems}, .rare = true}},
+      {"--keep-everything", &flags.keep_everything,
+       "Keep also keyframes of closed sessions that others stand in for, and points that have "
+       "vanished"},
+      {"--keep-local-maps-apart",
+       &flags.keep_local_maps_apart,
+       "Keep a local map of each session of a robot, also of old ones that fusion joined",
+       {.rare = true}},
+      {"--keep-local-maps",
+       &flags.store.keep_local_maps,
+       "A robot's newest closed local maps that stay as they are",
+       {.in = {0, kMostItems}, .rare = true}},
+      {"--max-shared-keyframes",
+       &flags.store.max_shared_keyframes,
+       "Others' keyframes that one agent is sent at most",
+       {.in = {0, kMostItems}}},
+      {"--shared-bytes",
+       &flags.service.shared_bytes,
+       "Bytes of one shared update, about",
+       {.in = {1024, 2 << 20}, .rare = true}},
+      {"--drain",
+       &flags.drain_s,
+       "Seconds that streams have to end after SIGTERM",
+       {.in = {0, 3600}}},
+  };
+}
+
 void AddFlags(CLI::App& app, Flags& flags) {
-  app.add_option("--listen", flags.listen, "HOST:PORT to serve on; port 0: any free one")
-      ->capture_default_str();
-  app.add_option("--worker", flags.workers, "HOST:PORT of a fusion worker; may be repeated")
-      ->delimiter(',');
-  app.add_flag("--in-process-worker", flags.in_process_worker, "Fuse in this process");
-  app.add_option("--data-dir", flags.data_dir,
-                 "Folder that keeps the missions; made if it is not there. Without: in memory");
-  app.add_option("--min-free-mb", flags.min_free_mb,
-                 "MiB that are left free on its disk; with less, agents are told to wait")
-      ->check(CLI::Range(0, 1 << 20))
-      ->group(kRareGroup)
-      ->capture_default_str();
+  AddSettings(app, PlaceRows(flags));
   AddBackupFlags(app, flags.backup);
-  app.add_option(
-         "--memory-budget", flags.memory_budget_bytes,
-         "Memory of the process, as 6GiB or 600MiB, beyond which nothing is taken in; 0: no "
-         "limit. Default: three quarters of the container's or the machine's")
-      ->transform(BytesWithin({.may_be_0 = true}))
-      ->type_name(kBytesType);
-  app.add_option("--sleep-after", flags.store.sleep_after_s,
-                 "Seconds after which a mission that nobody uses leaves memory, and is read again "
-                 "when somebody wants it; needs --data-dir; 0: never")
-      ->check(CLI::Range(0.0, 1e9))
-      ->capture_default_str();
-  app.add_option("--vocabulary", flags.vocabulary, "File of the bag of words")
-      ->capture_default_str();
-  app.add_option("--threads", flags.service.threads, "Threads that apply batches and answer")
-      ->check(CLI::Range(1, 256))
-      ->capture_default_str();
-  app.add_option("--adjust-threads", flags.store.adjust_threads,
-                 "Solver threads of a bundle adjustment")
-      ->check(CLI::Range(1, 64))
-      ->group(kRareGroup)
-      ->capture_default_str();
-  app.add_option("--cull-share", flags.store.cull_share,
-                 "Keyframes whose points three others see to this share are culled; 0: none")
-      ->check(CLI::Range(0.0, 1.0))
-      ->group(kRareGroup)
-      ->capture_default_str();
-  app.add_option("--cull-target", flags.store.cull_target,
-                 "Keyframes of an island beyond which the most redundant are culled; 0: none")
-      ->check(CLI::Range(size_t{0}, kMostItems))
-      ->group(kRareGroup)
-      ->capture_default_str();
-  app.add_flag("--keep-everything", flags.keep_everything,
-               "Keep also keyframes of closed sessions that others stand in for, and points that "
-               "have vanished");
-  app.add_flag("--keep-local-maps-apart", flags.keep_local_maps_apart,
-               "Keep a local map of each session of a robot, also of old ones that fusion joined")
-      ->group(kRareGroup);
-  app.add_option("--keep-local-maps", flags.store.keep_local_maps,
-                 "A robot's newest closed local maps that stay as they are")
-      ->check(CLI::Range(size_t{0}, kMostItems))
-      ->group(kRareGroup)
-      ->capture_default_str();
-  app.add_option("--max-shared-keyframes", flags.store.max_shared_keyframes,
-                 "Others' keyframes that one agent is sent at most")
-      ->check(CLI::Range(size_t{0}, kMostItems))
-      ->capture_default_str();
-  app.add_option("--shared-bytes", flags.service.shared_bytes, "Bytes of one shared update, about")
-      ->check(CLI::Range(size_t{1024}, size_t{2} << 20))
-      ->group(kRareGroup)
-      ->capture_default_str();
-  app.add_option("--drain", flags.drain_s, "Seconds that streams have to end after SIGTERM")
-      ->check(CLI::Range(0.0, 3600.0))
-      ->capture_default_str();
+  AddSettings(app, WorkRows(flags));
   AddStoreLimitFlags(app, flags.store);
   AddStreamLimitFlags(app, flags.service.streams);
   AddTlsFlags(app, flags.security);

@@ -12,6 +12,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
 #include "services/client/remote/channel.h"
+#include "services/command_line/setting.h"
 #include "services/convert/resource_names.h"
 #include "services/http/browser_options.h"
 #include "services/http/web_host.h"
@@ -195,33 +196,36 @@ absl::Status Run(Flags flags) {
 }
 
 void AddFlags(CLI::App& app, Flags& flags) {
-  app.add_option("--listen", flags.listen, "IP:PORT to serve browsers on; port 0: any free one")
-      ->capture_default_str();
-  app.add_option("--store", flags.store, "HOST:PORT of the map store")->capture_default_str();
-  app.add_option("--robot", flags.robots,
-                 "MISSION/AGENT=HOST:PORT of a robot to ask how it is; may be repeated");
-  app.add_option(
-      "--truth", flags.truths,
-      "MISSION=FILE of where its cameras really were, in TUM's format, drawn dashed; may "
-      "be repeated");
-  app.add_option("--page", flags.page, "Folder of the built page")->capture_default_str();
-  app.add_option("--web-cert", flags.web_certificate,
-                 "PEM file of the certificate that browsers are shown; without: no TLS");
-  app.add_option("--web-key", flags.web_key, "PEM file of its private key");
-  app.add_option("--web-host", flags.web_hosts,
-                 "Name by which browsers may call it, beside its IP addresses and localhost; * for "
-                 "any; may be repeated; without, with TLS: any");
-  app.add_option("--token-key", flags.token_key,
-                 "PEM file of Ed25519 public keys whose tokens browsers show");
+  AddSettings(
+      app,
+      {
+          {"--listen", &flags.listen, "IP:PORT to serve browsers on; port 0: any free one"},
+          {"--store", &flags.store, "HOST:PORT of the map store"},
+          {"--robot", &flags.robots,
+           "MISSION/AGENT=HOST:PORT of a robot to ask how it is; may be repeated"},
+          {"--truth", &flags.truths,
+           "MISSION=FILE of where its cameras really were, in TUM's format, drawn dashed; may be "
+           "repeated"},
+          {"--page", &flags.page, "Folder of the built page"},
+          {"--web-cert", &flags.web_certificate,
+           "PEM file of the certificate that browsers are shown; without: no TLS"},
+          {"--web-key", &flags.web_key, "PEM file of its private key"},
+          {"--web-host", &flags.web_hosts,
+           "Name by which browsers may call it, beside its IP addresses and localhost; * for any; "
+           "may be repeated; without, with TLS: any"},
+          {"--token-key", &flags.token_key,
+           "PEM file of Ed25519 public keys whose tokens browsers show"},
+          {"--open", &flags.open, "Everybody who reaches it may look at every mission"},
+          {"--max-pages",
+           &flags.max_pages,
+           "Pages that are open at once",
+           {.in = {1, 10000}}},
+          {"--max-missions",
+           &flags.viewer.feeds.max_missions,
+           "Missions that are looked at at once",
+           {.in = {1, 1000}}},
+      });
   AddTokenFlags(app, flags.tokens);
-  app.add_flag("--open", flags.open, "Everybody who reaches it may look at every mission");
-  app.add_option("--max-pages", flags.max_pages, "Pages that are open at once")
-      ->check(CLI::Range(1, 10000))
-      ->capture_default_str();
-  app.add_option("--max-missions", flags.viewer.feeds.max_missions,
-                 "Missions that are looked at at once")
-      ->check(CLI::Range(1, 1000))
-      ->capture_default_str();
   AddTlsFlags(app, flags.security);
   AddClientFlags(app, flags.security);
   AddMetricsFlag(app, flags.observe);

@@ -13,7 +13,7 @@
 #include <string>
 
 #include "services/command_line/command_line.h"
-#include "services/command_line/values.h"
+#include "services/command_line/setting.h"
 #include "services/observe/logging/log_format.h"
 #include "services/runtime/file_limit.h"
 #include "services/server/server.h"
@@ -22,12 +22,12 @@
 namespace corbslam::services {
 namespace {
 
+constexpr NamedValues<LogFormat, 2> kLogFormats = {
+    {{"text", LogFormat::kText}, {"json", LogFormat::kJson}}};
+
 void AddLogFlag(CLI::App& app, LogFormat& format) {
-  app.add_option("--log-format", format, "text: glog's lines; json: an object a line")
-      ->transform(Choice({{"text", static_cast<int>(LogFormat::kText)},
-                          {"json", static_cast<int>(LogFormat::kJson)}}))
-      ->type_name("text|json")
-      ->default_str("text");
+  AddSetting(app, {"--log-format", OneOf(kLogFormats, &format),
+                   "text: glog's lines; json: an object a line"});
 }
 
 // Prints a line for each thing that is wrong.

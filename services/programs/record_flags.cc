@@ -4,7 +4,7 @@
 #include "absl/strings/str_replace.h"
 #include "absl/time/clock.h"
 #include "services/command_line/command_line.h"
-#include "services/command_line/help_formatter.h"
+#include "services/command_line/setting.h"
 #include "services/programs/checks.h"
 #include "slam/util/status_macros.h"
 
@@ -13,18 +13,6 @@ namespace corbslam::services {
 using client_agent::FrameStream;
 
 namespace {
-
-std::string WordOf(Pace pace) {
-  switch (pace) {
-    case Pace::kSensor:
-      return "sensor";
-    case Pace::kMax:
-      return "max";
-    case Pace::kStep:
-      return "step";
-  }
-  return "";
-}
 
 RecordingHead HeadOf(const RunToRecord& run, const FrameStream& stream) {
   RecordingHead head;
@@ -36,7 +24,7 @@ RecordingHead HeadOf(const RunToRecord& run, const FrameStream& stream) {
   head.flags.seed = run.agent.seed;
   head.flags.features = run.agent.sensor.orb.features;
   head.flags.solver_threads = run.agent.solver_threads;
-  head.flags.pace = WordOf(run.pace);
+  head.flags.pace = NameOf(kPaces, run.pace);
   head.flags.joined = run.joined;
   head.flags.vocabulary = run.vocabulary;
   head.flags.localise_only = run.agent.localise_only;
@@ -56,15 +44,19 @@ std::string FolderOf(const RecordFlags& flags, absl::Time now) {
 }  // namespace
 
 void AddRecordFlags(CLI::App& app, RecordFlags& flags) {
-  app.add_option("--record", flags.folder,
-                 "New folder for the frames that are tracked and what came of them, for corbslam "
-                 "replay; {time} in its name becomes that of the start")
-      ->group(kRareGroup);
-  app.add_option("--record-mb", flags.waiting_mb,
-                 "MiB of frames that wait for --record's disk; more are left out of the recording")
-      ->check(CLI::Range(1, 1 << 20))
-      ->capture_default_str()
-      ->group(kRareGroup);
+  AddSettings(
+      app,
+      {
+          {"--record",
+           &flags.folder,
+           "New folder for the frames that are tracked and what came of them, for corbslam replay; "
+           "{time} in its name becomes that of the start",
+           {.rare = true}},
+          {"--record-mb",
+           &flags.waiting_mb,
+           "MiB of frames that wait for --record's disk; more are left out of the recording",
+           {.in = {1, 1 << 20}, .rare = true}},
+      });
 }
 
 absl::Status CheckRecording(const RecordFlags& flags) {

@@ -13,11 +13,9 @@
 #include "services/convert/errors.h"
 #include "services/convert/resource_names.h"
 #include "services/programs/checks.h"
-#include "services/programs/link_flags.h"
-#include "services/programs/memory_flags.h"
+#include "services/programs/memory_needs.h"
 #include "services/programs/observe_flags.h"
 #include "services/programs/record_flags.h"
-#include "services/programs/share_flags.h"
 #include "services/server/server.h"
 #include "slam/util/status_macros.h"
 
@@ -51,6 +49,10 @@ absl::Status CheckPace(const RobotFlags& flags) {
       "corbslam run --pace step plays several robots and a store in lockstep");
 }
 
+absl::Status NeedsServer(absl::string_view flag) {
+  return absl::InvalidArgumentError(absl::StrCat(flag, " needs --server"));
+}
+
 absl::StatusOr<int> ParsePictureWidth(absl::string_view text) {
   constexpr int kLeast = 64;
   constexpr int kMost = 1280;
@@ -69,7 +71,7 @@ absl::Status CheckLocaliseOnly(const RobotFlags& flags) {
   if (flags.server.empty()) {
     return absl::InvalidArgumentError("--localise-only needs --server, whose map it localises in");
   }
-  const ShareMode mode = flags.share.mode.value_or(ShareMode::kEverything);
+  const ShareMode mode = flags.share.value_or(ShareMode::kEverything);
   if (mode == ShareMode::kNone || mode == ShareMode::kCorrections) {
     return absl::InvalidArgumentError(
         "--localise-only needs others' keyframes: --share nearby or everything");
@@ -79,6 +81,14 @@ absl::Status CheckLocaliseOnly(const RobotFlags& flags) {
         "--spool (--spool-dir) keeps what a robot maps, and with --localise-only it maps nothing");
   }
   return absl::OkStatus();
+}
+
+std::vector<absl::Status> CheckEachSettable(const RobotFlags& flags) {
+  const bool has_server = !flags.server.empty();
+  return {CheckMemoryBudget(flags.memory_budget_bytes, flags.share, MemoryNeedsOf(flags),
+                            has_server || !flags.spool.folder.empty()),
+          CheckShare(flags, IsBounded(flags), has_server), CheckLocaliseOnly(flags),
+          ParseUpload(flags).status()};
 }
 
 }  // namespace
@@ -132,12 +142,8 @@ absl::Status CheckListenSecurity(const RobotFlags& flags, Files files) {
 }
 
 absl::Status CheckSettable(const RobotFlags& flags) {
-  const bool has_server = !flags.server.empty();
-  RETURN_IF_ERROR(CheckMemoryFlags(flags.memory, flags.share, MemoryNeedsOf(flags),
-                                   has_server || !flags.spool.folder.empty()));
-  RETURN_IF_ERROR(CheckShareFlags(ShareOf(flags), has_server));
-  RETURN_IF_ERROR(CheckLocaliseOnly(flags));
-  return ParseUpload(flags).status();
+  for (const absl::Status& status : CheckEachSettable(flags)) RETURN_IF_ERROR(status);
+  return absl::OkStatus();
 }
 
 std::vector<absl::Status> CheckPlaces(const RobotFlags& flags) {
@@ -146,14 +152,13 @@ std::vector<absl::Status> CheckPlaces(const RobotFlags& flags) {
   if (!flags.listen.empty()) found.push_back(CheckFlagAddress("--listen", flags.listen));
   if (!flags.spool.folder.empty()) found.push_back(CheckFolder("--spool", flags.spool.folder));
   found.push_back(CheckSpoolFlags(flags.spool, !flags.server.empty()));
-  if (flags.server.empty()) found.push_back(CheckNoLinkFlags(flags.link));
   const bool has_server = !flags.server.empty();
-  found.push_back(CheckMemoryFlags(flags.memory, flags.share, MemoryNeedsOf(flags),
-                                   has_server || !flags.spool.folder.empty()));
+  if (!has_server && flags.uplink_kbps > 0) found.push_back(NeedsServer("--uplink-kbps"));
+  if (!has_server && flags.downlink_kbps > 0) found.push_back(NeedsServer("--downlink-kbps"));
+  const std::vector<absl::Status> settable = CheckEachSettable(flags);
+  found.insert(found.end(), settable.begin(), settable.end());
   found.push_back(CheckSettingsFlags(flags.settings, has_server));
-  found.push_back(CheckShareFlags(ShareOf(flags), has_server));
   found.push_back(CheckPace(flags));
-  found.push_back(CheckLocaliseOnly(flags));
   found.push_back(CheckRecording(flags.record));
   for (const std::string& file :
        {flags.stats, flags.trajectory, flags.held_map, flags.told, flags.settings.kept}) {
@@ -171,7 +176,6 @@ std::vector<absl::Status> CheckRobotFlags(const RobotFlags& flags) {
       MakeStoreChannel(flags, Files::kMustBeGood).status(),
       CheckListenSecurity(flags, Files::kMustBeGood),
       CheckVocabulary(flags.vocabulary),
-      ParseUpload(flags).status(),
       CheckSettingsFiles(flags.settings),
       CheckFlaggedSource(flags),
   };

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "services/programs/default_vocabulary.h"
+#include "services/programs/memory_needs.h"
 #include "services/programs/observe_flags.h"
 #include "services/programs/record_flags.h"
 #include "services/programs/robot/agent_run.h"
@@ -35,6 +36,7 @@ struct RobotFlags : SettableFlags {
   std::string vocabulary = DefaultVocabularyPath();
   uint64_t seed = 0;
   int solver_threads = 1;
+  uint64_t downlink_kbps = 0;  // 0: no bound.
   double finish_s = 120;
   SpoolFlags spool;
   // Counts if it was given; else OutboxBytesOf does.
@@ -61,13 +63,15 @@ uint64_t OutboxBytesOf(const RobotFlags& flags);
 // Returns what bounds the robot's memory from below.
 MemoryNeeds MemoryNeedsOf(const RobotFlags& flags);
 
+constexpr uint64_t BytesPerSecond(uint64_t kbps) { return kbps * 125; }
+
 void AddRobotFlags(CLI::App& app, RobotFlags& flags);
 
 // Returns the flags with what a map store set in place of theirs.
 RobotFlags With(const SettableFlags& set, RobotFlags flags);
 
-// Returns what is shared: less, where nothing is said of it and memory is bounded.
-ShareFlags ShareOf(const RobotFlags& flags);
+// Whether the robot leaves far parts of its map with a map store.
+bool IsBounded(const RobotFlags& flags);
 
 // Returns how the robot itself serves on --listen.
 SecurityOptions ListenSecurityOf(const RobotFlags& flags);

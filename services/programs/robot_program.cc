@@ -18,9 +18,8 @@
 #include "services/command_line/secrets.h"
 #include "services/convert/resource_names.h"
 #include "services/observe/logging/log_fields.h"
-#include "services/programs/link_flags.h"
 #include "services/programs/live_settings.h"
-#include "services/programs/memory_flags.h"
+#include "services/programs/memory_needs.h"
 #include "services/programs/program.h"
 #include "services/programs/robot/agent_run.h"
 #include "services/programs/robot/agent_trajectories.h"
@@ -34,7 +33,6 @@
 #include "services/programs/robot_flags.h"
 #include "services/programs/robot_observers.h"
 #include "services/programs/settings_flags.h"
-#include "services/programs/share_flags.h"
 #include "services/programs/spool_flags.h"
 #include "services/programs/start_lines.h"
 #include "services/server/self_watch.h"
@@ -74,12 +72,12 @@ AgentOptions MakeAgentOptions(const RobotFlags& flags, const UploadChoice& uploa
   options.max_outbox_bytes = OutboxBytesOf(flags);
   options.upload_features = upload.features;
   options.picture_width_px = upload.picture_width_px;
-  options.uplink_bytes_per_second = BytesPerSecond(flags.link.uplink_kbps);
-  options.downlink_bytes_per_second = BytesPerSecond(flags.link.downlink_kbps);
-  options.share = ScopeOf(ShareOf(flags));
+  options.uplink_bytes_per_second = BytesPerSecond(flags.uplink_kbps);
+  options.downlink_bytes_per_second = BytesPerSecond(flags.downlink_kbps);
+  options.share = ScopeOf(flags, IsBounded(flags));
   options.localise_only = flags.localise_only;
   ApplySpoolFlags(flags.spool, options);
-  options.max_map_bytes = MaxMapBytes(flags.memory, MemoryNeedsOf(flags),
+  options.max_map_bytes = MaxMapBytes(flags.memory_budget_bytes, MemoryNeedsOf(flags),
                                       /*has_server=*/!flags.server.empty());
   // The trajectory is asked for at the end, or by other programs at any time.
   options.keep_trajectory = !flags.trajectory.empty() || !flags.listen.empty();
@@ -99,7 +97,7 @@ RobotReport MakeReport(const RobotFlags& flags, const Agent& agent, const RobotS
   const RobotTask task = {.localise_only = flags.localise_only,
                           .resume = flags.spool.resume,
                           .mission = flags.mission,
-                          .shares_nearby = ShareOf(flags).mode == ShareMode::kNearby,
+                          .shares_nearby = flags.share == ShareMode::kNearby,
                           .session = session};
   AddRun(*source.stream, played,
          CollectWarnings(source.warnings, agent, *source.stream, played, task), report);
@@ -144,10 +142,9 @@ std::unique_ptr<LiveSettings> MakeLiveSettings(const RobotFlags& flags,
     const RobotFlags now = With(set, flags);
     // Its features and its outbox stay as they are.
     const MemoryNeeds needs = MemoryNeedsOf(With(begun, flags));
-    return client_agent::ChangedLimits{
-        .uplink_bytes_per_second = BytesPerSecond(now.link.uplink_kbps),
-        .max_map_bytes = MaxMapBytes(now.memory, needs),
-        .share = ScopeOf(ShareOf(now))};
+    return client_agent::ChangedLimits{.uplink_bytes_per_second = BytesPerSecond(now.uplink_kbps),
+                                       .max_map_bytes = MaxMapBytes(now.memory_budget_bytes, needs),
+                                       .share = ScopeOf(now, IsBounded(now))};
   };
   return std::make_unique<LiveSettings>(LiveSettingsOptions{
       .files = flags.settings,
@@ -265,9 +262,9 @@ absl::StatusOr<RobotFlags> Surround(const RobotFlags& given, const RobotSource& 
 
 void LogMemoryBudget(const RobotFlags& flags, uint64_t max_map_bytes) {
   if (max_map_bytes == 0) return;
-  LOG(INFO) << "memory budget: " << (flags.memory.budget_bytes >> 20) << " MiB, of which "
+  LOG(INFO) << "memory budget: " << (flags.memory_budget_bytes >> 20) << " MiB, of which "
             << (max_map_bytes >> 20) << " MiB are for the local map in use"
-            << (flags.share.mode.has_value() || flags.server.empty()
+            << (flags.share.has_value() || flags.server.empty()
                     ? ""
                     : "; --share is nearby, because of it");
 }

@@ -4,7 +4,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/time/time.h"
-#include "services/command_line/help_formatter.h"
+#include "services/command_line/setting.h"
 #include "services/convert/batch_bytes.h"
 #include "slam/util/status_macros.h"
 
@@ -18,25 +18,25 @@ using client_agent::SpoolOptions;
 using client_agent::SyncPolicy;
 
 void AddSpoolFlags(CLI::App& app, SpoolFlags& flags) {
-  app.add_option("--spool,--spool-dir", flags.folder,
-                 "Folder in which what is mapped outlives the program and power loss")
-      ->type_name("DIR");
-  app.add_option("--spool-mb", flags.mb, "MiB in it at most")
-      ->check(CLI::Range(1, 1 << 20))
-      ->group(kRareGroup)
-      ->capture_default_str();
-  app.add_option("--spool-sync-s", flags.sync_s,
-                 "Seconds after which a loss of power takes nothing; 0: only what memory has no "
-                 "room for goes there, and what is left at the end")
-      ->check(CLI::Range(0.0, 3600.0))
-      ->capture_default_str()
-      ->group(kRareGroup);
-  app.add_flag("--resume", flags.resume, "Go on with the local map that --spool keeps");
-  app.add_option("--resume-wait-s", flags.resume_wait_s,
-                 "Seconds in which a place in it must be recognised, else a new one begins")
-      ->check(CLI::Range(0.0, 86400.0))
-      ->capture_default_str()
-      ->group(kRareGroup);
+  AddSettings(
+      app,
+      {
+          {"--spool,--spool-dir",
+           &flags.folder,
+           "Folder in which what is mapped outlives the program and power loss",
+           {.unit = "DIR"}},
+          {"--spool-mb", &flags.mb, "MiB in it at most", {.in = {1, 1 << 20}, .rare = true}},
+          {"--spool-sync-s",
+           &flags.sync_s,
+           "Seconds after which a loss of power takes nothing; 0: only what memory has no room for "
+           "goes there, and what is left at the end",
+           {.in = {0, 3600}, .rare = true}},
+          {"--resume", &flags.resume, "Go on with the local map that --spool keeps"},
+          {"--resume-wait-s",
+           &flags.resume_wait_s,
+           "Seconds in which a place in it must be recognised, else a new one begins",
+           {.in = {0, 86400}, .rare = true}},
+      });
 }
 
 absl::Status CheckSpoolFlags(const SpoolFlags& flags, bool has_server) {

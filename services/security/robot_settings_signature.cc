@@ -5,7 +5,7 @@
 
 #include "absl/status/status.h"
 #include "absl/strings/str_cat.h"
-#include "services/convert/robot_settings_check.h"
+#include "services/convert/robot_setting_table.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::services {

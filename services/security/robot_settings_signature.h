@@ -13,7 +13,7 @@
 
 namespace corbslam::services {
 
-// Signs settings that CheckRobotSettings (robot_settings_check.h) takes. `private_key_pem` holds
+// Signs settings that CheckRobotSettings (robot_setting_table.h) takes. `private_key_pem` holds
 // one Ed25519 private key.
 absl::StatusOr<v1::SignedRobotSettings> SignRobotSettings(const v1::RobotSettings& settings,
                                                           absl::string_view private_key_pem);

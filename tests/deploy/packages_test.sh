@@ -74,11 +74,11 @@ for program in corbslam map_store fusion_worker map_viewer client_agent simulate
   (
     # shellcheck disable=SC1090
     source "$work/root/usr/share/bash-completion/completions/$program"
-    COMP_WORDS=("$program" --vers) COMP_CWORD=1
-    "_corbslam_complete_$program"
+    COMP_WORDS=("$work/root/usr/bin/$program" --vers) COMP_CWORD=1
+    _corbslam_complete
     [ "${COMPREPLY[*]}" = --version ]
   ) || fail "the completion of $program does not know --version"
-  grep -q "^#compdef $program$" "$work/root/usr/share/zsh/vendor-completions/_$program" ||
+  grep -q "^#compdef .*$program" "$work/root/usr/share/zsh/vendor-completions/_$program" ||
     fail "zsh has no completion of $program"
 done
 says "$work/root/usr/share/corbslam/corbslam.voc" "$work/root/usr/bin/map_store" --help

@@ -111,7 +111,8 @@ constexpr const char* kPrograms[] = {"map_store", "fusion_worker", "client_agent
                                      "corbslam"};
 
 bool IsOfNumber(const Flag& flag) {
-  const std::set<std::string> numbers = {"UINT", "INT", "FLOAT", "KBPS", "METRES", "BYTES"};
+  const std::set<std::string> numbers = {"UINT",   "INT",   "FLOAT", "KBPS",
+                                         "METRES", "BYTES", "NUMBER"};
   return numbers.contains(flag.type);
 }
 

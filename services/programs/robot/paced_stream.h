@@ -10,6 +10,7 @@
 #include "absl/time/time.h"
 #include "client_agent/source/frame_stream.h"
 #include "services/programs/robot/source_pace.h"
+#include "slam/util/named_values.h"
 
 namespace corbslam::services {
 
@@ -18,6 +19,8 @@ enum class Pace {
   kMax,     // Frames come as fast as the agent takes them.
   kStep,    // As kMax, for an agent that does all its work on each frame before the next one.
 };
+inline constexpr NamedValues<Pace, 3> kPaces = {
+    {{"max", Pace::kMax}, {"sensor", Pace::kSensor}, {"step", Pace::kStep}}};
 
 // Plays one stream. One thread uses it, apart from `stop`. `stream` and `stop` must outlive it.
 class PacedStream {

@@ -16,8 +16,6 @@ using Command = std::function<absl::Status()>;
 // Each function sets `chosen` when its sub-command is on the command line.
 void AddMissionCommand(CLI::App& app, Command& chosen);
 void AddRunCommand(CLI::App& app, const std::string& command_line, Command& chosen);
-// --help does not show this command.
-void AddCompletionCommand(CLI::App& app, Command& chosen);
 // Adds `demo`, which is `run` of a simulated town and prints the report.
 void AddDemoCommand(CLI::App& app, const std::string& command_line, Command& chosen);
 void AddDoctorCommand(CLI::App& app, Command& chosen);

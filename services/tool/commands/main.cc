@@ -21,7 +21,6 @@ int main(int argc, char** argv) {
   CLI::App app("Several robots, one map", "corbslam");
   app.require_subcommand(1);
   corbslam::services::Command chosen;
-  corbslam::services::AddCompletionCommand(app, chosen);
   corbslam::services::AddDemoCommand(app, command_line, chosen);
   corbslam::services::AddDoctorCommand(app, chosen);
   corbslam::services::AddRunCommand(app, command_line, chosen);

@@ -1,7 +1,6 @@
 // Adds `mission settings`.
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
-#include "services/convert/limits.h"
 #include "services/convert/resource_names.h"
 #include "services/security/pem_files.h"
 #include "services/tool/commands/mission_arguments.h"
@@ -46,21 +45,18 @@ absl::Status Settings(const MissionArguments& arguments) {
 }
 
 void AddFlags(CLI::App& action, RobotSettingsFlags& flags) {
-  action.add_option("--features", flags.features, "Features of a picture")
-      ->check(CLI::Range(0, 20000));
-  action.add_option("--max-rate", flags.max_rate_hz, "Frames a second at most; 0: all")
-      ->check(CLI::Range(0.0, 1000.0));
-  action.add_option("--memory-budget-mb", flags.memory_budget_mb,
-                    "MiB of the robot's process; 0: no bound");
-  action.add_option("--upload", flags.upload, "features=all, features=mapped or features=N");
-  action.add_option("--share", flags.share, "none, corrections, nearby or everything");
-  action.add_option("--share-radius", flags.share_radius_m, "Metres, with --share nearby")
-      ->check(CLI::Range(kMinShareRadius_m, kMaxShareRadius_m));
-  action
-      .add_option("--uplink-kbps", flags.uplink_kbps,
-                  "Kilobits a second that the robot sends at most; 0: no bound")
-      ->check(CLI::Range(0, 10'000'000));
-  action.add_option("--mask", flags.mask, "PNG that is 0 where nothing is to be looked at");
+  for (const RobotSetting& row : RobotSettingTable()) {
+    const auto take = [&flags, &row](const std::string& text) -> std::string {
+      flags.given[row.tool_flag] = text;
+      v1::RobotSettings settings;
+      return row.is_file ? "" : PutSetting(row, text, settings);
+    };
+    action
+        .add_option_function<std::string>(
+            absl::StrCat("--", row.tool_flag), [](const std::string&) {}, row.text)
+        ->check(CLI::Validator([take](std::string& text) { return take(text); }, ""))
+        ->type_name(row.wanted == nullptr ? "NUMBER" : "TEXT");
+  }
   action.add_option("--unset", flags.unset, "Flag of these, without dashes, that is set no more")
       ->allow_extra_args(false);
   action.add_option("--sign", flags.key, "PEM file of the Ed25519 private key that signs");

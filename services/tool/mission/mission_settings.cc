@@ -11,6 +11,7 @@
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_split.h"
 #include "absl/time/time.h"
+#include "services/convert/limits.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::services {
@@ -32,8 +33,8 @@ absl::StatusOr<uint64_t> ToBytes(absl::string_view flag, uint64_t mebibytes) {
 
 // Returns bytes a second.
 absl::StatusOr<uint64_t> ToRate(uint64_t kbps) {
-  if (kbps == 0 || (kbps >= 8 && kbps <= 10'000'000)) return kbps * 1000 / 8;
-  return BadFlag("--uplink-kbps", absl::StrCat(kbps), "8 to 10000000, or 0 for no limit");
+  if (kLink_kbps.Contains(static_cast<double>(kbps))) return kbps * 1000 / 8;
+  return BadFlag("--uplink-kbps", absl::StrCat(kbps), DescribeRange(kLink_kbps, true));
 }
 
 absl::Status PutLimits(const MissionSettings& settings, v1::MissionLimits& limits) {

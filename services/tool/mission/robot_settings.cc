@@ -1,71 +1,61 @@
 #include "services/tool/mission/robot_settings.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <functional>
-#include <limits>
-#include <map>
 
-#include "absl/strings/escaping.h"
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
 #include "absl/strings/strip.h"
 #include "client_agent/source/pictures/mask_picture.h"
+#include "services/command_line/setting.h"
 #include "services/convert/resource_names.h"
 #include "services/security/pem_files.h"
 #include "services/security/robot_settings_signature.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::services {
+
 namespace {
 
 // A clock that is wrong by more must not use up versions.
 constexpr absl::Duration kLongestAhead = absl::Hours(24 * 366);
 
+std::string ToolFlags() {
+  std::vector<std::string> flags;
+  for (const RobotSetting& row : RobotSettingTable()) flags.emplace_back(row.tool_flag);
+  return absl::StrJoin(flags, ", ");
+}
+
 absl::Status Unset(const std::string& name, v1::RobotSettings& settings) {
-  static const auto& clears = *new std::map<std::string, void (v1::RobotSettings::*)()>{
-      {"features", &v1::RobotSettings::clear_features},
-      {"max-rate", &v1::RobotSettings::clear_max_frame_rate_hz},
-      {"memory-budget-mb", &v1::RobotSettings::clear_memory_budget_bytes},
-      {"upload", &v1::RobotSettings::clear_upload_features},
-      {"share", &v1::RobotSettings::clear_share},
-      {"share-radius", &v1::RobotSettings::clear_share_radius_m},
-      {"uplink-kbps", &v1::RobotSettings::clear_uplink_kbps},
-      {"mask", &v1::RobotSettings::clear_mask_png}};
-  const auto clear = clears.find(name);
-  if (clear == clears.end()) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("--unset is ", name,
-                     ", must be features, max-rate, memory-budget-mb, upload, "
-                     "share, share-radius, uplink-kbps or mask"));
+  for (const RobotSetting& row : RobotSettingTable()) {
+    if (row.tool_flag != name) continue;
+    ClearSetting(row, settings);
+    return absl::OkStatus();
   }
-  (settings.*clear->second)();
-  return absl::OkStatus();
+  return absl::InvalidArgumentError(
+      absl::StrCat("--unset is ", name, ", must be one of ", ToolFlags()));
+}
+
+// Reads the file, and says whether a robot would take it.
+absl::Status PutMask(const std::string& file, v1::RobotSettings& settings) {
+  ASSIGN_OR_RETURN(*settings.mutable_mask_png(), ReadSecurityFile("--mask", file));
+  return client_agent::DecodeMaskPicture("--mask " + file, settings.mask_png()).status();
 }
 
 absl::Status PutGiven(const RobotSettingsFlags& flags, v1::RobotSettings& settings) {
   for (const std::string& name : flags.unset) RETURN_IF_ERROR(Unset(name, settings));
-  if (flags.features) settings.set_features(*flags.features);
-  if (flags.max_rate_hz) settings.set_max_frame_rate_hz(*flags.max_rate_hz);
-  if (flags.memory_budget_mb) {
-    constexpr uint64_t kMost = std::numeric_limits<uint64_t>::max() >> 20;
-    if (*flags.memory_budget_mb > kMost) {
-      return absl::InvalidArgumentError(absl::StrCat(
-          "--memory-budget-mb is ", *flags.memory_budget_mb, ", must be at most ", kMost));
+  for (const RobotSetting& row : RobotSettingTable()) {
+    const auto text = flags.given.find(row.tool_flag);
+    if (text == flags.given.end()) continue;
+    if (row.is_file) {
+      RETURN_IF_ERROR(PutMask(text->second, settings));
+      continue;
     }
-    settings.set_memory_budget_bytes(*flags.memory_budget_mb << 20);
+    const std::string wrong = PutSetting(row, text->second, settings);
+    if (wrong.empty()) continue;
+    return absl::InvalidArgumentError(absl::StrCat("--", row.tool_flag, " ", wrong));
   }
-  if (flags.upload) {
-    absl::string_view text = *flags.upload;
-    absl::ConsumePrefix(&text, "features=");
-    settings.set_upload_features(std::string(text));
-  }
-  if (flags.share) settings.set_share(*flags.share);
-  if (flags.share_radius_m) settings.set_share_radius_m(*flags.share_radius_m);
-  if (flags.uplink_kbps) settings.set_uplink_kbps(*flags.uplink_kbps);
-  if (!flags.mask) return absl::OkStatus();
-  ASSIGN_OR_RETURN(*settings.mutable_mask_png(), ReadSecurityFile("--mask", *flags.mask));
-  // What the robot would refuse is not signed.
-  RETURN_IF_ERROR(
-      client_agent::DecodeMaskPicture("--mask " + *flags.mask, settings.mask_png()).status());
   return absl::OkStatus();
 }
 
@@ -100,30 +90,34 @@ absl::StatusOr<uint64_t> VersionAfter(uint64_t last, absl::Time time) {
 // Visits what is set, with the flag's name and its value in words.
 void VisitSettings(const v1::RobotSettings& settings,
                    const std::function<void(const char*, const std::string&)>& visit) {
-  if (settings.has_features()) visit("features", absl::StrCat(settings.features()));
-  if (settings.has_max_frame_rate_hz()) {
-    visit("max-rate", absl::StrCat(settings.max_frame_rate_hz()));
-  }
-  if (settings.has_memory_budget_bytes()) {
-    visit("memory-budget-mb", absl::StrCat(settings.memory_budget_bytes() >> 20));
-  }
-  if (settings.has_upload_features()) {
-    visit("upload", absl::StrCat("features=", absl::CHexEscape(settings.upload_features())));
-  }
-  if (settings.has_share()) visit("share", absl::CHexEscape(settings.share()));
-  if (settings.has_share_radius_m()) visit("share-radius", absl::StrCat(settings.share_radius_m()));
-  if (settings.has_uplink_kbps()) visit("uplink-kbps", absl::StrCat(settings.uplink_kbps()));
-  if (settings.has_mask_png()) {
-    visit("mask", absl::StrCat(settings.mask_png().size(), " bytes of PNG"));
+  for (const RobotSetting& row : RobotSettingTable()) {
+    if (!HasSetting(row, settings)) continue;
+    visit(row.tool_flag, SettingText(row, settings, row.tool_unit));
   }
 }
 
 }  // namespace
 
+std::string PutSetting(const RobotSetting& row, const std::string& text,
+                       v1::RobotSettings& settings) {
+  if (row.wanted != nullptr) {
+    const std::string value(absl::StripPrefix(text, row.prefix));
+    const std::string wanted = row.wanted(value);
+    SetText(row, value, settings);
+    return wanted.empty() ? "" : absl::StrCat("is \"", text, "\", must be ", row.prefix, wanted);
+  }
+  const auto unit = static_cast<double>(row.tool_unit);
+  const NumberRange in = {row.in.least / unit, row.in.most / unit, row.in.zero};
+  uint64_t whole = 0;
+  double real = 0;
+  std::string wrong = IsWhole(row) ? ReadSetting({row.tool_flag, &whole, "", {.in = in}}, text)
+                                   : ReadSetting({row.tool_flag, &real, "", {.in = in}}, text);
+  SetNumber(row, unit * (IsWhole(row) ? static_cast<double>(whole) : real), settings);
+  return wrong;
+}
+
 bool IsEmpty(const RobotSettingsFlags& flags) {
-  return !flags.features && !flags.max_rate_hz && !flags.memory_budget_mb && !flags.upload &&
-         !flags.share && !flags.share_radius_m && !flags.uplink_kbps && !flags.mask &&
-         flags.unset.empty() && !flags.replace;
+  return flags.given.empty() && flags.unset.empty() && !flags.replace;
 }
 
 const v1::SignedRobotSettings* FindSettings(const v1::RobotSettingsList& list,

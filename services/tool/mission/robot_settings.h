@@ -2,9 +2,8 @@
 #ifndef CORBSLAM_SERVICES_TOOL_MISSION_ROBOT_SETTINGS_H_
 #define CORBSLAM_SERVICES_TOOL_MISSION_ROBOT_SETTINGS_H_
 
-#include <cstdint>
+#include <map>
 #include <nlohmann/json.hpp>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,26 +11,26 @@
 #include "absl/status/statusor.h"
 #include "absl/time/time.h"
 #include "corbslam/v1/robot_settings.pb.h"
+#include "services/convert/robot_setting_table.h"
 
 namespace corbslam::services {
 
 // What was given on the command line.
 struct RobotSettingsFlags {
-  std::optional<uint32_t> features = std::nullopt;
-  std::optional<double> max_rate_hz = std::nullopt;
-  std::optional<uint64_t> memory_budget_mb = std::nullopt;  // MiB.
-  std::optional<std::string> upload = std::nullopt;         // features=all, =mapped or =N.
-  std::optional<std::string> share = std::nullopt;
-  std::optional<double> share_radius_m = std::nullopt;
-  std::optional<uint64_t> uplink_kbps = std::nullopt;
-  std::optional<std::string> mask = std::nullopt;  // File of a PNG.
-  std::vector<std::string> unset = {};             // Names of the flags above, without dashes.
+  // Values as texts, by their rows' tool_flag (services/convert/robot_setting_table.h).
+  std::map<std::string, std::string> given = {};
+  std::vector<std::string> unset = {};  // The same names.
   bool replace = false;
   std::string key = {};  // File of the private key.
 };
 
 // Returns whether nothing is to be changed.
 bool IsEmpty(const RobotSettingsFlags& flags);
+
+// Puts a value, as `mission settings` is given it, and returns what is wrong with it, if no robot
+// takes it: value and bounds; empty if it is good. Not for files.
+std::string PutSetting(const RobotSetting& row, const std::string& text,
+                       v1::RobotSettings& settings);
 
 // Finds the settings of this agent (empty: of all robots) in a list; null if there are none.
 const v1::SignedRobotSettings* FindSettings(const v1::RobotSettingsList& list,

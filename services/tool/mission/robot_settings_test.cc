@@ -29,11 +29,12 @@ class ToolRobotSettingsTest : public ::testing::Test {
 
 TEST_F(ToolRobotSettingsTest, WhatIsNotGivenStaysAndVersionsGrow) {
   const auto first =
-      Make({.features = 1500, .upload = "features=mapped", .uplink_kbps = 0}, nullptr);
+      Make({.given = {{"features", "1500"}, {"upload", "features=mapped"}, {"uplink-kbps", "0"}}},
+           nullptr);
   ASSERT_TRUE(first.ok()) << first.status();
   EXPECT_EQ(Read(*first).version(), 1000u);
   // By a clock that was set back.
-  const auto second = Make({.max_rate_hz = 10, .unset = {"upload"}}, &*first, 7);
+  const auto second = Make({.given = {{"max-rate", "10"}}, .unset = {"upload"}}, &*first, 7);
   ASSERT_TRUE(second.ok()) << second.status();
   const v1::RobotSettings settings = Read(*second);
   EXPECT_EQ(settings.version(), 1001u);
@@ -58,10 +59,10 @@ TEST_F(ToolRobotSettingsTest, WhatAnotherKeySignedIsNotTakenOver) {
   settings.set_version(2000);
   settings.set_features(100);
   const auto others = SignRobotSettings(settings, test_data::MakeTokenKeys().private_pem);
-  const auto refused = Make({.max_rate_hz = 10}, &*others);
+  const auto refused = Make({.given = {{"max-rate", "10"}}}, &*others);
   EXPECT_TRUE(absl::IsPermissionDenied(refused.status()));
   EXPECT_THAT(std::string(refused.status().message()), HasSubstr("--replace"));
-  const auto replaced = Make({.max_rate_hz = 10, .replace = true}, &*others);
+  const auto replaced = Make({.given = {{"max-rate", "10"}}, .replace = true}, &*others);
   ASSERT_TRUE(replaced.ok()) << replaced.status();
   EXPECT_FALSE(Read(*replaced).has_features());
   EXPECT_EQ(Read(*replaced).version(), 2001u);
@@ -81,9 +82,9 @@ TEST_F(ToolRobotSettingsTest, WhatCannotBeReadIsRefusedByName) {
               HasSubstr("--unset is colour"));
   const std::string no_mask = ::testing::TempDir() + "/no_mask.png";
   std::ofstream(no_mask) << "no picture";
-  EXPECT_THAT(std::string(Make({.mask = no_mask}, nullptr).status().message()),
+  EXPECT_THAT(std::string(Make({.given = {{"mask", no_mask}}}, nullptr).status().message()),
               HasSubstr("no_mask.png: can't be decoded"));
-  EXPECT_THAT(std::string(Make({.mask = "/nowhere.png"}, nullptr).status().message()),
+  EXPECT_THAT(std::string(Make({.given = {{"mask", "/nowhere.png"}}}, nullptr).status().message()),
               HasSubstr("/nowhere.png"));
 }
 

@@ -1,4 +1,4 @@
-#include "services/convert/robot_settings_check.h"
+#include "services/convert/robot_setting_table.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -35,7 +35,7 @@ std::string SmallPng() {
   return png + std::string("\0\0\0\0\0\0\0\0IEND\xae\x42\x60\x82", 16);
 }
 
-TEST(RobotSettingsCheckTest, WhatARobotCanRunWithPasses) {
+TEST(RobotSettingTableTest, WhatARobotCanRunWithPasses) {
   const std::vector<Change> good = {
       [](auto&) {},
       [](auto& s) { s.set_features(50); },
@@ -55,7 +55,7 @@ TEST(RobotSettingsCheckTest, WhatARobotCanRunWithPasses) {
   for (const Change& change : good) EXPECT_TRUE(Check(change).ok()) << Check(change);
 }
 
-TEST(RobotSettingsCheckTest, EachFieldHasItsBoundsAndSaysThem) {
+TEST(RobotSettingTableTest, EachFieldHasItsBoundsAndSaysThem) {
   struct Case {
     Change change;
     std::vector<std::string> says;

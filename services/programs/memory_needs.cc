@@ -1,12 +1,9 @@
-#include "services/programs/memory_flags.h"
+#include "services/programs/memory_needs.h"
 
 #include <algorithm>
 #include <string>
 
 #include "absl/strings/str_cat.h"
-#include "services/command_line/help_formatter.h"
-#include "services/command_line/values.h"
-#include "services/convert/robot_settings_check.h"
 
 namespace corbslam::services {
 namespace {
@@ -29,17 +26,6 @@ std::string MiB(uint64_t bytes) { return absl::StrCat(bytes >> 20, " MiB"); }
 
 }  // namespace
 
-void AddMemoryFlags(CLI::App& app, MemoryFlags& flags) {
-  app.add_option("--memory-budget", flags.budget_bytes,
-                 "Memory of the process, as 500MB, beyond which far parts of the map leave it for "
-                 "the map store (without one for --spool) and come back when they are near; 0: no "
-                 "bound")
-      ->transform(BytesWithin({.may_be_0 = true}))
-      ->type_name(kBytesType)
-      ->capture_default_str()
-      ->group(kRareGroup);
-}
-
 uint64_t RobotItselfBytes(const MemoryNeeds& needs) {
   const uint64_t pixels =
       static_cast<uint64_t>(needs.width_px) * static_cast<uint64_t>(needs.height_px);
@@ -52,14 +38,14 @@ uint64_t LeastBytesForMap(const MemoryNeeds& needs) {
   return 2 * kLeastKeyframes * kMapBytesPerFeature * static_cast<uint64_t>(needs.features);
 }
 
-uint64_t OutboxBytesOf(const MemoryFlags& flags) {
-  if (flags.budget_bytes == 0) return kMostForOutbox_bytes;
-  return std::min(kMostForOutbox_bytes, flags.budget_bytes / kOutboxShare);
+uint64_t OutboxBytesOf(uint64_t budget_bytes) {
+  if (budget_bytes == 0) return kMostForOutbox_bytes;
+  return std::min(kMostForOutbox_bytes, budget_bytes / kOutboxShare);
 }
 
-absl::Status CheckMemoryFlags(const MemoryFlags& flags, const ShareFlags& share,
-                              const MemoryNeeds& needs, bool has_keeper) {
-  if (flags.budget_bytes == 0) return absl::OkStatus();
+absl::Status CheckMemoryBudget(uint64_t budget_bytes, std::optional<ShareMode> share,
+                               const MemoryNeeds& needs, bool has_keeper) {
+  if (budget_bytes == 0) return absl::OkStatus();
   if (!has_keeper) {
     return absl::InvalidArgumentError(
         "--memory-budget needs --server or --spool: what leaves memory is kept by a map store or "
@@ -68,23 +54,18 @@ absl::Status CheckMemoryFlags(const MemoryFlags& flags, const ShareFlags& share,
   const uint64_t itself = RobotItselfBytes(needs);
   const uint64_t map = LeastBytesForMap(needs);
   const uint64_t least = itself + needs.outbox_bytes + map;
-  if (flags.budget_bytes < least) {
+  if (budget_bytes < least) {
     const std::string pictures =
         needs.width_px > 0 ? absl::StrCat(" of ", needs.width_px, "x", needs.height_px) : "";
     return absl::InvalidArgumentError(absl::StrCat(
-        "--memory-budget is ", flags.budget_bytes, " bytes (", MiB(flags.budget_bytes),
-        "), must be at least ", MiB(least + (uint64_t{1} << 20) - 1), " with ", needs.features,
-        " features of pictures", pictures, ": ", MiB(itself), " for the robot without a map, ",
-        MiB(needs.outbox_bytes), " for --outbox-mb, ", MiB(map),
+        "--memory-budget is ", budget_bytes, " bytes (", MiB(budget_bytes), "), must be at least ",
+        MiB(least + (uint64_t{1} << 20) - 1), " with ", needs.features, " features of pictures",
+        pictures, ": ", MiB(itself), " for the robot without a map, ", MiB(needs.outbox_bytes),
+        " for --outbox-mb, ", MiB(map),
         " for a map. Give it with a unit, as 500MB; fewer --features and a smaller --outbox-mb "
         "take less"));
   }
-  if (flags.budget_bytes > kMostMemoryBudget_bytes) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("--memory-budget is ", MiB(flags.budget_bytes), ", must be at most ",
-                     MiB(kMostMemoryBudget_bytes), ": was it negative?"));
-  }
-  if (share.mode == ShareMode::kEverything) {
+  if (share == ShareMode::kEverything) {
     return absl::InvalidArgumentError(
         "--share everything has no bound in memory, so that --memory-budget can't be kept: use "
         "--share nearby (which is the default with it), corrections or none");
@@ -92,11 +73,11 @@ absl::Status CheckMemoryFlags(const MemoryFlags& flags, const ShareFlags& share,
   return absl::OkStatus();
 }
 
-uint64_t MaxMapBytes(const MemoryFlags& flags, const MemoryNeeds& needs, bool has_server) {
-  if (flags.budget_bytes == 0) return 0;
+uint64_t MaxMapBytes(uint64_t budget_bytes, const MemoryNeeds& needs, bool has_server) {
+  if (budget_bytes == 0) return 0;
   const uint64_t taken = RobotItselfBytes(needs) + needs.outbox_bytes;
   // An outbox that was made before the budget was set may be larger than the budget would have it.
-  const uint64_t left = flags.budget_bytes - std::min(flags.budget_bytes, taken);
+  const uint64_t left = budget_bytes - std::min(budget_bytes, taken);
   return std::max(left, LeastBytesForMap(needs)) / (has_server ? 2 : 3);
 }
 

@@ -1,19 +1,14 @@
-// Adds the flag that bounds a robot's memory (docs/robot.md).
-#ifndef CORBSLAM_SERVICES_PROGRAMS_MEMORY_FLAGS_H_
-#define CORBSLAM_SERVICES_PROGRAMS_MEMORY_FLAGS_H_
+// Divides a robot's --memory-budget among what it is for (docs/robot.md).
+#ifndef CORBSLAM_SERVICES_PROGRAMS_MEMORY_NEEDS_H_
+#define CORBSLAM_SERVICES_PROGRAMS_MEMORY_NEEDS_H_
 
-#include <CLI/CLI.hpp>
 #include <cstdint>
+#include <optional>
 
 #include "absl/status/status.h"
-#include "services/programs/share_flags.h"
+#include "slam/exchange/uplink.h"
 
 namespace corbslam::services {
-
-struct MemoryFlags {
-  // Bytes of the process; 0: no bound.
-  uint64_t budget_bytes = 0;
-};
 
 // What a robot's memory depends on, beside its map.
 struct MemoryNeeds {
@@ -31,21 +26,20 @@ uint64_t RobotItselfBytes(const MemoryNeeds& needs);
 // Returns the least bytes for its maps: with less, local maps would be too short to be joined.
 uint64_t LeastBytesForMap(const MemoryNeeds& needs);
 // Returns how much the outbox takes of a budget unless somebody says it: an eighth, 64 MiB at most.
-uint64_t OutboxBytesOf(const MemoryFlags& flags);
+uint64_t OutboxBytesOf(uint64_t budget_bytes);
 
-// Adds --memory-budget, which --help-all shows.
-void AddMemoryFlags(CLI::App& app, MemoryFlags& flags);
 // Returns INVALID_ARGUMENT for a budget that is too small, that has neither a map store nor a
-// spool to go with, or that others' maps would break (--share everything).
-absl::Status CheckMemoryFlags(const MemoryFlags& flags, const ShareFlags& share,
-                              const MemoryNeeds& needs, bool has_keeper);
+// spool to go with, or that others' maps would break (--share everything, if that was said). 0 is
+// no budget, and good.
+absl::Status CheckMemoryBudget(uint64_t budget_bytes, std::optional<ShareMode> share,
+                               const MemoryNeeds& needs, bool has_keeper);
 // Returns AgentOptions::max_map_bytes for a budget that was checked: half of what the robot itself
 // and the outbox leave. The rest is for the old local map, which stays until it is told, and for a
 // full adjustment of it, which takes as much again for a second or two. Without a map store it is
 // one third: the robot itself reads whole local maps back, for a moment each, and keeps in memory
 // what they look like.
-uint64_t MaxMapBytes(const MemoryFlags& flags, const MemoryNeeds& needs, bool has_server = true);
+uint64_t MaxMapBytes(uint64_t budget_bytes, const MemoryNeeds& needs, bool has_server = true);
 
 }  // namespace corbslam::services
 
-#endif  // CORBSLAM_SERVICES_PROGRAMS_MEMORY_FLAGS_H_
+#endif  // CORBSLAM_SERVICES_PROGRAMS_MEMORY_NEEDS_H_

@@ -1,0 +1,32 @@
+#include "slam/util/number_range.h"
+
+#include <cmath>
+#include <iterator>
+
+#include "absl/strings/str_cat.h"
+
+namespace corbslam {
+namespace {
+
+std::string DescribeBound(double bound, const NumberRange& range, bool is_whole) {
+  if (range.is_bytes) return FormatWholeBytes(static_cast<uint64_t>(bound));
+  return is_whole ? absl::StrCat(static_cast<uint64_t>(bound)) : absl::StrCat(bound);
+}
+
+}  // namespace
+
+std::string FormatWholeBytes(uint64_t bytes) {
+  constexpr const char* kUnits[] = {" bytes", " KiB", " MiB", " GiB", " TiB", " PiB"};
+  size_t unit = 0;
+  for (; unit + 1 < std::size(kUnits) && bytes >= 1024 && bytes % 1024 == 0; ++unit) bytes /= 1024;
+  return absl::StrCat(bytes, kUnits[unit]);
+}
+
+std::string DescribeRange(const NumberRange& range, bool is_whole) {
+  const std::string least = DescribeBound(range.least, range, is_whole);
+  if (std::isinf(range.most)) return absl::StrCat(least, " or more");
+  return absl::StrCat(least, " to ", DescribeBound(range.most, range, is_whole),
+                      range.zero == nullptr ? "" : absl::StrCat(", or 0 for ", range.zero));
+}
+
+}  // namespace corbslam
