@@ -1,11 +1,15 @@
 #include "services/http/browser_options.h"
 
+#include <boost/beast/ssl/ssl_stream.hpp>
+#include <boost/beast/websocket/ssl.hpp>
 #include <utility>
 
 #include "services/http/web_session.h"
 
 namespace corbslam::services {
 namespace {
+
+using TlsStream = boost::beast::ssl_stream<TcpStream>;
 
 class BrowserConnector : public WebConnector {
  public:

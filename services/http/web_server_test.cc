@@ -226,7 +226,7 @@ TEST_F(WebServerTest, PagesOfOtherSitesReadNothing) {
 
 TEST_F(WebServerTest, ANameThatLeadsHereByRebindingReadsNothing) {
   WebServerOptions options = BrowserOptions();
-  options.hosts = {{"viewer.lan"}};
+  options.hosts = std::vector<std::string>{"viewer.lan"};
   Start(options);
   const auto ask = [this](const std::string& host) {
     return Ask(address(),

@@ -5,7 +5,6 @@
 #include <glog/logging.h>
 
 #include <algorithm>
-#include <boost/asio/ssl/stream_base.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <boost/beast/core/flat_buffer.hpp>
 #include <boost/beast/core/tcp_stream.hpp>
@@ -14,9 +13,7 @@
 #include <boost/beast/http/read.hpp>
 #include <boost/beast/http/span_body.hpp>
 #include <boost/beast/http/write.hpp>
-#include <boost/beast/ssl/ssl_stream.hpp>
 #include <boost/beast/websocket/rfc6455.hpp>
-#include <boost/beast/websocket/ssl.hpp>
 #include <chrono>
 #include <exception>
 #include <limits>
@@ -34,7 +31,6 @@
 namespace corbslam::services {
 
 using TcpStream = boost::beast::tcp_stream;
-using TlsStream = boost::beast::ssl_stream<boost::beast::tcp_stream>;
 using RequestHead = boost::beast::http::request<boost::beast::http::empty_body>;
 
 // Sets what a head says. Returns why it is refused; nullopt: it is not.
@@ -46,7 +42,7 @@ std::optional<WebResponse> DescribeReadError(boost::beast::error_code error,
 // Returns true unless a page of another site asks.
 bool IsOfSameSite(const RequestHead& head);
 
-// `Stream` is one of those above. Only the server's thread uses it.
+// `Stream` is TcpStream, or TLS over it. Only the server's thread uses it.
 template <typename Stream, bool kOpensWebSockets>
 class WebSession : public WebConnection,
                    public std::enable_shared_from_this<WebSession<Stream, kOpensWebSockets>> {
@@ -56,13 +52,12 @@ class WebSession : public WebConnection,
 
   void Start() override {
     SetPatience(std::min(shared_.options.first_patience, shared_.options.patience));
-    if constexpr (std::is_same_v<Stream, TlsStream>) {
-      stream_.async_handshake(boost::asio::ssl::stream_base::server,
-                              [self = this->shared_from_this()](Error error) {
-                                if (!error) self->Read();
-                              });
-    } else {
+    if constexpr (std::is_same_v<Stream, TcpStream>) {
       Read();
+    } else {
+      stream_.async_handshake(Stream::server, [self = this->shared_from_this()](Error error) {
+        if (!error) self->Read();
+      });
     }
   }
   void Close() override {
