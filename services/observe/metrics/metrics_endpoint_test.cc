@@ -77,7 +77,7 @@ TEST_F(ServedMetricsTest, AreTextOfAllCollectables) {
 
 TEST_F(ServedMetricsTest, OtherPathsAreNotThere) {
   for (const char* path : {"/", "/metric", "/metrics/", "/METRICS", "//metrics", "/favicon.ico",
-                           "/metrics/../metrics", "/%6detrics"}) {
+                           "/metrics/../metrics"}) {
     EXPECT_EQ(testing::StatusOf(Ask("GET", path)), 404) << path;
     EXPECT_EQ(testing::StatusOf(Ask("HEAD", path)), 404) << path;
   }
