@@ -32,6 +32,13 @@ struct SettingForm {
   char delimiter = 0;
 };
 
+inline constexpr SettingForm kRare = {.rare = true};
+inline constexpr SettingForm kRequired = {.required = true};
+constexpr SettingForm Within(double least, double most) { return {.in = {least, most}}; }
+constexpr SettingForm RareWithin(double least, double most) {
+  return {.in = {least, most}, .rare = true};
+}
+
 // Bounds of a number of bytes, which is written as 500MB, 0.5GiB or 4096 (1 KB is 1024).
 inline constexpr uint64_t kMostBytes = uint64_t{1} << 50;  // More has no computer.
 constexpr NumberRange Bytes(uint64_t least, uint64_t most = kMostBytes,

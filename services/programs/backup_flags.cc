@@ -21,24 +21,18 @@ void AddBackupFlags(CLI::App& app, BackupFlags& flags) {
            "itself. Without: none"},
           {"--backup-every", &flags.every,
            "How often, as 1h or 30m; a mission that has not changed gets none"},
-          {"--backup-keep",
-           &flags.keep,
-           "How many of a mission are kept; archives are kept beside them",
-           {.in = {1, 100000}}},
-          {"--backup-mb-per-s",
-           &flags.mb_per_s,
-           "MB a second that backups write; 0: any",
-           {.in = {0, 100000}, .rare = true}},
-          {"--backup-take-over",
-           &flags.take_over_from,
+          {"--backup-keep", &flags.keep,
+           "How many of a mission are kept; archives are kept beside them", Within(1, 100000)},
+          {"--backup-mb-per-s", &flags.mb_per_s, "MB a second that backups write; 0: any",
+           RareWithin(0, 100000)},
+          {"--backup-take-over", &flags.take_over_from,
            "Id of the store whose folder --backup-dir was, which is gone, and whose place this "
            "one takes; the refusal names it",
-           {.rare = true}},
-          {"--scrub-mb-per-s",
-           &flags.scrub_mb_per_s,
+           kRare},
+          {"--scrub-mb-per-s", &flags.scrub_mb_per_s,
            "MB a second of the data folder, and as many of the backups, that are read again to "
            "find damage; 0: never",
-           {.in = {0, 100000}, .rare = true}},
+           RareWithin(0, 100000)},
       });
 }
 

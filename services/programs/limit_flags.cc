@@ -10,7 +10,7 @@ namespace {
 
 // No limit means more: nothing counts or weighs as much.
 constexpr SettingForm kCount = {.in = {0, double{uint64_t{1} << 50}}, .rare = true};
-constexpr SettingForm kSeconds = {.in = {0, 1e9}, .rare = true};
+constexpr SettingForm kSeconds = RareWithin(0, 1e9);
 
 }  // namespace
 

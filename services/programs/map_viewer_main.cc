@@ -216,14 +216,9 @@ void AddFlags(CLI::App& app, Flags& flags) {
           {"--token-key", &flags.token_key,
            "PEM file of Ed25519 public keys whose tokens browsers show"},
           {"--open", &flags.open, "Everybody who reaches it may look at every mission"},
-          {"--max-pages",
-           &flags.max_pages,
-           "Pages that are open at once",
-           {.in = {1, 10000}}},
-          {"--max-missions",
-           &flags.viewer.feeds.max_missions,
-           "Missions that are looked at at once",
-           {.in = {1, 1000}}},
+          {"--max-pages", &flags.max_pages, "Pages that are open at once", Within(1, 10000)},
+          {"--max-missions", &flags.viewer.feeds.max_missions,
+           "Missions that are looked at at once", Within(1, 1000)},
       });
   AddTokenFlags(app, flags.tokens);
   AddTlsFlags(app, flags.security);

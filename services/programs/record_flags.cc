@@ -47,15 +47,13 @@ void AddRecordFlags(CLI::App& app, RecordFlags& flags) {
   AddSettings(
       app,
       {
-          {"--record",
-           &flags.folder,
+          {"--record", &flags.folder,
            "New folder for the frames that are tracked and what came of them, for corbslam replay; "
            "{time} in its name becomes that of the start",
-           {.rare = true}},
-          {"--record-mb",
-           &flags.waiting_mb,
+           kRare},
+          {"--record-mb", &flags.waiting_mb,
            "MiB of frames that wait for --record's disk; more are left out of the recording",
-           {.in = {1, 1 << 20}, .rare = true}},
+           RareWithin(1, 1 << 20)},
       });
 }
 

@@ -22,16 +22,14 @@ void Set(const RobotSetting& row, const v1::RobotSettings& from, SettableFlags& 
 }  // namespace
 
 std::vector<Setting> RowsOf(SettingsFlags& flags) {
-  return {{"--settings-key",
-           &flags.key,
+  return {{"--settings-key", &flags.key,
            "PEM file of the Ed25519 public keys whose settings for robots are taken from the map "
            "store; without: none are",
-           {.rare = true}},
-          {"--settings-kept",
-           &flags.kept,
+           kRare},
+          {"--settings-kept", &flags.kept,
            "File for those that were taken: they hold until the map store is reached, and no older "
            "ones are taken after a restart",
-           {.rare = true}}};
+           kRare}};
 }
 
 absl::Status CheckSettingsFlags(const SettingsFlags& flags, bool has_server) {

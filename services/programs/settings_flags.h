@@ -51,12 +51,11 @@ inline std::vector<Setting> RowsOf(SettableFlags& flags) {
        &flags.uplink_kbps,
        "kbit/s to the map store at most; what is over waits; 0: no bound",
        {.in = RangeOfRobotSetting("uplink-kbps"), .unit = "KBPS"}},
-      {"--share",
-       OneOf(kShareModes, &flags.share),
+      {"--share", OneOf(kShareModes, &flags.share),
        "What the map store tells the robot: everything, unless said otherwise; nearby (with "
        "--memory-budget unless said otherwise): others' keyframes near it; corrections: where its "
        "own map is in all's; none: nothing, and WatchPose has no global_from_local",
-       {.rare = true}},
+       kRare},
       {"--share-radius",
        &flags.share_radius_m,
        "With --share nearby: how far from the robot's newest keyframe, in metres; without: 50",

@@ -25,17 +25,15 @@ void AddSpoolFlags(CLI::App& app, SpoolFlags& flags) {
            &flags.folder,
            "Folder in which what is mapped outlives the program and power loss",
            {.unit = "DIR"}},
-          {"--spool-mb", &flags.mb, "MiB in it at most", {.in = {1, 1 << 20}, .rare = true}},
-          {"--spool-sync-s",
-           &flags.sync_s,
+          {"--spool-mb", &flags.mb, "MiB in it at most", RareWithin(1, 1 << 20)},
+          {"--spool-sync-s", &flags.sync_s,
            "Seconds after which a loss of power takes nothing; 0: only what memory has no room for "
            "goes there, and what is left at the end",
-           {.in = {0, 3600}, .rare = true}},
+           RareWithin(0, 3600)},
           {"--resume", &flags.resume, "Go on with the local map that --spool keeps"},
-          {"--resume-wait-s",
-           &flags.resume_wait_s,
+          {"--resume-wait-s", &flags.resume_wait_s,
            "Seconds in which a place in it must be recognised, else a new one begins",
-           {.in = {0, 86400}, .rare = true}},
+           RareWithin(0, 86400)},
       });
 }
 
