@@ -29,7 +29,7 @@ absl::Status ReadMission(StoreReader& store, const std::string& mission, Mission
   outcome.report.fused.map_points = outcome.map.points.size();
   ASSIGN_OR_RETURN(const std::vector<v1::LocalMap> local_maps, store.ListLocalMaps());
   outcome.local_map_names = ShortNames(local_maps);
-  absl::StatusOr<RecordedMission> recorded = RecordMission(store, mission);
+  absl::StatusOr<MissionPast> recorded = RecordMission(store, mission);
   LOG_IF(WARNING, !recorded.ok()) << "report.html has the map from above alone: "
                                   << recorded.status();
   if (recorded.ok()) outcome.recorded = *std::move(recorded);

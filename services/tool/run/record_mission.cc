@@ -54,8 +54,8 @@ absl::StatusOr<v1::MissionPulse> ReadPulse(StoreReader& store) {
 
 }  // namespace
 
-absl::StatusOr<RecordedMission> RecordMission(StoreReader& store, const std::string& mission) {
-  RecordedMission recorded;
+absl::StatusOr<MissionPast> RecordMission(StoreReader& store, const std::string& mission) {
+  MissionPast recorded;
   recorded.mission = mission;
   ASSIGN_OR_RETURN(recorded.past, ReadShortPast(store));
   ASSIGN_OR_RETURN(const v1::MissionPulse pulse, ReadPulse(store));

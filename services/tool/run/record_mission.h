@@ -6,13 +6,13 @@
 
 #include "absl/status/statusor.h"
 #include "services/client/store/store_reader.h"
-#include "services/tool/report/recorded_mission.h"
+#include "services/tool/report/mission_past.h"
 
 namespace corbslam::services {
 
 // Of a past that is longer than six megabytes the present alone, and of a map that is, the past of
 // its keyframes. Errors are those of the store; RESOURCE_EXHAUSTED if that is too long, too.
-absl::StatusOr<RecordedMission> RecordMission(StoreReader& store, const std::string& mission);
+absl::StatusOr<MissionPast> RecordMission(StoreReader& store, const std::string& mission);
 
 }  // namespace corbslam::services
 

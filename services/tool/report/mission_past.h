@@ -1,6 +1,6 @@
 // A mission as a run left it in the store, for the page of its report.
-#ifndef CORBSLAM_SERVICES_TOOL_REPORT_RECORDED_MISSION_H_
-#define CORBSLAM_SERVICES_TOOL_REPORT_RECORDED_MISSION_H_
+#ifndef CORBSLAM_SERVICES_TOOL_REPORT_MISSION_PAST_H_
+#define CORBSLAM_SERVICES_TOOL_REPORT_MISSION_PAST_H_
 
 #include <string>
 #include <vector>
@@ -8,7 +8,7 @@
 namespace corbslam::services {
 
 // Each text is a serialised message.
-struct RecordedMission {
+struct MissionPast {
   std::string mission;
   // v1.WatchMapResponse, as ReplayMap tells them; empty: nothing was recorded.
   std::vector<std::string> past;
@@ -18,4 +18,4 @@ struct RecordedMission {
 
 }  // namespace corbslam::services
 
-#endif  // CORBSLAM_SERVICES_TOOL_REPORT_RECORDED_MISSION_H_
+#endif  // CORBSLAM_SERVICES_TOOL_REPORT_MISSION_PAST_H_
