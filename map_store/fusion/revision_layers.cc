@@ -45,8 +45,8 @@ bool IsSamePose(const Similarity3d& a, const Similarity3d& b) {
 }
 
 void PlaceKeyframe(const PlacedKeyframe& planned, PlacedKeyframe& placed) {
-  const bool stays = placed.revision > 0 &&
-                     IsSamePose(planned.camera_from_island, placed.camera_from_island);
+  const bool stays =
+      placed.revision > 0 && IsSamePose(planned.camera_from_island, placed.camera_from_island);
   const uint64_t moved_by = stays ? placed.moved_by : planned.revision;
   placed = planned;
   placed.moved_by = moved_by;

@@ -72,8 +72,10 @@ const std::vector<NamedPaint>& AllSeries() {
 size_t WantedNumber(const std::string& robot) {
   const size_t last = robot.find_last_of("0123456789");
   if (last == std::string::npos) {
-    const int letter = robot.empty() ? 0 : static_cast<unsigned char>(absl::ascii_tolower(
-                                               static_cast<unsigned char>(robot[0])));
+    const int letter =
+        robot.empty()
+            ? 0
+            : static_cast<unsigned char>(absl::ascii_tolower(static_cast<unsigned char>(robot[0])));
     return static_cast<size_t>(letter - 'a' + 16 * static_cast<int>(kSeries)) % kSeries;
   }
   // Of a decimal number its last three digits decide what is left of it by eight.
@@ -130,8 +132,8 @@ std::map<std::string, size_t> NumberRobots(const std::set<std::string>& robots) 
 }
 
 std::string PaintVariables(bool on_dark) {
-  std::vector<NamedPaint> paints = {kInk,    kPaper,      kMuted, kGrid, kOwn, kOwnEdge,
-                                    kOthers, kOthersEdge, kTruth};
+  std::vector<NamedPaint> paints = {kInk,     kPaper,  kMuted,      kGrid, kOwn,
+                                    kOwnEdge, kOthers, kOthersEdge, kTruth};
   paints.insert(paints.end(), AllSeries().begin(), AllSeries().end());
   std::string text;
   for (const NamedPaint& paint : paints) {

@@ -1,7 +1,7 @@
-// Runs every call of docs/grpcurl.md and tests/docs/grpcurl_answers.md as it is written, by a client
-// that knows no proto, against a store, a worker and two robots that were started as the first page
-// says, and compares what they answer with what the pages say. With CORBSLAM_GRPCURL_ANSWERS=FILE it
-// also writes the answers there, for the pages.
+// Runs every call of docs/grpcurl.md and tests/docs/grpcurl_answers.md as it is written, by a
+// client that knows no proto, against a store, a worker and two robots that were started as the
+// first page says, and compares what they answer with what the pages say. With
+// CORBSLAM_GRPCURL_ANSWERS=FILE it also writes the answers there, for the pages.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

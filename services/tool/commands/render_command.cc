@@ -148,13 +148,13 @@ absl::Status Render(const RenderArguments& arguments) {
   ASSIGN_OR_RETURN(const FusedAccuracy accuracy, AlignTruth(store, paths, arguments.truth));
   RETURN_IF_ERROR(Draw(map, own, accuracy, paths, arguments));
   SayElsewhere(map, arguments);
-  PrintResult(absl::StrCat(arguments.out, ": ", map.keyframes.size(),
-                           " keyframes in the global map\n"),
-              {{"mission", arguments.mission},
-               {"own", own},
-               {"files", nlohmann::ordered_json::array({arguments.out})},
-               {"keyframes", map.keyframes.size()},
-               {"keyframes_elsewhere", map.elsewhere.keyframes}});
+  PrintResult(
+      absl::StrCat(arguments.out, ": ", map.keyframes.size(), " keyframes in the global map\n"),
+      {{"mission", arguments.mission},
+       {"own", own},
+       {"files", nlohmann::ordered_json::array({arguments.out})},
+       {"keyframes", map.keyframes.size()},
+       {"keyframes_elsewhere", map.elsewhere.keyframes}});
   return absl::OkStatus();
 }
 

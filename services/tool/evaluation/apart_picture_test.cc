@@ -5,8 +5,8 @@
 #include <filesystem>
 #include <memory>
 
-#include "map_store/store/map_store.h"
 #include "map_store/rocks/rocks_journal.h"
+#include "map_store/store/map_store.h"
 #include "map_store/testing/small_mission.h"
 #include "services/client/store/store_reader.h"
 #include "services/map_store_service/map_store_service.h"
