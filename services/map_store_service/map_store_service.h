@@ -12,10 +12,10 @@
 #include <utility>
 #include <vector>
 
-#include "corbslam/v1/map_store_service.grpc.pb.h"
+#include "corbslam/v1/map_store_service.pb.h"
 #include "map_store/store/map_store.h"
 #include "map_store/store/stored_backups.h"
-#include "map_store/view/asleep_words.h"
+#include "services/convert/asked_resource.h"
 #include "services/map_store_service/streams/recent_codes.h"
 #include "services/map_store_service/streams/replay_slots.h"
 #include "services/map_store_service/streams/stream_limits.h"
@@ -48,22 +48,7 @@ struct MapStoreServiceOptions {
 // destroyed. Thread-safe.
 class MapStoreService : public GuardedService {
  public:
-  explicit MapStoreService(map_store::MapStore* store, const MapStoreServiceOptions& options = {})
-      : GuardedService(*v1::SyncRequest::descriptor()->file()->service(0), options.door),
-        store_(*store),
-        options_(Observed(options, &recent_codes_)),
-        limits_(options.streams),
-        pool_(options.threads, options.streams.max_waiting_calls) {
-    // Who needs a mission that is asleep gives its thread to others meanwhile.
-    for (TaskPool* pool : {&pool_, &replay_pool_, &long_pool_, locating_.get()}) {
-      pool->SetDeferrer([store](const absl::Status& error, TaskPool::Again again) {
-        const std::optional<std::string> mission = map_store::AsleepMission(error);
-        return mission.has_value() ? store->WhenAwake(*mission, std::move(again)) : error;
-      });
-    }
-    ServeCalls();
-    if (door() != nullptr) door()->OnRevoked(link_.Guard([this] { limits_.EndWhoMayNotStay(); }));
-  }
+  explicit MapStoreService(map_store::MapStore* store, const MapStoreServiceOptions& options = {});
   ~MapStoreService() override { link_.Cut(); }
   MapStoreService(const MapStoreService&) = delete;
   MapStoreService& operator=(const MapStoreService&) = delete;
@@ -93,44 +78,11 @@ class MapStoreService : public GuardedService {
   size_t long_work() const { return long_work_.size(); }
 
  private:
+  // Returns whether the caller's lists have the mission.
+  using IsShown = std::function<bool(const std::string& mission)>;
+
   // Each call of the contract, with what answers it.
-  void ServeCalls() {
-    Serve("Sync", &MapStoreService::Sync);
-    Serve("WatchMap", &MapStoreService::WatchMap);
-    Serve("WatchEvents", &MapStoreService::WatchEvents);
-    Serve("ReplayMap", &MapStoreService::ReplayMap);
-    Serve("ListMissions", &MapStoreService::ListMissions);
-    Serve("GetMission", pool_, &MapStoreService::GetMission);
-    Serve("CreateMission", pool_, &MapStoreService::CreateMission);
-    Serve("SetRobotSettings", pool_, &MapStoreService::SetRobotSettings);
-    Serve("GetRobotSettings", pool_, &MapStoreService::GetRobotSettings);
-    Serve("UpdateMission", pool_, &MapStoreService::UpdateMission);
-    ServeLong("DeleteMission", long_pool_, &MapStoreService::DeleteMission);
-    ServeLong("SleepMission", long_pool_, &MapStoreService::SleepMission);
-    Serve("BackupMission", &MapStoreService::BackupMission);
-    Serve("RestoreMission", &MapStoreService::RestoreMission);
-    ServeLong("StoreBackup", backup_pool_, &MapStoreService::StoreBackup);
-    Serve("ListStoredBackups", &MapStoreService::ListStoredBackups);
-    ServeLong("RestoreStoredBackup", backup_pool_, &MapStoreService::RestoreStoredBackup);
-    ServeLong("VerifyStoredBackup", backup_pool_, &MapStoreService::VerifyStoredBackup);
-    ServeLong("DeleteStoredBackup", backup_pool_, &MapStoreService::DeleteStoredBackup);
-    ServeLong("ArchiveMission", backup_pool_, &MapStoreService::ArchiveMission);
-    Serve("ListAgents", pool_, &MapStoreService::ListAgents);
-    Serve("ListLocalMaps", pool_, &MapStoreService::ListLocalMaps);
-    Serve("GetLocalMap", pool_, &MapStoreService::GetLocalMap);
-    Serve("ListKeyframes", pool_, &MapStoreService::ListKeyframes);
-    Serve("GetKeyframe", pool_, &MapStoreService::GetKeyframe);
-    Serve("GetStatistics", pool_, &MapStoreService::GetStatistics);
-    Serve("GetTrajectory", &MapStoreService::GetTrajectory);
-    Serve("ListOverlaps", pool_, &MapStoreService::ListOverlaps);
-    Serve("GetOverlap", pool_, &MapStoreService::GetOverlap);
-    Serve("AskForExactPlaces", pool_, &MapStoreService::AskForExactPlaces);
-    ServeLong("RetractOverlap", long_pool_, &MapStoreService::RetractOverlap);
-    ServeLong("ForgetLocalMaps", long_pool_, &MapStoreService::ForgetLocalMaps);
-    ServeLong("RederiveGlobalLayer", long_pool_, &MapStoreService::RederiveGlobalLayer);
-    Serve("Localize", &MapStoreService::Localize);
-    Serve("LocalizeStream", &MapStoreService::LocalizeStream);
-  }
+  void ServeCalls();
 
   grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>* Sync(
       grpc::CallbackServerContext* context, MayAsk may_open);
@@ -140,9 +92,8 @@ class MapStoreService : public GuardedService {
                                                           const v1::WatchEventsRequest* request);
   grpc::ServerWriteReactor<v1::WatchMapResponse>* ReplayMap(grpc::CallbackServerContext* context,
                                                             const v1::ReplayMapRequest* request);
-  grpc::ServerUnaryReactor* ListMissions(grpc::CallbackServerContext* context,
-                                         const v1::ListMissionsRequest* request,
-                                         v1::ListMissionsResponse* response);
+  absl::Status ListMissions(const IsShown& is_shown, const v1::ListMissionsRequest& request,
+                            v1::ListMissionsResponse* response);
   absl::Status GetMission(const v1::GetMissionRequest& request, v1::Mission* response);
   absl::Status CreateMission(const v1::CreateMissionRequest& request, v1::Mission* response);
   absl::Status SetRobotSettings(const v1::SetRobotSettingsRequest& request,
@@ -158,9 +109,9 @@ class MapStoreService : public GuardedService {
   grpc::ServerReadReactor<v1::RestoreMissionRequest>* RestoreMission(
       grpc::CallbackServerContext* context, MayAsk may_restore, v1::Mission* response);
   absl::Status StoreBackup(const v1::StoreBackupRequest& request, v1::StoredBackup* response);
-  grpc::ServerUnaryReactor* ListStoredBackups(grpc::CallbackServerContext* context,
-                                              const v1::ListStoredBackupsRequest* request,
-                                              v1::ListStoredBackupsResponse* response);
+  absl::Status ListStoredBackups(const IsShown& is_shown,
+                                 const v1::ListStoredBackupsRequest& request,
+                                 v1::ListStoredBackupsResponse* response);
   absl::Status RestoreStoredBackup(const v1::RestoreStoredBackupRequest& request,
                                    v1::Mission* response);
   absl::Status VerifyStoredBackup(const v1::VerifyStoredBackupRequest& request,
@@ -204,26 +155,29 @@ class MapStoreService : public GuardedService {
   // Counts work that takes long, for its caller and the mission in `name`.
   absl::StatusOr<std::shared_ptr<const void>> EnterLongWork(
       const grpc::CallbackServerContext& context, const std::string& name);
-  // As Serve, for what takes long, about the backup, the parent or the name in the request.
+  // The same as Serve, for what takes long, about the resource that the call names.
   template <typename Request, typename Response>
   void ServeLong(const char* name, TaskPool& pool,
                  absl::Status (MapStoreService::*call)(const Request&, Response*)) {
+    const google::protobuf::MethodDescriptor* method = service().FindMethodByName(name);
+    Serve<Request, Response>(
+        name, [this, method, &pool, call](grpc::CallbackServerContext* context,
+                                          const Request* request, Response* response) {
+          return AnswerLong(
+              pool, context, ResourceOf(*method, *request),
+              [this, call, request, response] { return (this->*call)(*request, response); });
+        });
+  }
+  // The same as Serve, for a list that has what the caller may look into.
+  template <typename Request, typename Response>
+  void ServeList(const char* name, TaskPool& pool,
+                 absl::Status (MapStoreService::*call)(const IsShown&, const Request&, Response*)) {
     Serve<Request, Response>(name, [this, &pool, call](grpc::CallbackServerContext* context,
                                                        const Request* request, Response* response) {
-      return AnswerLong(pool, context, AboutWhat(*request), [this, call, request, response] {
-        return (this->*call)(*request, response);
+      return AnswerOn(pool, context, [this, is_shown = Shows(*context), call, request, response] {
+        return (this->*call)(is_shown, *request, response);
       });
     });
-  }
-  template <typename Request>
-  static const std::string& AboutWhat(const Request& request) {
-    if constexpr (requires { request.backup(); }) {
-      return request.backup();
-    } else if constexpr (requires { request.parent(); }) {
-      return request.parent();
-    } else {
-      return request.name();
-    }
   }
   // As AnswerOn, for what takes long.
   grpc::ServerUnaryReactor* AnswerLong(TaskPool& pool, grpc::CallbackServerContext* context,
@@ -232,8 +186,7 @@ class MapStoreService : public GuardedService {
   absl::Status AnswerLocalize(const v1::LocalizeRequest& request,
                               const std::function<bool()>& goes_on, v1::LocalizeResponse* response);
   // Returns which missions the caller's lists have.
-  std::function<bool(const std::string& mission)> Shows(
-      const grpc::CallbackServerContext& context) const {
+  IsShown Shows(const grpc::CallbackServerContext& context) const {
     if (door() == nullptr) return [](const std::string&) { return true; };
     return
         [caller = door()->Meet(context)](const auto& mission) { return caller->MayLook(mission); };

@@ -12,13 +12,13 @@
 #include "absl/strings/strip.h"
 #include "absl/time/clock.h"
 #include "corbslam/v1/access.pb.h"
+#include "services/convert/asked_resource.h"
 #include "services/convert/resource_names.h"
 #include "services/convert/status.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::services {
 
-using google::protobuf::FieldDescriptor;
 using google::protobuf::Message;
 
 namespace {
@@ -71,20 +71,6 @@ class CallGate : public grpc::AuthMetadataProcessor {
   const std::shared_ptr<const AccessControl> access_;
   const TurnedAwayListener on_turned_away_;
 };
-
-// Returns the text of a field such as "name" or "mission.name".
-absl::StatusOr<std::string> ReadField(const Message& message, absl::string_view path) {
-  const std::pair<std::string, std::string> parts = absl::StrSplit(path, absl::MaxSplits('.', 1));
-  const FieldDescriptor* field = message.GetDescriptor()->FindFieldByName(parts.first);
-  const auto wanted =
-      parts.second.empty() ? FieldDescriptor::CPPTYPE_STRING : FieldDescriptor::CPPTYPE_MESSAGE;
-  if (field == nullptr || field->is_repeated() || field->cpp_type() != wanted) {
-    return absl::InternalError(absl::StrCat(message.GetTypeName(), " has no text ", path));
-  }
-  const google::protobuf::Reflection& reflection = *message.GetReflection();
-  if (parts.second.empty()) return reflection.GetString(message, field);
-  return ReadField(reflection.GetMessage(message, field), parts.second);
-}
 
 absl::StatusOr<std::string> MissionOf(absl::string_view name) {
   const std::vector<absl::string_view> parts = absl::StrSplit(name, '/');
@@ -247,20 +233,21 @@ absl::Status AccessControl::Check(const google::protobuf::MethodDescriptor& meth
     return absl::PermissionDeniedError(
         absl::StrCat(method.full_name(), " does not say what it does, and of which mission"));
   }
+  std::optional<std::string> agent = options_.agent;
+  if (!asked.agent().empty()) {
+    ASSIGN_OR_RETURN(agent, ReadText(message, asked.agent()));
+  }
   const Evidence evidence = EvidenceOf(context);
   if (asked.mission_size() == 0) {
-    return Check({*action, options_.mission, options_.agent}, evidence, absl::Now());
+    return Check({*action, options_.mission, agent}, evidence, absl::Now());
   }
   for (int i = 0; i < asked.mission_size(); ++i) {
-    ASSIGN_OR_RETURN(const std::string name, ReadField(message, asked.mission(i)));
+    ASSIGN_OR_RETURN(const std::string name, ReadText(message, asked.mission(i)));
     if (i > 0 && name.empty()) continue;
     // That the caller may do it in some mission was checked with the call.
     if (asked.or_all_missions() && name == kAllMissions) continue;
-    Access access{*action, std::nullopt, std::nullopt};
+    Access access{*action, std::nullopt, agent};
     ASSIGN_OR_RETURN(access.mission, MissionOf(name));
-    if (!asked.agent().empty()) {
-      ASSIGN_OR_RETURN(access.agent, ReadField(message, asked.agent()));
-    }
     RETURN_IF_ERROR(Check(access, evidence, absl::Now()));
   }
   return absl::OkStatus();

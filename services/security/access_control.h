@@ -63,6 +63,7 @@ class AccessControl : public Door {
 
   // Checks, before a call's request is read, whether the caller may call this method at all.
   absl::Status CheckMethod(absl::string_view path, const Evidence& evidence, absl::Time now) const;
+  // Checks whether the caller may have this access.
   absl::Status Check(const Access& access, const Evidence& evidence, absl::Time now) const;
   // Checks, once it is known what a call asks for, what stands at it in the proto: for each mission
   // that the message names. INVALID_ARGUMENT for a name that can't be read.

@@ -11,6 +11,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
 #include "corbslam/v1/map_store_service.grpc.pb.h"
+#include "services/convert/asked_resource.h"
 #include "services/convert/resource_names.h"
 #include "services/convert/status.h"
 #include "services/map_store_service/streams/stream_limits.h"
@@ -45,23 +46,6 @@ std::string ResourceOfSession(const grpc::ByteBuffer& message) {
   if (!grpc::SerializationTraits<v1::SyncRequest>::Deserialize(&copy, &request).ok()) return "";
   if (!request.has_open()) return "";
   return absl::StrCat(request.open().mission(), "/agents/", request.open().agent());
-}
-
-// Returns the field by which our requests name what they are about, be it within a resource that
-// they bring along.
-std::string ResourceOfRequest(const google::protobuf::Message& request) {
-  using Field = google::protobuf::FieldDescriptor;
-  for (const char* name : {"name", "parent", "mission"}) {
-    const Field* field = request.GetDescriptor()->FindFieldByName(name);
-    if (field == nullptr || field->is_repeated()) continue;
-    if (field->cpp_type() == Field::CPPTYPE_STRING) {
-      return request.GetReflection()->GetString(request, field);
-    }
-    if (field->cpp_type() == Field::CPPTYPE_MESSAGE) {
-      return ResourceOfRequest(request.GetReflection()->GetMessage(request, field));
-    }
-  }
-  return "";
 }
 
 }  // namespace
@@ -124,7 +108,9 @@ std::string AuditLog::OnAsked(absl::string_view method, const grpc::ServerContex
                               const void* message) {
   if (method != kSync) {
     // All messages of generated classes have this base first.
-    return ResourceOfRequest(*static_cast<const google::protobuf::Message*>(message));
+    const google::protobuf::MethodDescriptor* asked = FindMethod(absl::StrCat("/", method));
+    if (asked == nullptr) return "";
+    return ResourceOf(*asked, *static_cast<const google::protobuf::Message*>(message));
   }
   std::string resource = ResourceOfSession(*static_cast<const grpc::ByteBuffer*>(message));
   Write({"session_asked", context.peer(), EvidenceOf(context), "", std::string(method), resource,

@@ -2,12 +2,11 @@
 
 #include <algorithm>
 #include <string>
-#include <vector>
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
-#include "absl/strings/str_split.h"
 #include "corbslam/v1/access.pb.h"
+#include "services/convert/asked_resource.h"
 #include "services/convert/resource_names.h"
 
 namespace corbslam::services {
@@ -109,15 +108,6 @@ std::optional<Action> FromProto(v1::Access::Action action) {
     default:
       return std::nullopt;
   }
-}
-
-// Returns null for a method of no proto that this program has.
-const MethodDescriptor* FindMethod(absl::string_view path) {
-  const std::vector<std::string> parts = absl::StrSplit(path, '/');
-  if (parts.size() != 3 || !parts[0].empty()) return nullptr;
-  const google::protobuf::ServiceDescriptor* service =
-      google::protobuf::DescriptorPool::generated_pool()->FindServiceByName(parts[1]);
-  return service != nullptr ? service->FindMethodByName(parts[2]) : nullptr;
 }
 
 }  // namespace

@@ -26,9 +26,9 @@ namespace corbslam::services {
 // Returns OK if the caller of a stream may have what this message of it asks for.
 using MayAsk = std::function<absl::Status(const google::protobuf::Message&)>;
 
-// The base of a service whose calls are members of the class derived from it. There is no way to
-// serve a call that does not pass the door: a request is shown to it here, and a call whose caller
-// streams is given the question that it must ask about the messages. A call that is not served is
+// The base of a service whose calls are members of the class derived from it. A request is shown to
+// the door before the call's own code runs. A call whose caller streams must ask for itself, by the
+// question that it is given, about each message that begins something. A call that is not served is
 // UNIMPLEMENTED.
 class GuardedService : public grpc::Service {
  protected:
@@ -51,6 +51,7 @@ class GuardedService : public grpc::Service {
 
   // May be null.
   const Door* door() const { return door_.get(); }
+  const google::protobuf::ServiceDescriptor& service() const { return service_; }
 
   // Serves the call of this name by `call`. Its messages must be those of the contract, or bytes;
   // ends the process otherwise. Called in the constructor.

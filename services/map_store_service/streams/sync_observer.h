@@ -9,7 +9,6 @@
 #include "absl/status/status.h"
 #include "absl/time/time.h"
 #include "slam/exchange/map_update.h"
-#include "slam/exchange/shared_update.h"
 
 namespace corbslam::services {
 
