@@ -19,10 +19,6 @@ struct IsOptional : std::false_type {};
 template <typename T>
 struct IsOptional<std::optional<T>> : std::true_type {};
 
-std::string Given(absl::string_view text) {
-  return absl::StrCat("is \"", absl::CHexEscape(text.substr(0, 80)), "\"");
-}
-
 std::string Refused(absl::string_view text, absl::string_view kind, const NumberRange& in,
                     bool is_whole) {
   return absl::StrCat(Given(text), ", must be ", kind, DescribeRange(in, is_whole));
@@ -138,7 +134,7 @@ CLI::Option* AddValue(CLI::App& app, const Setting& setting) {
                             "");
   CLI::Option* option = app.add_option_function<std::string>(
       setting.flag, [](const std::string&) {}, setting.text);
-  return option->check(read);
+  return option->check(read.name(kReadsItself));
 }
 
 template <typename Place>
@@ -157,6 +153,10 @@ CLI::Option* Add(CLI::App& app, const Setting& setting, const Place& place) {
 }
 
 }  // namespace
+
+std::string Given(absl::string_view text) {
+  return absl::StrCat("is \"", absl::CHexEscape(text.substr(0, 80)), "\"");
+}
 
 ChosenValue OneOf(const std::string& yes, const std::string& no, bool* place) {
   return {[=](const std::string& name) -> std::string {

@@ -14,6 +14,7 @@
 #include <variant>
 #include <vector>
 
+#include "absl/strings/string_view.h"
 #include "absl/time/time.h"
 #include "slam/util/named_values.h"
 #include "slam/util/number_range.h"
@@ -79,6 +80,12 @@ struct Setting {
   std::string text;
   SettingForm form = {};
 };
+
+// Returns how an error names a value that was given: is "7", cut after 80 bytes.
+std::string Given(absl::string_view text);
+
+// The name of the check of an option that reads its own values: nothing else need look at them.
+inline constexpr char kReadsItself[] = "reads itself";
 
 // Reads a value from anywhere into the setting's place, and returns what is wrong with it, such as
 // "is "7", must be 8 to 10000000, or 0 for no bound"; empty if nothing. A list or a switch is read

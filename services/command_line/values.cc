@@ -6,7 +6,6 @@
 #include <utility>
 #include <vector>
 
-#include "absl/strings/escaping.h"
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/string_view.h"
@@ -17,10 +16,6 @@ namespace corbslam::services {
 namespace {
 
 constexpr char kMayBeEmpty[] = "may be empty";
-
-std::string Quoted(absl::string_view text) {
-  return absl::StrCat("is \"", absl::CHexEscape(text.substr(0, 80)), "\"");
-}
 
 // Returns a number without the zeros behind it that say nothing.
 std::string Plain(const std::string& number) {
@@ -56,7 +51,7 @@ std::string CheckSwitch(std::string& text) {
   for (const char* word : {"true", "false", "on", "off", "yes", "no", "1", "0"}) {
     if (absl::EqualsIgnoreCase(text, word)) return "";
   }
-  return Quoted(text) + ", must be true or false";
+  return Given(text) + ", must be true or false";
 }
 
 std::string CheckNotEmpty(std::string& text) {
@@ -69,7 +64,7 @@ void CheckValuesOf(CLI::Option& option) {
     if (option.get_configurable()) option.check(CLI::Validator(CheckSwitch, ""));
     return;
   }
-  const std::string type = TypeOf(option);
+  const std::string type = HasMark(option, kReadsItself) ? "" : TypeOf(option);
   if (type == "UINT" || type == "INT") {
     option.transform(CLI::Validator(&CheckNumber<uint64_t>, ""));
   } else if (type == "FLOAT") {
@@ -93,7 +88,7 @@ std::string InOurWords(const std::string& message) {
        "$1: is \"$2\", which is no value of it, or too large a number"}};
   std::smatch parts;
   if (std::regex_match(message, parts, range)) {
-    return absl::StrCat(parts[1].str(), ": ", Quoted(parts[2].str()), ", must be ",
+    return absl::StrCat(parts[1].str(), ": ", Given(parts[2].str()), ", must be ",
                         Plain(parts[3].str()), " to ", Plain(parts[4].str()));
   }
   for (const auto& [theirs, ours] : sayings) {

@@ -113,7 +113,7 @@ absl::Status Check(const RobotSetting& row, const v1::RobotSettings& settings) {
     wanted = DescribeRange(row.in, IsWhole(row));
   }
   if (wanted.empty()) return absl::OkStatus();
-  return BadSetting(row.field, row.is_file ? SettingText(row, settings) : value, wanted);
+  return BadSetting(row.field, row.is_file ? absl::StrCat(value.size(), " bytes") : value, wanted);
 }
 
 absl::Status CheckTogether(const v1::RobotSettings& settings) {

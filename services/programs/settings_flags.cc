@@ -1,5 +1,7 @@
 #include "services/programs/settings_flags.h"
 
+#include <glog/logging.h>
+
 #include <map>
 
 #include "absl/strings/str_cat.h"
@@ -15,7 +17,10 @@ namespace {
 void Set(const RobotSetting& row, const v1::RobotSettings& from, SettableFlags& flags) {
   if (row.is_file) flags.mask_png = from.mask_png();
   for (const Setting& setting : RowsOf(flags)) {
-    if (setting.flag == absl::StrCat("--", row.flag)) ReadSetting(setting, SettingText(row, from));
+    if (setting.flag != absl::StrCat("--", row.flag)) continue;
+    const std::string wrong = ReadSetting(setting, SettingText(row, from));
+    // The table's bounds are the flag's or narrower.
+    LOG_IF(DFATAL, !wrong.empty()) << "the settings' " << row.field << " " << wrong;
   }
 }
 

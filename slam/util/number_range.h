@@ -25,9 +25,6 @@ struct NumberRange {
 // Returns "50 to 20000" or "98 MiB to 1 PiB, or 0 for no bound"; whole numbers have all digits.
 std::string DescribeRange(const NumberRange& range, bool is_whole);
 
-// Returns "98 MiB", in the largest unit of which there is a whole number.
-std::string FormatWholeBytes(uint64_t bytes);
-
 }  // namespace corbslam
 
 #endif  // CORBSLAM_SLAM_UTIL_NUMBER_RANGE_H_

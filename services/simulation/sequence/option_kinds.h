@@ -17,31 +17,6 @@
 
 namespace corbslam {
 
-template <typename Choices>
-std::string ListNames(const Choices& choices) {
-  return absl::StrJoin(choices, ", ", [](std::string* out, const auto& choice) {
-    absl::StrAppend(out, choice.first);
-  });
-}
-
-template <typename Choices, typename Value>
-bool FindChoice(const Choices& choices, absl::string_view name, Value& value) {
-  for (const auto& [known, choice] : choices) {
-    if (known != name) continue;
-    value = choice;
-    return true;
-  }
-  return false;
-}
-
-template <typename Choices, typename Value>
-std::string NameOf(const Choices& choices, Value value) {
-  for (const auto& [name, choice] : choices) {
-    if (choice == value) return std::string(name);
-  }
-  return "";
-}
-
 // How one option is read, written and bounded.
 struct SimulationOption {
   absl::string_view name;

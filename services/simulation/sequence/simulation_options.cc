@@ -1,9 +1,12 @@
 #include "services/simulation/sequence/simulation_options.h"
 
 #include <algorithm>
+#include <optional>
+#include <string>
 
 #include "absl/strings/str_cat.h"
 #include "services/simulation/sequence/option_kinds.h"
+#include "slam/util/named_values.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam {
@@ -12,14 +15,13 @@ namespace {
 using Option = SimulationOption;
 using Spec = SimulationSpec;
 
-constexpr std::pair<absl::string_view, SimulatedWorld> kWorlds[] = {
-    {"city", SimulatedWorld::kCity},
-    {"path", SimulatedWorld::kPath},
-    {"floor", SimulatedWorld::kFloor}};
-constexpr std::pair<absl::string_view, CameraRig> kRigs[] = {
-    {"kitti", CameraRig::kKitti}, {"euroc", CameraRig::kEuroc}, {"rgbd", CameraRig::kRgbd}};
-constexpr std::pair<absl::string_view, FloorMotion> kMotions[] = {{"walk", FloorMotion::kWalk},
-                                                                  {"fly", FloorMotion::kFly}};
+constexpr NamedValues<SimulatedWorld, 3> kWorlds = {{{"city", SimulatedWorld::kCity},
+                                                     {"path", SimulatedWorld::kPath},
+                                                     {"floor", SimulatedWorld::kFloor}}};
+constexpr NamedValues<CameraRig, 3> kRigs = {
+    {{"kitti", CameraRig::kKitti}, {"euroc", CameraRig::kEuroc}, {"rgbd", CameraRig::kRgbd}}};
+constexpr NamedValues<FloorMotion, 2> kMotions = {
+    {{"walk", FloorMotion::kWalk}, {"fly", FloorMotion::kFly}}};
 
 // "5:0.3/8:1": ',' and '&' end an option.
 bool ParseSteps(absl::string_view value, std::vector<ExposureStep>& steps) {
@@ -80,11 +82,12 @@ Option RigOption() {
   return {"rig", "kitti, euroc, rgbd or a rig file",
           [](absl::string_view value, Spec& spec) {
             spec.pair.reset();
-            return FindChoice(kRigs, value, spec.rig.emplace());
+            spec.rig = FindNamed(kRigs, value);
+            return spec.rig.has_value();
           },
           [](const Spec& spec) {
             if (spec.pair.has_value()) return spec.pair->file;
-            return spec.rig ? NameOf(kRigs, *spec.rig) : "";
+            return std::string(spec.rig ? NameOf(kRigs, *spec.rig) : "");
           }};
 }
 
@@ -108,21 +111,24 @@ Option KidnapOption() {
 }
 
 std::vector<Option> RobotOptions() {
-  return {
-      RigOption(),
-      {"motion", "walk or fly",
-       [](absl::string_view value, Spec& spec) { return FindChoice(kMotions, value, spec.motion); },
-       [](const Spec& spec) { return NameOf(kMotions, spec.motion); }},
-      RateOption(),
-      Real("picture_scale", 0.1, 4, [](Spec& s) -> double& { return s.picture_scale; }),
-      Real("phase", 0, 1, [](Spec& s) -> double& { return s.phase; }),
-      Flag("turned", [](Spec& s) -> bool& { return s.turned; }),
-      Real("start_s", 0, 4e9, [](Spec& s) -> double& { return s.start_s; }),
-      Seconds("blackout", "FROM:DURATION in seconds",
-              [](Spec& s) -> Numbers {
-                return {&s.blackout.from_s, &s.blackout.duration_s};
-              }),
-      KidnapOption()};
+  return {RigOption(),
+          {"motion", "walk or fly",
+           [](absl::string_view value, Spec& spec) {
+             const std::optional<FloorMotion> motion = FindNamed(kMotions, value);
+             spec.motion = motion.value_or(spec.motion);
+             return motion.has_value();
+           },
+           [](const Spec& spec) { return std::string(NameOf(kMotions, spec.motion)); }},
+          RateOption(),
+          Real("picture_scale", 0.1, 4, [](Spec& s) -> double& { return s.picture_scale; }),
+          Real("phase", 0, 1, [](Spec& s) -> double& { return s.phase; }),
+          Flag("turned", [](Spec& s) -> bool& { return s.turned; }),
+          Real("start_s", 0, 4e9, [](Spec& s) -> double& { return s.start_s; }),
+          Seconds("blackout", "FROM:DURATION in seconds",
+                  [](Spec& s) -> Numbers {
+                    return {&s.blackout.from_s, &s.blackout.duration_s};
+                  }),
+          KidnapOption()};
 }
 
 std::vector<Option> EventOptions() {
@@ -178,10 +184,9 @@ const std::vector<SimulationOption>& SimulationOptions() {
 }
 
 absl::StatusOr<SimulatedWorld> ParseSimulatedWorld(absl::string_view name) {
-  SimulatedWorld world = SimulatedWorld::kCity;
-  if (FindChoice(kWorlds, name, world)) return world;
+  if (const std::optional<SimulatedWorld> world = FindNamed(kWorlds, name)) return *world;
   return absl::InvalidArgumentError(
-      absl::StrCat("unknown simulated world '", name, "': known are ", ListNames(kWorlds)));
+      absl::StrCat("unknown simulated world '", name, "': known are ", JoinNames(kWorlds, ", ")));
 }
 
 bool IsSimulationOption(absl::string_view key) { return FindOption(key) != nullptr; }
