@@ -6,8 +6,8 @@
 #include <opencv2/core.hpp>
 
 #include "client_agent/source_checks/testing/damage.h"
+#include "client_agent/source_checks/testing/damage_name.h"
 #include "client_agent/source_checks/testing/layered_scene.h"
-#include "slam/util/testing/case_name.h"
 
 namespace corbslam::client_agent {
 namespace {
@@ -56,7 +56,7 @@ INSTANTIATE_TEST_SUITE_P(
         DepthCase{"depth_late", 2, "warning depth-late", "behind their pictures"},
         DepthCase{"depth_shift", 12, "warning depth-not-registered", "px beside their pictures"},
         DepthCase{"depth_shift", -20, "warning depth-not-registered", "px beside"}),
-    testing::DamageName<DepthCase>);
+    DamageName<DepthCase>);
 
 // Depth of a second camera lies elsewhere beside what is near than beside what is far.
 TEST(DepthChecksTest, NameNoOffsetWhereThereIsNotOne) {

@@ -6,8 +6,8 @@
 #include <opencv2/core.hpp>
 
 #include "client_agent/source_checks/source_checks.h"
+#include "client_agent/source_checks/testing/damage_name.h"
 #include "client_agent/source_checks/testing/layered_scene.h"
-#include "slam/util/testing/case_name.h"
 
 namespace corbslam::client_agent {
 namespace {
@@ -49,7 +49,7 @@ INSTANTIATE_TEST_SUITE_P(All, PictureLightTest,
                                            Light{"dark", 64, "warning pictures-nearly-black"},
                                            Light{"dark", 1e6, "error pictures-constant"},
                                            Light{"bright", 8, "warning pictures-overexposed"}),
-                         testing::DamageName<Light>);
+                         DamageName<Light>);
 
 TEST(PictureChecksTest, SayWhichCameraAndHowDark) {
   Sample sample = StereoSample();

@@ -7,8 +7,8 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_replace.h"
 #include "client_agent/source_checks/source_checks.h"
+#include "client_agent/source_checks/testing/damage_name.h"
 #include "client_agent/source_checks/testing/sample_source.h"
-#include "slam/util/testing/case_name.h"
 
 namespace corbslam::client_agent {
 namespace {
@@ -62,7 +62,7 @@ INSTANTIATE_TEST_SUITE_P(
                       Recorded{kTum, "depth_saturated", 0, "warning depth-saturated"},
                       Recorded{kTum, "depth_scale", 0.2, "warning depth-units-implausible"},
                       Recorded{kTum, "depth_empty", 0, "error depth-empty"}),
-    testing::DamageName<Recorded>);
+    DamageName<Recorded>);
 INSTANTIATE_TEST_SUITE_P(Kitti, RecordedChecksTest,
                          ::testing::Values(Recorded{kKitti, "", 0, ""},
                                            Recorded{kKitti, "noise", 12, ""},
@@ -74,14 +74,14 @@ INSTANTIATE_TEST_SUITE_P(Kitti, RecordedChecksTest,
                                            Recorded{kKitti, "late", 1, "warning pair-late"},
                                            Recorded{kKitti, "late", 2, "warning pair-late"},
                                            Recorded{kKitti, "mirrored", 0, "error pair-unrelated"}),
-                         testing::DamageName<Recorded>);
+                         DamageName<Recorded>);
 INSTANTIATE_TEST_SUITE_P(Euroc, RecordedChecksTest,
                          ::testing::Values(Recorded{kEuroc, "", 0, ""},
                                            Recorded{kEuroc, "noise", 12, ""},
                                            Recorded{kEuroc, "exchanged", 0, "error pair-exchanged"},
                                            Recorded{kEuroc, "rows", 2, "warning pair-rows-apart"},
                                            Recorded{kEuroc, "mirrored", 0, "error pair-unrelated"}),
-                         testing::DamageName<Recorded>);
+                         DamageName<Recorded>);
 
 }  // namespace
 }  // namespace corbslam::client_agent

@@ -5,8 +5,8 @@
 
 #include <algorithm>
 
+#include "client_agent/source_checks/testing/damage_name.h"
 #include "client_agent/source_checks/testing/layered_scene.h"
-#include "slam/util/testing/case_name.h"
 
 namespace corbslam::client_agent {
 namespace {
@@ -58,7 +58,7 @@ INSTANTIATE_TEST_SUITE_P(
         PairCase{"roll", 1, "warning pair-rows-apart", "turned by"},
         PairCase{"late", 1, "warning pair-late", "the right camera is a frame or more behind"},
         PairCase{"mirrored", 0, "error pair-unrelated", "hardly have anything in common"}),
-    testing::DamageName<PairCase>);
+    DamageName<PairCase>);
 
 TEST(StereoChecksTest, TellALateLeftCamera) {
   const SampleSource source = LayeredStereo();

@@ -8,7 +8,6 @@
 #include <string>
 
 #include "absl/strings/ascii.h"
-#include "absl/strings/str_cat.h"
 #include "absl/strings/string_view.h"
 
 namespace corbslam::testing {
@@ -26,13 +25,6 @@ template <typename Case, typename Words>
 auto NamedBy(Words Case::*words) {
   return
       [words](const ::testing::TestParamInfo<Case>& info) { return CaseName(info.param.*words); };
-}
-
-// Names cases by what is damaged, and how much: "dark_32".
-template <typename Case>
-std::string DamageName(const ::testing::TestParamInfo<Case>& info) {
-  const std::string damage = info.param.damage;
-  return CaseName(damage.empty() ? "undamaged" : absl::StrCat(damage, "_", info.param.amount));
 }
 
 }  // namespace corbslam::testing
