@@ -43,9 +43,7 @@ add_custom_command(
 add_custom_target(changelog ALL DEPENDS "${CORBSLAM_DOCUMENTS}/changelog.gz")
 # Everything that `cmake --install` wants to be there.
 add_custom_target(installed DEPENDS changelog)
-if(TARGET viewer_page)
-  add_dependencies(installed viewer_page)
-endif()
+add_dependencies(installed viewer_page)
 
 corbslam_install_program(corbslam common)
 corbslam_install_program(map_store server)

@@ -134,7 +134,7 @@ absl::StatusOr<bool> MissionRestorer::TakeHeader(std::string_view& rest) {
   if (format < kOldestFormat || format > kFormat) {
     return absl::FailedPreconditionError(absl::StrCat(
         "the backup has format ", format, ", this program reads ", kOldestFormat, " to ", kFormat,
-        format > kFormat ? ": restore it with the newer program" : kHowToReadOlder));
+        format > kFormat ? ": restore it with the newer program" : kHowToReadOlderBackup));
   }
   rest.remove_prefix(kHeaderBytes);
   taken_ += kHeaderBytes;

@@ -5,7 +5,6 @@
 #include <gtest/gtest.h>
 #include <rocksdb/db.h>
 
-#include <cstring>
 #include <filesystem>
 #include <limits>
 #include <memory>
@@ -16,7 +15,6 @@
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
 #include "map_store/archive/state_archive.h"
-#include "map_store/archive/state_fields.h"
 #include "map_store/rocks/journal_folder.h"
 #include "map_store/rocks/journal_keys.h"
 #include "map_store/rocks/mission_header.h"
@@ -27,7 +25,6 @@
 #include "map_store/testing/test_agent.h"
 #include "map_store/testing/truthful_worker.h"
 #include "map_store/testing/unsynced_loss_env.h"
-#include "map_store/view/placement.h"
 
 namespace corbslam::map_store {
 namespace {

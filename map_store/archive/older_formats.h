@@ -4,11 +4,16 @@
 
 namespace corbslam::map_store {
 
-// The programs of this commit read journals of formats 5 to 16 and files of backups of formats 4 to
+// Programs of commit f5f37d9e read journals of formats 5 to 16 and files of backups of formats 4 to
 // 13, and back up in the newest.
 inline constexpr char kHowToReadOlder[] =
     ": start map_store of commit f5f37d9e with it, which reads it, write each mission to a file "
     "with that commit's `corbslam mission backup`, and restore the file here (docs/upgrade.md)";
+// The same, of a file of `mission backup`.
+inline constexpr char kHowToReadOlderBackup[] =
+    ": restore it into a map_store of commit f5f37d9e, back the mission up there with that "
+    "commit's "
+    "`corbslam mission backup`, and restore that file here (docs/upgrade.md)";
 
 }  // namespace corbslam::map_store
 

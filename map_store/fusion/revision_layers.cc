@@ -83,7 +83,8 @@ std::optional<PlacedPoint> AnchorPlanned(MapPointId id, const PlannedPoint& plan
                 layers.keyframes);
 }
 
-// Returns the point's place; one that stays where it was keeps its revision, as keyframes do.
+// Returns the point's place; one that stays where it was keeps its revision, as a keyframe keeps
+// the one that moved it.
 std::optional<PlacedPoint> PlacePoint(MapPointId id, const PlannedPoint& planned,
                                       const MissionState& state, RevisionLayers& layers) {
   std::optional<PlacedPoint> placed = AnchorPlanned(id, planned, state, layers);

@@ -27,7 +27,7 @@ std::vector<LostPlace> TakePlaces(KeyframeId id, GlobalLayer& global, LocalMapSt
   for (const MapPointId& point : points) {
     const std::optional<PlacedAnchor> placed = FindPlaced(point, global);
     if (!placed.has_value() || placed->point->anchor != id) continue;
-    lost.push_back({point, placed->PositionInIsland(), placed->point->revision});
+    lost.push_back({point, placed->PositionInIsland(), placed->revision()});
     global.points.erase(point);
   }
   return lost;
@@ -39,7 +39,7 @@ void AnchorElsewhere(const std::vector<LostPlace>& lost, MissionState& state) {
 
 void HandOverPlace(MapPointId from, MapPointId to, MissionState& state) {
   if (const std::optional<PlacedAnchor> placed = FindPlaced(from, state.global)) {
-    PlaceAgain({to, placed->PositionInIsland(), placed->point->revision}, state);
+    PlaceAgain({to, placed->PositionInIsland(), placed->revision()}, state);
   }
   state.global.points.erase(from);
 }

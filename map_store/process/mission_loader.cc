@@ -9,7 +9,7 @@
 namespace corbslam::map_store {
 namespace {
 
-// As those of look-ups: robots of missions that are awake come first.
+// Its threads step as far back as look-ups do: robots of missions that are awake come first.
 constexpr int kLoaderStepsLower = 5;
 
 }  // namespace

@@ -98,7 +98,8 @@ class RocksJournal : public Journal {
   absl::Status OpenGuard();
   // Keeps what an older program wrote, and says where.
   absl::Status KeepOlder(uint32_t format);
-  // Does so for who only reads: keeps others out as far as that goes, and makes nothing.
+  // Passes the guard for who only reads: keeps others out as far as that goes, refuses formats that
+  // are not read, and makes nothing.
   absl::Status PassGuard();
   absl::Status MakeGuard();
   absl::Status WriteGuard();

@@ -2,16 +2,13 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstring>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "absl/strings/str_cat.h"
-#include "map_store/archive/archive.h"
 #include "map_store/archive/mission_archive.h"
-#include "map_store/archive/state_archive.h"
 #include "map_store/testing/sleeping_store.h"
 
 namespace corbslam::map_store {

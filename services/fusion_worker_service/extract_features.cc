@@ -6,6 +6,7 @@
 #include "services/convert/geometry.h"
 #include "services/convert/work/locate_frame.h"
 #include "services/fusion_worker_service/fusion_worker_service.h"
+#include "services/server/refusal.h"
 #include "services/server/unary.h"
 #include "slam/util/status_macros.h"
 
@@ -16,10 +17,9 @@ grpc::ServerUnaryReactor* FusionWorkerService::ExtractFeatures(
     v1::ExtractFeaturesResponse* response) {
   if (++requests_ > options_.max_requests) {
     --requests_;
-    auto* reactor = context->DefaultReactor();
-    reactor->Finish(ToGrpcStatus(absl::UnavailableError(
-        absl::StrCat("this worker has ", options_.max_requests, " requests already"))));
-    return reactor;
+    return RefuseCall(
+        context, absl::UnavailableError(
+                     absl::StrCat("this worker has ", options_.max_requests, " requests already")));
   }
   // The place is free once nothing holds this any more, also where nobody waits for the answer.
   const std::shared_ptr<void> place(nullptr, [this](void*) {

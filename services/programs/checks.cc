@@ -7,7 +7,6 @@
 
 #include "absl/strings/str_cat.h"
 #include "services/http/web_server.h"
-#include "services/observe/metrics/metrics_endpoint.h"
 #include "services/runtime/address.h"
 #include "slam/util/folders.h"
 #include "slam/util/status_macros.h"

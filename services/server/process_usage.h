@@ -11,8 +11,6 @@ struct ProcessUsage {
   double cpu_s = 0;
 };
 ProcessUsage GetProcessUsage();
-// Returns the memory in use now.
-uint64_t GetRssBytes();
 
 }  // namespace corbslam::services
 
