@@ -10,6 +10,7 @@
 #include "absl/strings/str_split.h"
 #include "services/client/reflection/generic_client.h"
 #include "services/client/remote/channel.h"
+#include "services/viewer/page_path.h"
 #include "slam/evaluation/trajectory_error.h"
 #include "slam/evaluation/trajectory_io.h"
 #include "tests/integration/mission_fixture.h"
@@ -58,6 +59,13 @@ int CountPoses(const std::string& path) {
   return poses;
 }
 
+// Expects the viewer's page in the report of a run whose store has no journal, where it was built.
+void ExpectMapWithoutPast(const std::string& page) {
+  if (!std::filesystem::exists(services::DefaultPagePath() + "/app.js")) return;
+  EXPECT_THAT(page, ::testing::HasSubstr("<iframe"));
+  EXPECT_THAT(page, ::testing::HasSubstr("&quot;hasPoints&quot;:true,&quot;hasPast&quot;:false,"));
+}
+
 TEST(MissionTest, TwoRobotsMakeOneMap) {
   const Mission mission = RunMission({"--source", DemoSource(), "--robots", "2"});
   const json& report = mission.report;
@@ -103,6 +111,7 @@ TEST(MissionTest, TwoRobotsMakeOneMap) {
     EXPECT_THAT(page, ::testing::HasSubstr(absl::StrCat("<th scope=\"row\">", robot, "</th>")));
   }
   EXPECT_LT(page.size(), 10'000'000u);
+  ExpectMapWithoutPast(page);
 }
 
 // Returns all poses in an answer, each by "agent nanoseconds".

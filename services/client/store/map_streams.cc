@@ -6,13 +6,13 @@
 
 namespace corbslam::services {
 
-absl::Status ReadWholeMap(v1::MapStore::Stub& stub, const std::string& mission,
+absl::Status ReadWholeMap(v1::MapStore::Stub& stub, const std::string& mission, bool with_points,
                           const TakeMapMessage& take) {
   grpc::ClientContext context;
   SetStreamDeadline(context);
   v1::WatchMapRequest request;
   request.set_mission(MissionName(mission));
-  request.set_include_points(true);
+  request.set_include_points(with_points);
   const auto reader = stub.WatchMap(&context, request);
   v1::WatchMapResponse response;
   bool is_whole = false;

@@ -13,9 +13,9 @@ namespace corbslam::services {
 // Takes the next message; an error ends the stream, and is what the reader returns.
 using TakeMapMessage = std::function<absl::Status(const v1::WatchMapResponse& message)>;
 
-// Gives the messages of the map as it is, with its points, up to the one after which it is whole.
-// DATA_LOSS if the stream ends before; else what the store says.
-absl::Status ReadWholeMap(v1::MapStore::Stub& stub, const std::string& mission,
+// Gives the messages of the map as it is, with its points or without, up to the one after which it
+// is whole. DATA_LOSS if the stream ends before; else what the store says.
+absl::Status ReadWholeMap(v1::MapStore::Stub& stub, const std::string& mission, bool with_points,
                           const TakeMapMessage& take);
 
 // Gives all messages of a replay. DATA_LOSS if it ends within a moment; else what the store says.

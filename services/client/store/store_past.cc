@@ -20,7 +20,6 @@ namespace {
 // Remembered events come without a pause; how many there are is not told.
 constexpr absl::Duration kQuiet = absl::Seconds(2);
 constexpr int kKeyframesAPage = 1000;
-constexpr int kMostOverlaps = 1000;
 
 // Cancels a call once it has been quiet for a while.
 class QuietWatch {
@@ -58,21 +57,14 @@ class QuietWatch {
 
 absl::StatusOr<ToldMap> StoreReader::ReadMap() {
   ToldMap map;
-  RETURN_IF_ERROR(ReadWholeMap(*stub_, mission_, [&map](const v1::WatchMapResponse& response) {
-    return map.Apply(response);
-  }));
+  RETURN_IF_ERROR(ReadPresent(
+      /*with_points=*/true,
+      [&map](const v1::WatchMapResponse& response) { return map.Apply(response); }));
   return map;
 }
 
-absl::StatusOr<std::vector<v1::Overlap>> StoreReader::ListOverlaps() {
-  v1::ListOverlapsRequest request;
-  request.set_parent(MissionName(mission_));
-  request.set_page_size(kMostOverlaps);
-  grpc::ClientContext context;
-  SetDeadline(context);
-  v1::ListOverlapsResponse response;
-  RETURN_IF_ERROR(ToStatus(stub_->ListOverlaps(&context, request, &response), "ListOverlaps"));
-  return std::vector<v1::Overlap>(response.overlaps().begin(), response.overlaps().end());
+absl::Status StoreReader::ReadPresent(bool with_points, const TakeMapMessage& take) {
+  return ReadWholeMap(*stub_, mission_, with_points, take);
 }
 
 absl::Status StoreReader::ReadPast(uint32_t max_moments, bool with_points,

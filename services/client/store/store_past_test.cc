@@ -100,9 +100,24 @@ TEST_F(StorePastTest, GivesThePastAsItIsTold) {
   EXPECT_THAT(revisions, ElementsAre(0, 0, 1, 1, 2));
   EXPECT_GT(points, 0u);
   EXPECT_EQ(reader_->ReadPast(1, true, take).code(), absl::StatusCode::kInvalidArgument);
-  const auto overlaps = reader_->ListOverlaps();
-  ASSERT_TRUE(overlaps.ok()) << overlaps.status();
-  EXPECT_FALSE(overlaps->empty());
+}
+
+TEST_F(StorePastTest, GivesThePresentAsItIsTold) {
+  for (const bool with_points : {true, false}) {
+    ToldMap told;
+    bool is_whole = false;
+    size_t points = 0;
+    const auto take = [&](const v1::WatchMapResponse& message) {
+      EXPECT_FALSE(is_whole) << "nothing follows the last message";
+      is_whole = !message.continues();
+      for (const auto& island : message.islands()) points += island.points().positions_size() / 3;
+      return told.Apply(message);
+    };
+    ASSERT_TRUE(reader_->ReadPresent(with_points, take).ok());
+    EXPECT_TRUE(is_whole);
+    EXPECT_EQ(told.revision, 2u);
+    EXPECT_EQ(points > 0, with_points);
+  }
 }
 
 TEST_F(StorePastTest, EventsEndOnceItIsQuiet) {

@@ -8,7 +8,6 @@
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
 #include "services/client/store/call_status.h"
-#include "services/client/store/map_streams.h"
 #include "services/convert/columns.h"
 #include "services/convert/geometry.h"
 #include "services/convert/ids.h"
@@ -88,7 +87,9 @@ absl::Status AddResponse(const v1::WatchMapResponse& response, ServedMap& map) {
 }  // namespace
 
 StoreReader::StoreReader(std::shared_ptr<grpc::Channel> channel, std::string mission)
-    : mission_(std::move(mission)), stub_(v1::MapStore::NewStub(channel)) {}
+    : channel_(std::move(channel)),
+      mission_(std::move(mission)),
+      stub_(v1::MapStore::NewStub(channel_)) {}
 
 absl::StatusOr<v1::GetStatisticsResponse> StoreReader::Statistics() {
   grpc::ClientContext context;
@@ -201,9 +202,9 @@ absl::StatusOr<ServedTrajectory> StoreReader::ReadTrajectory(const std::string& 
 
 absl::StatusOr<ServedMap> StoreReader::ReadGlobalMap() {
   ServedMap map;
-  RETURN_IF_ERROR(ReadWholeMap(*stub_, mission_, [&map](const v1::WatchMapResponse& response) {
-    return AddResponse(response, map);
-  }));
+  RETURN_IF_ERROR(ReadPresent(
+      /*with_points=*/true,
+      [&map](const v1::WatchMapResponse& response) { return AddResponse(response, map); }));
   return map;
 }
 

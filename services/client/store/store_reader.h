@@ -37,6 +37,9 @@ class StoreReader {
  public:
   StoreReader(std::shared_ptr<grpc::Channel> channel, std::string mission);
 
+  // The channel to the store, for what is asked without this.
+  const std::shared_ptr<grpc::Channel>& channel() const { return channel_; }
+
   absl::StatusOr<v1::GetStatisticsResponse> Statistics();
   // Returns once everything that came was looked up, verified, fused and adjusted.
   absl::Status WaitUntilFused(absl::Duration timeout);
@@ -63,8 +66,9 @@ class StoreReader {
   absl::StatusOr<ServedMap> ReadGlobalMap();
   // Returns all islands with their points.
   absl::StatusOr<ToldMap> ReadMap();
-  // Returns the first thousand overlaps, accepted and refused ones.
-  absl::StatusOr<std::vector<v1::Overlap>> ListOverlaps();
+  // Gives the map as it is, with its points or without, as messages for ToldMap; the last one does
+  // not say `continues`. An error of `take` ends it.
+  absl::Status ReadPresent(bool with_points, const TakeMapMessage& take);
   // Gives the mission's past, at most so many moments, 2 to 1,000, as messages for ToldMap; a
   // moment's last one does not say `continues`. It is as long as the store lets it be: hundreds of
   // megabytes. An error of `take` ends it. UNIMPLEMENTED: the store is older.
@@ -81,6 +85,7 @@ class StoreReader {
   absl::StatusOr<std::vector<v1::MissionEvent>> ReadEvents();
 
  private:
+  const std::shared_ptr<grpc::Channel> channel_;
   const std::string mission_;
   const std::unique_ptr<v1::MapStore::Stub> stub_;
 };

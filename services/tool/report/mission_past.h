@@ -10,8 +10,11 @@ namespace corbslam::services {
 // Each text is a serialised message.
 struct MissionPast {
   std::string mission;
-  // v1.WatchMapResponse, as ReplayMap tells them; empty: nothing was recorded.
-  std::vector<std::string> past;
+  // v1.WatchMapResponse, oldest first: all of them together are the map. Empty: nothing was
+  // recorded.
+  std::vector<std::string> map;
+  bool has_points = false;            // Map points are in them.
+  bool has_past = false;              // They tell several moments, as ReplayMap does.
   std::string pulse;                  // v1.MissionPulse.
   std::vector<std::string> overlaps;  // v1.Overlap.
 };

@@ -20,7 +20,8 @@ absl::StatusOr<ServedTrajectory> ReadPath(StoreReader& store, const std::string&
 }
 
 // Fills the outcome if the store has the mission.
-absl::Status ReadMission(StoreReader& store, const std::string& mission, MissionOutcome& outcome) {
+absl::Status ReadMission(StoreReader& store, const MissionRunOptions& options,
+                         MissionOutcome& outcome) {
   absl::StatusOr<v1::GetStatisticsResponse> statistics = store.Statistics();
   if (absl::IsNotFound(statistics.status())) return absl::OkStatus();
   RETURN_IF_ERROR(statistics.status());
@@ -29,7 +30,9 @@ absl::Status ReadMission(StoreReader& store, const std::string& mission, Mission
   outcome.report.fused.map_points = outcome.map.points.size();
   ASSIGN_OR_RETURN(const std::vector<v1::LocalMap> local_maps, store.ListLocalMaps());
   outcome.local_map_names = ShortNames(local_maps);
-  absl::StatusOr<MissionPast> recorded = RecordMission(store, mission);
+  // Another one's store may have to replay far more than this run.
+  const bool has_journal = options.view && options.server.empty();
+  absl::StatusOr<MissionPast> recorded = RecordMission(store, options.mission, has_journal);
   LOG_IF(WARNING, !recorded.ok()) << "report.html has the map from above alone: "
                                   << recorded.status();
   if (recorded.ok()) outcome.recorded = *std::move(recorded);
@@ -40,7 +43,7 @@ absl::Status ReadMission(StoreReader& store, const std::string& mission, Mission
 
 absl::Status ReadOutcome(StoreReader& store, const MissionRunOptions& options,
                          MissionOutcome& outcome) {
-  RETURN_IF_ERROR(ReadMission(store, options.mission, outcome));
+  RETURN_IF_ERROR(ReadMission(store, options, outcome));
   for (const RobotPlan& robot : options.robots) {
     RobotPaths paths;
     paths.name = robot.name;

@@ -1,69 +1,121 @@
 #include "services/tool/run/record_mission.h"
 
-#include <cstddef>
+#include <algorithm>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
 #include "corbslam/v1/viewer.pb.h"
+#include "services/tool/mission/mission_summary.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::services {
 namespace {
 
-// In the page each byte takes four thirds of one.
-constexpr size_t kMostBytes = 6'000'000;
 constexpr uint32_t kMoments = 60;
+constexpr size_t kMostRecordedOverlaps = 1000;
 
-absl::StatusOr<std::vector<std::string>> ReadPast(StoreReader& store, uint32_t moments,
-                                                  bool with_points) {
-  std::vector<std::string> past;
+// Messages that tell a map.
+struct MapMessages {
+  std::vector<std::string> messages;
   size_t bytes = 0;
+  uint32_t moments = 0;
+  bool is_too_long = false;  // Some are missing.
+};
+
+// Which of its messages are read.
+struct MapPart {
+  bool with_past = false;
+  bool with_points = false;
+};
+
+absl::StatusOr<MapMessages> ReadMessages(StoreReader& store, const MapPart& part,
+                                         size_t most_bytes) {
+  MapMessages read;
   const auto take = [&](const v1::WatchMapResponse& message) {
-    past.push_back(message.SerializeAsString());
-    bytes += past.back().size();
-    if (bytes <= kMostBytes) return absl::OkStatus();
-    return absl::ResourceExhaustedError(
-        absl::StrCat("the mission's past is longer than ", kMostBytes, " bytes"));
+    read.messages.push_back(message.SerializeAsString());
+    read.bytes += read.messages.back().size();
+    if (!message.continues()) ++read.moments;
+    read.is_too_long = read.bytes > most_bytes;
+    return read.is_too_long ? absl::CancelledError("it is too long") : absl::OkStatus();
   };
-  RETURN_IF_ERROR(store.ReadPast(moments, with_points, take));
-  return past;
+  const absl::Status status = part.with_past ? store.ReadPast(kMoments, part.with_points, take)
+                                             : store.ReadPresent(part.with_points, take);
+  if (!read.is_too_long) RETURN_IF_ERROR(status);
+  return read;
 }
 
-absl::StatusOr<std::vector<std::string>> ReadShortPast(StoreReader& store) {
-  absl::StatusOr<std::vector<std::string>> past = ReadPast(store, kMoments, /*with_points=*/true);
-  if (absl::IsResourceExhausted(past.status())) past = ReadPast(store, 2, /*with_points=*/true);
-  if (absl::IsResourceExhausted(past.status())) past = ReadPast(store, kMoments, false);
-  return past;
+// Records as much of the map as is short enough.
+absl::Status RecordMap(StoreReader& store, bool has_journal, size_t most_bytes,
+                       MissionPast& recorded) {
+  for (const bool with_points : {true, false}) {
+    for (const bool with_past : {true, false}) {
+      if (with_past && !has_journal) continue;
+      ASSIGN_OR_RETURN(MapMessages read, ReadMessages(store, {with_past, with_points}, most_bytes));
+      if (read.is_too_long) continue;
+      recorded.map = std::move(read.messages);
+      recorded.has_points = with_points;
+      recorded.has_past = read.moments > 1;
+      return absl::OkStatus();
+    }
+  }
+  return absl::ResourceExhaustedError(
+      absl::StrCat("the map is longer than ", most_bytes, " bytes even without points"));
 }
 
-// Returns what a viewer would tell of the mission now.
-absl::StatusOr<v1::MissionPulse> ReadPulse(StoreReader& store) {
+// Says of a robot whose session still stands that it has finished, for the run has.
+void EndSession(v1::MissionAgent& agent) {
+  if (!agent.connected()) return;
+  agent.clear_connected();
+  agent.clear_up_to_date();
+  agent.set_left_on_purpose(true);
+}
+
+// Returns what a viewer would tell of the mission, without what its page does not show.
+v1::MissionPulse MakePulse(const MissionSummary& summary) {
   v1::MissionPulse pulse;
   pulse.set_time_ns(absl::GetCurrentTimeNanos());
   pulse.set_store_answers(true);
-  ASSIGN_OR_RETURN(const v1::GetStatisticsResponse statistics, store.Statistics());
-  *pulse.mutable_statistics() = statistics.mission();
-  ASSIGN_OR_RETURN(const auto agents, store.ListAgents());
-  for (const auto& [name, agent] : agents) *pulse.add_agents() = agent;
-  ASSIGN_OR_RETURN(const std::vector<v1::LocalMap> local_maps, store.ListLocalMaps());
-  for (const v1::LocalMap& local_map : local_maps) *pulse.add_local_maps() = local_map;
+  *pulse.mutable_mission() = summary.mission;
+  pulse.mutable_mission()->clear_connected_agents();
+  for (const v1::MissionAgent& agent : summary.agents) {
+    *pulse.add_agents() = agent;
+    EndSession(*pulse.mutable_agents()->rbegin());
+  }
+  for (const v1::LocalMap& local_map : summary.local_maps) *pulse.add_local_maps() = local_map;
+  *pulse.mutable_statistics() = summary.statistics;
+  pulse.mutable_statistics()->clear_connected_agents();
+  pulse.mutable_statistics()->clear_merge_ms();
+  pulse.mutable_statistics()->clear_adjustments();
+  pulse.mutable_statistics()->clear_uncompared();
   return pulse;
+}
+
+// Of too many overlaps those that were refused last are left out.
+std::vector<std::string> EncodeOverlaps(std::vector<v1::Overlap> overlaps) {
+  std::stable_partition(overlaps.begin(), overlaps.end(), [](const v1::Overlap& overlap) {
+    return overlap.verdict() == v1::OVERLAP_VERDICT_ACCEPTED;
+  });
+  overlaps.resize(std::min(overlaps.size(), kMostRecordedOverlaps));
+  std::sort(overlaps.begin(), overlaps.end(),
+            [](const v1::Overlap& a, const v1::Overlap& b) { return a.number() < b.number(); });
+  std::vector<std::string> encoded;
+  for (const v1::Overlap& overlap : overlaps) encoded.push_back(overlap.SerializeAsString());
+  return encoded;
 }
 
 }  // namespace
 
-absl::StatusOr<MissionPast> RecordMission(StoreReader& store, const std::string& mission) {
+absl::StatusOr<MissionPast> RecordMission(StoreReader& store, const std::string& mission,
+                                          bool has_journal, size_t most_bytes) {
   MissionPast recorded;
   recorded.mission = mission;
-  ASSIGN_OR_RETURN(recorded.past, ReadShortPast(store));
-  ASSIGN_OR_RETURN(const v1::MissionPulse pulse, ReadPulse(store));
-  recorded.pulse = pulse.SerializeAsString();
-  ASSIGN_OR_RETURN(const std::vector<v1::Overlap> overlaps, store.ListOverlaps());
-  for (const v1::Overlap& overlap : overlaps) {
-    recorded.overlaps.push_back(overlap.SerializeAsString());
-  }
+  RETURN_IF_ERROR(RecordMap(store, has_journal, most_bytes, recorded));
+  ASSIGN_OR_RETURN(MissionSummary summary, ReadSummary(store.channel(), mission));
+  recorded.pulse = MakePulse(summary).SerializeAsString();
+  recorded.overlaps = EncodeOverlaps(std::move(summary.overlaps));
   return recorded;
 }
 

@@ -45,7 +45,7 @@ std::string Policy(const ViewerPage& viewer) {
 
 // Paper gets the map from above: what WebGL drew is not kept for printing.
 std::string Map(const ReportDetail& detail, const ViewerPage& viewer) {
-  const bool is_recorded = !viewer.script.empty() && !detail.recorded.past.empty();
+  const bool is_recorded = !viewer.script.empty() && !detail.recorded.map.empty();
   const std::string frame =
       is_recorded ? ViewerFrame(viewer, detail.recorded, detail.map.truth) : "";
   return absl::StrCat(frame, "<figure", is_recorded ? " class=\"paper\"" : "", ">\n",

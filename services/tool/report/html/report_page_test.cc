@@ -2,13 +2,16 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <openssl/sha.h>
 
 #include <algorithm>
 #include <set>
 
 #include "absl/strings/ascii.h"
+#include "absl/strings/escaping.h"
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_replace.h"
 #include "absl/strings/string_view.h"
 
 namespace corbslam::services {
@@ -272,7 +275,11 @@ TEST(ToHtmlTest, RobotsHaveTheColoursOfTheViewersPage) {
 
 TEST(ToHtmlTest, ShowsTheMapInTheViewersPage) {
   ReportDetail detail = MakeDetail({"alpha"});
-  detail.recorded = {kHostile, {"one", "two"}, "pulse", {"overlap"}};
+  detail.recorded = {.mission = kHostile,
+                     .map = {"one", "two"},
+                     .has_past = true,
+                     .pulse = "pulse",
+                     .overlaps = {"overlap"}};
   detail.map.truth = {{{0, 0, 0.12345}, {1, 2, 3}}};
   const ViewerPage viewer{"if (1 < 2 && 3 > 2) alert(\"{{data}}\");", "p { margin: 0 }"};
   const std::string html = ToHtml(MakeReport({"alpha"}), detail, viewer);
@@ -280,15 +287,58 @@ TEST(ToHtmlTest, ShowsTheMapInTheViewersPage) {
   EXPECT_THAT(html, HasSubstr("sandbox=\"allow-scripts\" srcdoc=\"&lt;!doctype html&gt;"));
   EXPECT_THAT(html, HasSubstr("if (1 &lt; 2 &amp;&amp; 3 &gt; 2) alert(&quot;{{data}}&quot;);"));
   EXPECT_THAT(html, HasSubstr("\\u003c/script&gt;\\u003cimg"));
-  EXPECT_THAT(html, HasSubstr("&quot;past&quot;:[&quot;b25l&quot;,&quot;dHdv&quot;]"));
+  EXPECT_THAT(html, HasSubstr("&quot;map&quot;:[&quot;b25l&quot;,&quot;dHdv&quot;],"
+                              "&quot;hasPoints&quot;:false,&quot;hasPast&quot;:true"));
   EXPECT_THAT(html, HasSubstr("&quot;truth&quot;:[[0.0,0.0,0.123,1.0,2.0,3.0]]"));
   EXPECT_THAT(html, HasSubstr("<figure class=\"paper\">"));
   EXPECT_THAT(html, HasSubstr("; script-src 'sha256-"));
   EXPECT_THAT(html, Not(HasSubstr("<script")));
   // Without the page, or without a recording, the picture from above is all there is.
   EXPECT_THAT(ToHtml(MakeReport({"alpha"}), detail), Not(HasSubstr("<iframe")));
-  detail.recorded.past.clear();
+  detail.recorded.map.clear();
   EXPECT_THAT(ToHtml(MakeReport({"alpha"}), detail, viewer), Not(HasSubstr("<iframe")));
+}
+
+// Returns what a browser takes from the value of a quoted attribute.
+std::string Unquote(const std::string& value) {
+  return absl::StrReplaceAll(value,
+                             {{"&amp;", "&"}, {"&lt;", "<"}, {"&gt;", ">"}, {"&quot;", "\""}});
+}
+
+// Returns the text between `begin` and the next `end`.
+std::string Between(const std::string& text, const std::string& begin, const std::string& end) {
+  const size_t from = text.find(begin);
+  if (from == std::string::npos) return "";
+  const size_t behind = from + begin.size();
+  return text.substr(behind, text.find(end, behind) - behind);
+}
+
+std::string Sha256Base64(const std::string& text) {
+  unsigned char digest[SHA256_DIGEST_LENGTH];
+  SHA256(reinterpret_cast<const unsigned char*>(text.data()), text.size(), digest);
+  return absl::Base64Escape(
+      absl::string_view(reinterpret_cast<const char*>(digest), sizeof(digest)));
+}
+
+// The frame's script and style must arrive byte for byte, whatever is in them: numbers of colours,
+// quotation marks, and characters that a name of a robot may not have.
+TEST(ToHtmlTest, ThePolicyAllowsTheFramesScriptAndStyle) {
+  ReportDetail detail = MakeDetail({"alpha"});
+  detail.recorded = {.mission = kHostile, .map = {"one"}, .pulse = "pulse", .overlaps = {}};
+  const ViewerPage viewer{
+      "const a = '#fff', b = \"&quot;\", c = `\x7f\xc2\x85\xe2\x80\xae${1 < 2}`;\n",
+      "p::before { content: '\xe2\x80\xba \"&amp;\" #'; color: #123 }\n"};
+  const std::string html = ToHtml(MakeReport({"alpha"}), detail, viewer);
+  const std::string document = Unquote(Between(html, "srcdoc=\"", "\""));
+  const std::string script = Between(document, "<script type=\"module\">", "</script>");
+  const std::string style = Between(document, "<style>", "</style>");
+  EXPECT_EQ(script, viewer.script);
+  EXPECT_EQ(style, viewer.style);
+  const std::string policy =
+      Between(html, "http-equiv=\"Content-Security-Policy\" content=\"", "\"");
+  EXPECT_THAT(policy, HasSubstr(absl::StrCat("; script-src 'sha256-", Sha256Base64(script), "'")));
+  EXPECT_THAT(policy, HasSubstr(absl::StrCat(" 'sha256-", Sha256Base64(style), "';")));
+  EXPECT_THAT(policy, Not(HasSubstr("unsafe")));
 }
 
 }  // namespace

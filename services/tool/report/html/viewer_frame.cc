@@ -10,7 +10,6 @@
 #include "absl/strings/escaping.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_replace.h"
-#include "slam/rendering/svg_text.h"
 
 namespace corbslam::services {
 namespace {
@@ -48,13 +47,22 @@ std::string WriteRecording(const MissionPast& mission,
   Json paths = Json::array();
   for (const std::vector<Eigen::Vector3d>& path : truth) paths.push_back(EncodePath(path));
   const Json recording = {{"mission", mission.mission},
-                          {"past", Encode(mission.past)},
+                          {"map", Encode(mission.map)},
+                          {"hasPoints", mission.has_points},
+                          {"hasPast", mission.has_past},
                           {"pulse", absl::Base64Escape(mission.pulse)},
                           {"overlaps", Encode(mission.overlaps)},
                           {"truth", paths}};
   // What is no UTF-8 is replaced, and nothing can end the script element or begin a comment in it.
   const std::string text = recording.dump(-1, ' ', true, Json::error_handler_t::replace);
   return absl::StrReplaceAll(text, {{"<", "\\u003c"}});
+}
+
+// Returns the text as a quoted attribute's value. Every other character stays what it is, for the
+// policy allows exactly the script's and the style's own bytes.
+std::string QuoteDocument(const std::string& document) {
+  return absl::StrReplaceAll(document,
+                             {{"&", "&amp;"}, {"<", "&lt;"}, {">", "&gt;"}, {"\"", "&quot;"}});
 }
 
 }  // namespace
@@ -78,7 +86,7 @@ std::string ViewerFrame(const ViewerPage& page, const MissionPast& mission,
   return absl::StrCat(
       "<iframe id=\"map\" title=\"The map in three dimensions\" sandbox=\"allow-scripts\" "
       "srcdoc=\"",
-      EscapeMarkup(document), "\"></iframe>\n");
+      QuoteDocument(document), "\"></iframe>\n");
 }
 
 }  // namespace corbslam::services

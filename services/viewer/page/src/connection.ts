@@ -83,7 +83,7 @@ export class Connection {
     const { state, pulse } = this;
     const stays = this.hasPicture() ? ' The picture is as it was.' : '';
     switch (state.name) {
-      case 'recorded': return this.trouble;
+      case 'recorded': return this.trouble || state.note;
       case 'away': return `The viewer does not answer; it is asked again in ${seconds(state.retryMs)}.${stays}`;
       case 'connecting': return this.wasOpen ? `Connecting again …${stays}` : '';
       case 'silent': return `Nothing has come from the viewer for ${seconds(state.forMs)}.${stays}`;

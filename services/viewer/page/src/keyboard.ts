@@ -1,5 +1,6 @@
 import type { ColourMode } from './model/palette';
 import type { Layer, ViewState } from './view_state';
+import type { Offer } from './feed/rest';
 import { currentTheme } from './panels/toolbar';
 
 /** What keys ask of the page. */
@@ -21,12 +22,17 @@ const TOGGLES = {
   p: 'points', k: 'keyframes', j: 'paths', e: 'frames', o: 'overlaps', r: 'refused', t: 'top', g: 'follow',
 } as const;
 
+/** Keys of what only a server can tell, and of what only a past can. */
+const NEEDS_SERVER = /^[ev]$/;
+const NEEDS_PAST = ' ';
+
 /** Handles a key; returns whether it meant something. */
-export function handleKey(event: KeyboardEvent, state: ViewState, actions: KeyActions): boolean {
+export function handleKey(event: KeyboardEvent, state: ViewState, actions: KeyActions, offer: Offer): boolean {
   // An enlarged picture has the keys: Escape closes it alone.
   if (document.querySelector('dialog.enlarged[open]')) return false;
   if (event.ctrlKey || event.altKey || event.metaKey || isTyping(event)) return false;
   const key = event.key.toLowerCase();
+  if ((!offer.isServed && NEEDS_SERVER.test(key)) || (!offer.hasPast && key === NEEDS_PAST)) return false;
   if (key in TOGGLES) {
     const name = TOGGLES[key as keyof typeof TOGGLES];
     actions.change({ [name]: !state[name] });

@@ -14,7 +14,7 @@ const start = new StartScreen(openMission, (token) => {
   keepToken(token);
   rest.token = token || undefined;
   void route();
-});
+}, rest.isServed);
 let page: MissionPage | undefined;
 let timer: ReturnType<typeof setTimeout> | undefined;
 

@@ -75,7 +75,7 @@ export class MissionPage {
   private readonly overlapsPanel: OverlapsPanel;
   private readonly scale = new ScaleBar();
   private readonly labels: SceneLabels;
-  private readonly help = helpDialog();
+  private readonly help: HTMLDialogElement;
   private readonly changes: IslandChange[] = [];
   private readonly abort = new AbortController();
   private mapChanged = false;
@@ -95,8 +95,9 @@ export class MissionPage {
     this.toolbar = new Toolbar({
       change, fit: () => this.fit(), history: () => this.past.toggle(), help: () => this.toggleHelp(),
       measure: () => this.measure.toggle(),
-    }, !rest.recording);
-    this.layout = new FrameLayout(this.mission, this.toolbar.root, !rest.recording);
+    }, rest);
+    this.help = helpDialog(rest);
+    this.layout = new FrameLayout(this.mission, this.toolbar.root, rest.isServed);
     document.body.replaceChildren(this.layout.root, this.help);
     this.stage = new Stage(this.layout.canvas, this.layout.globalPort, this.layout.localPort);
     this.inSight = new KeepInSight(this.stage);
@@ -115,13 +116,13 @@ export class MissionPage {
     this.robots = new RobotsPanel({
       toggle: (robot) => this.toggleRobot(robot), select: (robot) => change({ robot }),
       colour: (robot) => this.painter.legendColour(robot, this.state, this.model.islandsOf(robot)),
-      drift: (robot) => (rest.recording ? '' : driftWords(this.drifts.of(robot))),
+      drift: (robot) => (rest.isServed ? driftWords(this.drifts.of(robot)) : ''),
       hasLocalised: (robot) => this.fetched.lastLocalised(robot) !== undefined,
     }, this.names);
     this.overlapsPanel = new OverlapsPanel((overlap) => this.selection.overlap(overlap));
     this.numbers.root.append(this.plots.root);
     this.layout.left.append(this.find.root, this.robots.root, this.numbers.root);
-    this.layout.right.append(details.root, this.overlapsPanel.root, ...(rest.recording ? [] : [this.events.root]));
+    this.layout.right.append(details.root, this.overlapsPanel.root, ...(rest.isServed ? [this.events.root] : []));
     this.layout.below.append(this.past.timeline.root, this.measure.root,
       h('div', { class: 'measures' }, this.scale.root, this.legend.root, this.clock));
     this.connection = new Connection(this.layout, !!rest.token, (reason) => this.onRefused(reason), () => ((this.live as Live | undefined)?.model.keyframeCount ?? 0) > 0);
@@ -303,7 +304,7 @@ export class MissionPage {
     this.kept.show();
     this.plots.update(this.series, state.robot, this.painter.robots, (robot) => this.painter.robotColour(robot));
     setText(this.clock, live.pulse && now.isLive ? timeOfDay(live.pulse.timeNs) : '');
-    if (this.robots.isShown && !this.rest.recording) this.drifts.want();
+    if (this.robots.isShown && this.rest.isServed) this.drifts.want();
     this.robots.update(this.painter.robots, model, live.pulse, state, now);
     this.fetched.wantDriven(live.pulse);
     this.events.rename();
@@ -397,7 +398,7 @@ export class MissionPage {
       },
       escape: () => this.escape(),
       measure: () => this.measure.toggle(), find: () => this.find.focus(),
-    });
+    }, this.rest);
     if (!handled) return;
     event.preventDefault();
     event.stopPropagation();

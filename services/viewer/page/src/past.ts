@@ -90,26 +90,34 @@ export class Past {
   }
 
   private async open(): Promise<void> {
+    if (!this.rest.hasPast) return;
     this.timeline.open();
     if (this.isLoading) return;
     this.isLoading = true;
     const history = new History();
     try {
-      const hasPoints = this.points() <= MOST_POINTS;
-      await this.rest.history(this.mission, hasPoints, (change) => history.add(change));
-      this.take(history, hasPoints);
+      const note = this.pointsNote();
+      await this.rest.history(this.mission, note === '', (change) => history.add(change));
+      this.take(history, note);
     } catch (error) {
       this.timeline.fail(plainWords(error instanceof Error ? error.message : String(error)));
     }
     this.isLoading = false;
   }
 
+  /** Why no moment has points; empty: they have. */
+  private pointsNote(): string {
+    const { recording } = this.rest;
+    if (recording) return recording.hasPoints ? '' : 'without points';
+    return this.points() <= MOST_POINTS ? '' : `without points, of which there are more than ${count(MOST_POINTS)}`;
+  }
+
   /** Shows what came, unless nobody waits for it any more. */
-  private take(history: History, hasPoints: boolean): void {
+  private take(history: History, note: string): void {
     if (!this.timeline.isOpen) return;
     if (history.steps.length === 0) return this.timeline.fail('The journal knows no past of this mission.');
     this.history = history;
-    this.timeline.note = hasPoints ? '' : `without points, of which there are more than ${count(MOST_POINTS)}`;
+    this.timeline.note = note;
     this.onShown(true);
     this.timeline.mark(this.marks(history), history.steps.length, (step) => this.seek(step));
     this.seek(history.steps.length - 1);

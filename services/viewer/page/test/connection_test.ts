@@ -44,6 +44,15 @@ test('a mission that is not there is no store that does not answer', () => {
   assert.equal(sign.banner, 'There can be no such mission: Mission is "a/b", must be letters.');
 });
 
+test('of a recording it is said what it lacks', () => {
+  const { sign, connection } = begin();
+  connection.onState({ name: 'recorded', note: 'Points are left out.' });
+  connection.onPulse(pulse({}));
+  assert.deepEqual([sign.isLive, sign.chip, sign.banner], [false, 'recorded', 'Points are left out.']);
+  connection.onTrouble('No graphics.');
+  assert.equal(sign.banner, 'No graphics.');
+});
+
 test('the past, damage and requests that fail are said', () => {
   const { sign, connection } = begin();
   connection.onPulse(pulse({ mission: { name: 'missions/m', damage: 'run corbslam journal mend' } }));

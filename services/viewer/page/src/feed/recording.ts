@@ -8,11 +8,17 @@ import { decodeMapChange } from './map_change';
 import { Rest, RestError } from './rest';
 import type { MissionStream, StreamListener } from './stream';
 
+const NO_POINTS = 'Points are left out: with them the map is too long for a report.';
+
 /** What the program wrote into the page. */
 export interface Recording {
   mission: string;
-  /** Messages of ReplayMap, oldest first: all of them together are the map as it is. */
-  past: Uint8Array[];
+  /** Messages of WatchMap or ReplayMap, oldest first: all of them together are the map as it was in the end. */
+  map: Uint8Array[];
+  /** Map points are in them. */
+  hasPoints: boolean;
+  /** They tell more than one moment. */
+  hasPast: boolean;
   pulse: MissionPulse;
   /** Accepted and refused ones. */
   overlaps: Overlap[];
@@ -23,11 +29,11 @@ export interface Recording {
 /** Reads what services/tool/report/html/viewer_frame.cc writes; undefined: the page is one of a server. */
 export function parseRecording(text: string | undefined | null): Recording | undefined {
   if (!text) return undefined;
-  const { mission, past, pulse, overlaps, truth } = JSON.parse(text) as {
-    mission: string; past: string[]; pulse: string; overlaps: string[]; truth: number[][];
+  const { mission, map, hasPoints, hasPast, pulse, overlaps, truth } = JSON.parse(text) as {
+    mission: string; map: string[]; hasPoints: boolean; hasPast: boolean; pulse: string; overlaps: string[]; truth: number[][];
   };
   return {
-    mission, truth, past: past.map(bytesOf), pulse: fromBinary(MissionPulseSchema, bytesOf(pulse)),
+    mission, truth, hasPoints, hasPast, map: map.map(bytesOf), pulse: fromBinary(MissionPulseSchema, bytesOf(pulse)),
     overlaps: overlaps.map((one) => fromBinary(OverlapSchema, bytesOf(one))),
   };
 }
@@ -55,7 +61,7 @@ export class RecordedRest extends Rest {
   }
 
   override async history(_mission: string, _points: boolean, each: (change: MapChange) => void): Promise<void> {
-    for (const bytes of this.recording.past) each(decodeMapChange(bytes));
+    for (const bytes of this.recording.map) each(decodeMapChange(bytes));
   }
 
   protected override get(): Promise<Response> {
@@ -76,10 +82,10 @@ class RecordedStream implements MissionStream {
   }
 
   private tell(): void {
-    const { listener, recording: { past, pulse } } = this;
-    listener.onState({ name: 'recorded' });
+    const { listener, recording: { map, hasPoints, pulse } } = this;
+    listener.onState({ name: 'recorded', note: hasPoints ? '' : NO_POINTS });
     listener.onMessage(create(ViewerMessageSchema, { part: { case: 'pulse', value: pulse } }));
-    for (const bytes of past) {
+    for (const bytes of map) {
       this.receivedBytes += bytes.length;
       listener.onMap(decodeMapChange(bytes));
     }

@@ -22,13 +22,29 @@ export class RestError extends Error {
   }
 }
 
+/** What there is to show beside the map. */
+export interface Offer {
+  /** A server can be asked for what is not part of the map, and has other missions, too. */
+  readonly isServed: boolean;
+  /** The map's past can be played. */
+  readonly hasPast: boolean;
+}
+
 /** The viewer's request and answer interface. */
-export class Rest {
+export class Rest implements Offer {
   receivedBytes = 0;
   /** What is shown instead of a server's missions. */
   readonly recording: Recording | undefined = undefined;
 
   constructor(public token: string | undefined) {}
+
+  get isServed(): boolean {
+    return !this.recording;
+  }
+
+  get hasPast(): boolean {
+    return this.recording?.hasPast ?? true;
+  }
 
   /** What a mission tells by itself. */
   openStream(mission: string, listener: StreamListener): MissionStream {

@@ -18,7 +18,7 @@ const LISTEN_EVERY_MS = 1000;
 export type StreamState =
   | { name: 'connecting' }
   | { name: 'open' }
-  | { name: 'recorded' }
+  | { name: 'recorded'; note: string }
   | { name: 'away'; retryMs: number }
   | { name: 'refused'; why: 'token' | 'mission' }
   | { name: 'silent'; forMs: number }

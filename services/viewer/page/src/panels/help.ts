@@ -1,3 +1,4 @@
+import type { Offer } from '../feed/rest';
 import { h, table } from './dom';
 
 const KEYS: [string, string][] = [
@@ -11,13 +12,18 @@ const KEYS: [string, string][] = [
 ];
 const MOUSE: [string, string][] = [
   ['Drag', 'Turn (one finger)'], ['Right drag', 'Move (two fingers)'], ['Wheel', 'Nearer or farther (pinch)'],
-  ['Click', 'An event: the map as it was then'],
   ['Click', 'A keyframe or an overlap’s line: what is it, and why?'],
 ];
+const EVENT: [string, string] = ['Click', 'An event: the map as it was then'];
 
-export function helpDialog(): HTMLDialogElement {
+/** Rows of what only a server can tell, and of what only a past can. */
+const NEEDS_SERVER: readonly string[] = ['E', 'V'];
+const NEEDS_PAST: readonly string[] = ['Space'];
+
+export function helpDialog(offer: Offer): HTMLDialogElement {
+  const keys = KEYS.filter(([key]) => (offer.isServed || !NEEDS_SERVER.includes(key)) && (offer.hasPast || !NEEDS_PAST.includes(key)));
   const dialog: HTMLDialogElement = h('dialog', { class: 'help', 'aria-labelledby': 'help-title' },
-    h('h2', { id: 'help-title' }, 'Keys and mouse'), table(KEYS), h('hr'), table(MOUSE),
+    h('h2', { id: 'help-title' }, 'Keys and mouse'), table(keys), h('hr'), table(offer.isServed ? [...MOUSE, EVENT] : MOUSE),
     h('form', { method: 'dialog' }, h('button', { autofocus: true }, 'Close')));
   return dialog;
 }

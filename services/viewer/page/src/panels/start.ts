@@ -9,7 +9,10 @@ export class StartScreen {
   readonly root = h('main', { class: 'start' });
   private shown: string | undefined;
 
-  constructor(private readonly open: (mission: string) => void, private readonly giveToken: (token: string) => void) {}
+  /** `isServed`: a server has missions to choose from. */
+  constructor(
+    private readonly open: (mission: string) => void, private readonly giveToken: (token: string) => void, private readonly isServed: boolean,
+  ) {}
 
   missions(missions: Mission[]): void {
     // What stays as it was keeps the focus.
@@ -41,7 +44,7 @@ export class StartScreen {
   cannotDraw(reason: string): void {
     this.show('This browser can’t draw the map', h('p', { role: 'alert' }, reason),
       h('p', {}, 'Maps are drawn with WebGL 2. It may be off in the browser’s settings, or missing with this graphics card or remote desktop.'),
-      h('p', {}, h('a', { href: '#' }, 'All missions')));
+      h('p', {}, this.isServed ? h('a', { href: '#' }, 'All missions') : 'map.png beside the report shows it from above.'));
   }
 
   private row(mission: Mission): HTMLElement {

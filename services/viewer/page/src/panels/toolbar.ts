@@ -1,4 +1,5 @@
 import type { ColourMode } from '../model/palette';
+import type { Offer } from '../feed/rest';
 import { type Layer, SIZES, type ViewState } from '../view_state';
 import { h, setText } from './dom';
 
@@ -33,8 +34,7 @@ export class Toolbar {
   private readonly measure: HTMLButtonElement;
   private readonly selects = new Map<keyof ViewState, HTMLSelectElement>();
 
-  /** `isServed`: a server can be asked for what is not part of the map. */
-  constructor(private readonly actions: ToolActions, isServed = true) {
+  constructor(private readonly actions: ToolActions, { isServed, hasPast }: Offer) {
     const { change, fit, history, help, measure } = actions;
     this.root = h('div', { class: 'toolbar', role: 'toolbar', 'aria-label': 'What is shown' },
       h('div', { class: 'group' }, ...TOGGLES.filter(([name]) => isServed || !ASKED_FOR.has(name)).map(([name, words, key]) => this.toggle(name, words, key))),
@@ -42,7 +42,7 @@ export class Toolbar {
       h('div', { class: 'group' },
         button('Fit', 'Show all (F)', fit), this.toggle('top', 'Top', 'T'), this.toggle('follow', 'Follow', 'G'),
         this.measure = button('Measure', 'How far two keyframes or points are apart (M)', measure),
-        button('History', 'Play the past (space)', history),
+        hasPast && button('History', 'Play the past (space)', history),
         button('◐', 'Light or dark (L)', () => change({ theme: currentTheme() === 'dark' ? 'light' : 'dark' }), 'Light or dark'),
         button('?', 'Keys (?)', help, 'Help')));
   }
