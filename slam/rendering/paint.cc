@@ -97,7 +97,8 @@ size_t FreeNumber(size_t wanted, const std::set<size_t>& taken) {
   }
 }
 
-// "robot2" comes before "robot10".
+// Compares names by their bytes, runs of digits by their length first: "robot2" comes before
+// "robot10", "Bravo" before "alpha". The page's byName() is the same.
 bool IsBefore(const std::string& a, const std::string& b) {
   const auto digits = [](const std::string& text, size_t at) {
     const size_t end = text.find_first_not_of("0123456789", at);
@@ -108,7 +109,9 @@ bool IsBefore(const std::string& a, const std::string& b) {
     const size_t run_a = digits(a, at);
     const size_t run_b = digits(b, at);
     if (run_a != run_b && run_a > 0 && run_b > 0) return run_a < run_b;
-    if (a[at] != b[at]) return a[at] < b[at];
+    if (a[at] != b[at]) {
+      return static_cast<unsigned char>(a[at]) < static_cast<unsigned char>(b[at]);
+    }
     ++at;
   }
   return a.size() < b.size();

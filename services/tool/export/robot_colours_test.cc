@@ -42,6 +42,19 @@ TEST(NumberRobotsTest, IsThePagesNumbering) {
   EXPECT_EQ(numbers["alpha"], 0u);
   EXPECT_EQ(numbers["bravo"], 1u);
   EXPECT_EQ(numbers[""], 7u);
+  // Names that ask for the same number: the first by its bytes has it.
+  const auto in_order = [](const std::string& first, const std::string& second) {
+    auto of_two = NumberRobots({first, second});
+    return std::pair(of_two[first], of_two[second]);
+  };
+  EXPECT_EQ(in_order("robot-1", "robot_1"), std::pair(size_t{1}, size_t{2}));
+  EXPECT_EQ(in_order("Bravo", "bot"), std::pair(size_t{1}, size_t{2}));
+  EXPECT_EQ(in_order("r2", "r10"), std::pair(size_t{2}, size_t{3}));
+  EXPECT_EQ(in_order("r3x", "r11x"), std::pair(size_t{3}, size_t{4}));
+  EXPECT_EQ(in_order("r2", "r02"), std::pair(size_t{2}, size_t{3}));
+  EXPECT_EQ(in_order("z1", "é1"), std::pair(size_t{1}, size_t{2}));
+  EXPECT_EQ(in_order("Ａ1", "😀1"), std::pair(size_t{1}, size_t{2}));
+  EXPECT_EQ(NumberRobots({"Ünal"})["Ünal"], 2u);
   std::set<std::string> many;
   for (int i = 0; i < 20; ++i) many.insert(absl::StrCat("x", i));
   std::set<std::string> colours;
@@ -68,10 +81,16 @@ TEST(PaintTest, IsThePagesPalette) {
   }
   EXPECT_THAT(palette, HasSubstr(absl::StrCat("LIGHT = ['", absl::StrJoin(light, "', '"), "'];")));
   EXPECT_THAT(palette, HasSubstr(absl::StrCat("DARK = ['", absl::StrJoin(dark, "', '"), "'];")));
+  const size_t light_begin = palette.find("  light: {\n");
+  const size_t dark_begin = palette.find("  dark: {\n");
+  ASSERT_LT(light_begin, dark_begin);
+  ASSERT_NE(dark_begin, std::string::npos);
+  const std::string light_scene = palette.substr(light_begin, dark_begin - light_begin);
+  const std::string dark_scene = palette.substr(dark_begin);
   for (const auto& [name, paint] :
        {std::pair("own", kOwn), {"others", kOthers}, {"truth", kTruth}}) {
-    EXPECT_THAT(palette, HasSubstr(absl::StrCat(name, ": '", Light(paint), "'")));
-    EXPECT_THAT(palette, HasSubstr(absl::StrCat(name, ": '", Dark(paint), "'")));
+    EXPECT_THAT(light_scene, HasSubstr(absl::StrCat(" ", name, ": '", Light(paint), "'")));
+    EXPECT_THAT(dark_scene, HasSubstr(absl::StrCat(" ", name, ": '", Dark(paint), "'")));
   }
   // What further robots are mixed with.
   EXPECT_THAT(palette, HasSubstr("{ light: '#000000', dark: '#303840' }"));
