@@ -11,6 +11,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
 #include "client_agent/source_checks/source_checks.h"
+#include "slam/util/named_thread.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::client_agent {
@@ -30,7 +31,7 @@ void LateWatch::Offer(const StreamFrame& frame, absl::Time now) {
   row_.push_back({frame.frame.number, frame.images});
   if (row_.size() < kFrames) return;
   ++looks_;
-  look_ = std::async(std::launch::async, [this, row = std::exchange(row_, {})] {
+  look_ = StartAsync("late watch", [this, row = std::exchange(row_, {})] {
     return JudgeSample(calibration_, row);
   });
 }

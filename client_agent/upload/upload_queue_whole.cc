@@ -2,11 +2,13 @@
 #include <glog/logging.h>
 
 #include <chrono>
+#include <future>
 #include <map>
 #include <utility>
 
 #include "client_agent/upload/kept_map_reading.h"
 #include "client_agent/upload/upload_queue.h"
+#include "slam/util/named_thread.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::client_agent {
@@ -61,12 +63,12 @@ void UploadQueue::BeginWhole() {
     if (spooled.record.kind == Kind::kBatch) making.number = spooled.record.number;
   }
   if (making.number == 0 || bytes <= 2 * whole_bytes_ + options_.whole_after_bytes) return;
-  making.future = std::async(
-      options_.whole_at_once ? std::launch::deferred : std::launch::async,
-      [local_map = making.local_map, kept = std::move(kept), spool = spool_.get()] {
-        return MakeWhole(local_map, kept,
-                         [spool](const SpooledBatch& spooled) { return spool->Read(spooled); });
-      });
+  auto make = [local_map = making.local_map, kept = std::move(kept), spool = spool_.get()] {
+    return MakeWhole(local_map, kept,
+                     [spool](const SpooledBatch& spooled) { return spool->Read(spooled); });
+  };
+  making.future = options_.whole_at_once ? std::async(std::launch::deferred, std::move(make))
+                                         : StartAsync("whole map", std::move(make));
   whole_ = std::move(making);
 }
 

@@ -13,6 +13,7 @@
 #include "services/convert/resource_names.h"
 #include "services/programs/kept_settings.h"
 #include "services/security/pem_files.h"
+#include "slam/util/named_thread.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::services {
@@ -43,7 +44,7 @@ std::future<absl::StatusOr<v1::RobotSettingsList>> AskForSettings(
     std::shared_ptr<grpc::Channel> channel, const SettingsFlags& files, const std::string& mission,
     const std::string& agent) {
   const bool asks = channel != nullptr && !files.key.empty();
-  return std::async(std::launch::async, [=]() -> absl::StatusOr<v1::RobotSettingsList> {
+  return StartAsync("first settings", [=]() -> absl::StatusOr<v1::RobotSettingsList> {
     if (!asks) return v1::RobotSettingsList();
     return AskStore(channel, AgentName(mission, agent));
   });

@@ -4,6 +4,7 @@
 #define CORBSLAM_SLAM_UTIL_NAMED_THREAD_H_
 
 #include <cstddef>
+#include <future>
 #include <thread>
 #include <utility>
 
@@ -22,6 +23,17 @@ template <size_t kSize, typename Run>
         NameThisThread(text);
         run();
       });
+}
+
+// The same of what returns something: the future has it, and waits for the thread when it goes.
+template <size_t kSize, typename Run>
+[[nodiscard]] auto StartAsync(const char (&name)[kSize], Run&& run) {
+  static_assert(kSize <= 16, "Linux keeps 15 letters of a thread's name");
+  return std::async(std::launch::async, [text = static_cast<const char*>(name),
+                                         run = std::forward<Run>(run)]() mutable {
+    NameThisThread(text);
+    return run();
+  });
 }
 
 }  // namespace corbslam

@@ -1,4 +1,4 @@
-"""Folders with sources that docs/architecture.md does not name, and threads that docs/map.md lacks.
+"""Folders with sources that docs/architecture.md does not name.
 
 A folder is named as `folder/`; `folder/...` names it with all below it. A folder called testing
 belongs to the one that it is in.
@@ -10,8 +10,6 @@ import re
 SOURCES = {".cc", ".h", ".hpp", ".proto", ".ts"}
 NO_ROOMS = {"build", "cmake", "deploy", "docs", "node_modules", "out", "tests", "third_party"}
 NAMED = re.compile(r"`([\w./-]+/)(\.\.\.)?`")
-THREAD = re.compile(r"\bstd::j?thread\b(?!::)|\bStartThread\(")
-STARTER = "slam/util/named_thread"  # It starts threads for others.
 
 
 def sources_of(root):
@@ -39,18 +37,3 @@ def find_unnamed_rooms(root, page):
             f"add | `{folder}` | what is in it |"
             for folder, files in sources_of(root).items()
             if folder not in exact and not folder.startswith(whole)]
-
-
-def find_unnamed_threads(root, page):
-    """Files with a thread whose name, before the dot, the page does not have."""
-    text = page.read_text(encoding="utf-8")
-    for short, folder in re.findall(r"`([\w.]+/)` is `([\w./]+/)`", text):
-        text = text.replace(f"`{short}", f"`{folder}")
-    stems = set()
-    for files in sources_of(root).values():
-        for file in files:
-            is_code = file.suffix in (".cc", ".h") and not file.stem.endswith("_test")
-            if is_code and THREAD.search(file.read_text(encoding="utf-8")):
-                stems.add(file.relative_to(root).with_suffix("").as_posix())
-    return [f"{page.relative_to(root)}: the table of threads has no {stem}"
-            for stem in sorted(stems - {STARTER}) if f"`{stem}." not in text]
