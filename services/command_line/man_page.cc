@@ -78,12 +78,16 @@ std::string FormatManPage(const CLI::App& app, const std::string& environment_pr
                            "the command line\ncounts before it; it counts before the file of ",
                            Bold("--config"), ", and that before the default.\n.TP\n",
                            Bold("CORBSLAM_VOCABULARY"), "\nThe vocabulary, unless ",
-                           Bold("--vocabulary"), " names one.\n")),
+                           Bold("--vocabulary"), " names one.\n.TP\n", Bold("CORBSLAM_VIEWER_PAGE"),
+                           "\nThe folder of the viewer's built page, of map_viewer, unless ",
+                           Bold("--page"), " names one, and\nof the reports of corbslam.\n")),
       Section("FILES", absl::StrCat(".TP\n", Italic("../share/corbslam/corbslam.voc"),
-                                    "\nThe vocabulary, seen from the program's folder.\n")),
-      Section(
-          "SEE ALSO",
-          "corbslam(1), map_store(1), fusion_worker(1), client_agent(1), simulated_agent(1)\n"));
+                                    "\nThe vocabulary, seen from the program's folder.\n.TP\n",
+                                    Italic("../share/corbslam/viewer"),
+                                    "\nThe viewer's built page, likewise.\n")),
+      Section("SEE ALSO",
+              "corbslam(1), map_store(1), fusion_worker(1), map_viewer(1), client_agent(1), "
+              "simulated_agent(1)\n"));
 }
 
 }  // namespace corbslam::services

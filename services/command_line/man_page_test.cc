@@ -60,6 +60,7 @@ TEST(ManPageTest, IsRenderedWithoutWarnings) {
   for (int c = fgetc(pipe); c != EOF; c = fgetc(pipe)) shown.push_back(static_cast<char>(c));
   EXPECT_EQ(pclose(pipe), 0);
   EXPECT_THAT(shown, AllOf(HasSubstr("--listen TEXT"), HasSubstr("CORBSLAM_PROGRAM_FLAG"),
+                           HasSubstr("CORBSLAM_VOCABULARY"), HasSubstr("CORBSLAM_VIEWER_PAGE"),
                            HasSubstr(".starts with a dot."), Not(HasSubstr("warning"))));
 }
 

@@ -15,8 +15,8 @@
 namespace corbslam::services {
 
 // Returns one line of the log without its newline: {"time", "severity", "file", "line", "message"}
-// and, where the message begins with them (log_fields.h), "mission", "agent" and "trace", which the
-// message is then without. Bytes that are no UTF-8 are replaced.
+// and, where the message begins with them (log_fields.h), "mission" and "agent", which the message
+// is then without. Bytes that are no UTF-8 are replaced.
 std::string LogLineToJson(google::LogSeverity severity, absl::string_view file, int line,
                           absl::Time time, absl::string_view message);
 

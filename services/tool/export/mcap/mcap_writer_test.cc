@@ -20,6 +20,12 @@ using ::testing::HasSubstr;
 using ::testing::Pair;
 using ::testing::SizeIs;
 
+TEST(McapCrcTest, AgreesWithThePublishedExample) {
+  EXPECT_EQ(ExtendMcapCrc(0, "123456789"), 0xcbf43926u);
+  EXPECT_EQ(ExtendMcapCrc(ExtendMcapCrc(0, "1234567"), "89"), 0xcbf43926u);
+  EXPECT_EQ(ExtendMcapCrc(0, ""), 0u);
+}
+
 TEST(McapWriterTest, ByteForByteAsTheSpecificationSays) {
   const std::string path = TestPath("a.mcap");
   auto writer = McapWriter::Create(path, "lib");
