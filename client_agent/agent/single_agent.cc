@@ -265,7 +265,8 @@ absl::StatusOr<TrackingResult> SingleAgent::Track(const SensorImages& images) {
   ASSIGN_OR_RETURN(Features features, sensor_->Process(images));
   Watch(features);
   UseAnswer();
-  TrackingResult result = current().tracker().Track(images.timestamp_ns, std::move(features));
+  TrackingResult result = current().tracker().Track(
+      {.timestamp_ns = images.timestamp_ns, .features = std::move(features)});
   smooth_pose_.Add(result);
   LeaveOutContradicting();
   if (result.made_keyframe && pictures_ != nullptr && link_->WantsPictures()) {

@@ -42,7 +42,8 @@ Found Track(const Camera& said, const Camera& taken_by, uint32_t seed) {
     point.descriptor = descriptor;
     associations.push_back({Association::Kind::kMapPoint, point.id, point.position_in_map});
   }
-  found.frame = MakeFrame(0, std::make_shared<Camera>(said), std::move(features));
+  found.frame =
+      MakeFrame({.camera = std::make_shared<Camera>(said), .features = std::move(features)});
   found.frame.associations = std::move(associations);
   OptimiseFramePose(Rigid3d::Identity(), LocalMapId{1}, found.frame);
   return found;

@@ -28,11 +28,10 @@ FrameObservations NumberedObservationsOf(const Frame& frame) {
 
 }  // namespace
 
-Frame MakeFrame(int64_t timestamp_ns, std::shared_ptr<const Camera> camera, Features features) {
+Frame MakeFrame(KeyframePayload picture) {
   Frame frame;
-  frame.associations.resize(features.keypoints.size());
-  frame.payload = MakeKeyframePayload(KeyframeId(), timestamp_ns, /*camera_index=*/0,
-                                      std::move(camera), std::move(features));
+  frame.associations.resize(picture.features.keypoints.size());
+  frame.payload = MakeKeyframePayload(std::move(picture));
   return frame;
 }
 

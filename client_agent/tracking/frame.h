@@ -51,7 +51,8 @@ struct Frame {
   const std::vector<Descriptor>& descriptors() const { return payload->features.descriptors; }
 };
 
-Frame MakeFrame(int64_t timestamp_ns, std::shared_ptr<const Camera> camera, Features features);
+// The picture needs no grid yet.
+Frame MakeFrame(KeyframePayload picture);
 
 // Brings an earlier frame up to date with the map: its pose follows its reference, its points are
 // where they are now, replaced points are their survivors, removed ones are gone. A frame that

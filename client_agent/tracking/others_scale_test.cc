@@ -48,7 +48,8 @@ class OthersScaleTest : public ::testing::Test {
     Features features;
     features.keypoints = std::exchange(keypoints_, {});
     features.descriptors.resize(features.keypoints.size());
-    Frame frame = MakeFrame(0, std::make_shared<Camera>(camera_), std::move(features));
+    Frame frame =
+        MakeFrame({.camera = std::make_shared<Camera>(camera_), .features = std::move(features)});
     frame.associations = std::exchange(associations_, {});
     return scale_.Add(frame, kOwn);
   }

@@ -68,7 +68,8 @@ class OthersShapeTest : public ::testing::Test {
       associations.push_back({Association::Kind::kMapPoint, id, bend(world_[i])});
     }
     features.descriptors.resize(features.keypoints.size());
-    Frame frame = MakeFrame(0, std::make_shared<Camera>(camera_), std::move(features));
+    Frame frame =
+        MakeFrame({.camera = std::make_shared<Camera>(camera_), .features = std::move(features)});
     frame.associations = std::move(associations);
     const Rigid3d near{Eigen::Quaterniond::Identity(), -bend({0, 0, z_m})};
     OptimiseFramePose(near, kOwnMap, frame);

@@ -17,9 +17,12 @@ Tracker::Tracker(const TrackerOptions& options, std::shared_ptr<const Camera> ca
       parts_(parts),
       mapping_paused_(options.localise_only) {}
 
-TrackingResult Tracker::Track(int64_t timestamp_ns, Features features) {
-  Frame frame = MakeFrame(timestamp_ns, camera_, std::move(features));
-  if (last_payload_ != nullptr) rhythm_.Add(timestamp_ns - last_payload_->timestamp_ns);
+TrackingResult Tracker::Track(KeyframePayload seen) {
+  seen.camera = camera_;
+  Frame frame = MakeFrame(std::move(seen));
+  if (last_payload_ != nullptr) {
+    rhythm_.Add(frame.payload->timestamp_ns - last_payload_->timestamp_ns);
+  }
   last_payload_ = frame.payload;
   if (state_ == TrackingState::kNotInitialised && !options_.localise_only) {
     const WhyNoPose why_not = Begin(frame);

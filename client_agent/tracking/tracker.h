@@ -81,7 +81,8 @@ class Tracker {
   Tracker(const TrackerOptions& options, std::shared_ptr<const Camera> camera,
           const TrackerParts& parts);
 
-  TrackingResult Track(int64_t timestamp_ns, Features features);
+  // What was seen has no id and no camera: the camera is the tracker's.
+  TrackingResult Track(KeyframePayload seen);
 
   // Returns the newest frame, for the tracker of another local map to go on from. Nullopt where
   // that has no pose or shows too little for a map to begin with, and while mapping is paused.

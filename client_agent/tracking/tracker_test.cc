@@ -16,6 +16,10 @@
 namespace corbslam::client_agent {
 namespace {
 
+KeyframePayload At(int64_t timestamp_ns, Features features) {
+  return {.timestamp_ns = timestamp_ns, .features = std::move(features)};
+}
+
 testing::SyntheticSceneOptions SceneOptions() {
   testing::SyntheticSceneOptions options;
   options.keyframes = 40;
@@ -55,7 +59,7 @@ class TrackerTest : public ::testing::Test {
   }
 
   TrackingResult Track(uint32_t index) {
-    return Finish(tracker_.Track(index * 100'000'000, Seen(index).payload->features));
+    return Finish(tracker_.Track(At(index * 100'000'000, Seen(index).payload->features)));
   }
 
   // A good picture of a place that nobody has seen.
@@ -64,10 +68,10 @@ class TrackerTest : public ::testing::Test {
     for (Descriptor& descriptor : features.descriptors) {
       for (auto& word : descriptor.words) word = random_();
     }
-    return Finish(tracker_.Track(1, features));
+    return Finish(tracker_.Track(At(1, features)));
   }
 
-  TrackingResult TrackNothing() { return Finish(tracker_.Track(1, Features())); }
+  TrackingResult TrackNothing() { return Finish(tracker_.Track(At(1, Features()))); }
 
   TrackingResult Finish(const TrackingResult& result) {
     while (mapper_.Step()) {
@@ -142,7 +146,7 @@ TEST_F(TrackerTest, CorrectionsWhileAFrameIsTrackedDoNotTearItFromItsReference) 
       absl::SleepFor(pause);
       MoveMap(1);
     });
-    const TrackingResult tracked = tracker_.Track(i * 100'000'000, Seen(i).payload->features);
+    const TrackingResult tracked = tracker_.Track(At(i * 100'000'000, Seen(i).payload->features));
     correction.join();
     shift += 1;
     ASSERT_EQ(Finish(tracked).state, TrackingState::kTracking) << i;
@@ -162,11 +166,11 @@ TEST_F(TrackerTest, BeginsOnlyWithEnoughKeypoints) {
   Features few = Seen(0).payload->features;
   few.keypoints.resize(100);
   few.descriptors.resize(100);
-  EXPECT_EQ(tracker_.Track(2, few).state, TrackingState::kNotInitialised);
-  EXPECT_EQ(tracker_.Track(2, few).why_no_pose, WhyNoPose::kFewKeypoints);
+  EXPECT_EQ(tracker_.Track(At(2, few)).state, TrackingState::kNotInitialised);
+  EXPECT_EQ(tracker_.Track(At(2, few)).why_no_pose, WhyNoPose::kFewKeypoints);
   Features flat = Seen(0).payload->features;
   for (Keypoint& keypoint : flat.keypoints) keypoint.disparity_px = 0;
-  EXPECT_EQ(tracker_.Track(2, flat).why_no_pose, WhyNoPose::kFewDepths);
+  EXPECT_EQ(tracker_.Track(At(2, flat)).why_no_pose, WhyNoPose::kFewDepths);
   EXPECT_FALSE(tracker_.IsLostForGood());
   EXPECT_EQ(Track(0).state, TrackingState::kTracking);
 }
@@ -270,7 +274,8 @@ TEST_F(TrackerTest, GoesOnInAnotherMapFromTheFrameThatBothSee) {
   NextMap next(vocabulary_.get());
   ASSERT_TRUE(next.tracker.TakeOver(*handed));
   for (uint32_t i = 20; i < 40; ++i) {
-    const TrackingResult result = next.tracker.Track(i * 100'000'000, Seen(i).payload->features);
+    const TrackingResult result =
+        next.tracker.Track(At(i * 100'000'000, Seen(i).payload->features));
     while (next.mapper.Step()) {
     }
     ASSERT_EQ(result.state, TrackingState::kTracking) << i;
@@ -294,7 +299,7 @@ TEST_F(TrackerTest, HandsOverOnlyWhatAMapCanBeginWith) {
   for (size_t i = 0; i < flat.keypoints.size(); ++i) {
     if (i >= 50) flat.keypoints[i].disparity_px = 0;
   }
-  ASSERT_EQ(Finish(tracker_.Track(1'000'000'000, flat)).state, TrackingState::kTracking);
+  ASSERT_EQ(Finish(tracker_.Track(At(1'000'000'000, flat))).state, TrackingState::kTracking);
   EXPECT_FALSE(tracker_.HandOver().has_value()) << "too few depths";
   Track(11);
   EXPECT_TRUE(tracker_.HandOver().has_value());
@@ -373,7 +378,7 @@ TEST_F(TrackerTest, LocalisesInOthersMapAndLeavesItAsItIs) {
   Tracker tracker(options, std::make_shared<const Camera>(Scene().camera),
                   {&others, &queue, &statistics, vocabulary_.get(), &find_places});
   const auto track = [&](uint32_t i) {
-    return tracker.Track(i * 100'000'000, Seen(i).payload->features);
+    return tracker.Track(At(i * 100'000'000, Seen(i).payload->features));
   };
   for (int i = 0; i < 60; ++i) {
     const TrackingResult lost = track(5);
@@ -412,7 +417,7 @@ TEST_F(TrackerTest, LocalisesNowhereWronglyWithAnotherCamera) {
                     {&others, &queue, &statistics, vocabulary_.get(), &find_places});
     for (uint32_t i = 5; i < 12; ++i) {
       Features features = Seen(i).payload->features;
-      const TrackingResult result = tracker.Track(i * 100'000'000, features);
+      const TrackingResult result = tracker.Track(At(i * 100'000'000, features));
       if (result.state == TrackingState::kLost) continue;
       ASSERT_TRUE(result.covariance.has_value());
       const double sigma = std::sqrt(result.covariance->topLeftCorner<3, 3>().trace());

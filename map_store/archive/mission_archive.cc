@@ -7,7 +7,7 @@
 #include "absl/strings/str_cat.h"
 #include "map_store/archive/archive.h"
 #include "map_store/archive/feature_archive.h"
-#include "map_store/archive/older_formats.h"
+#include "map_store/archive/formats.h"
 #include "map_store/archive/state_archive.h"
 #include "map_store/archive/value_fields.h"
 #include "slam/util/checksum.h"
@@ -18,10 +18,7 @@ namespace corbslam::map_store {
 namespace {
 
 constexpr std::string_view kMagic = "CORBMISN";
-// Format 12 holds states of format 10 (state_archive.cc); otherwise it is the same.
-constexpr uint32_t kOldestFormat = 12;
-constexpr uint32_t kFormat = 13;
-constexpr size_t kHeaderBytes = kMagic.size() + sizeof(kFormat);
+constexpr size_t kHeaderBytes = kMagic.size() + sizeof(kBackupFormat);
 constexpr size_t kSectionHeadBytes = 1 + sizeof(uint64_t);
 constexpr size_t kChecksumBytes = sizeof(uint32_t);
 // A section holds so many bytes of the state.
@@ -71,7 +68,7 @@ std::string MissionBackup::Section() {
   if (stage_ == Stage::kBegin) {
     stage_ = Stage::kFeatures;
     ArchiveWriter format;
-    format(kFormat);
+    format(kBackupFormat);
     return std::string(kMagic) + format.Take();
   }
   if (stage_ == Stage::kFeatures) {
@@ -131,10 +128,11 @@ absl::StatusOr<bool> MissionRestorer::TakeHeader(std::string_view& rest) {
   if (rest.size() < kHeaderBytes) return false;
   uint32_t format = 0;
   std::memcpy(&format, rest.data() + kMagic.size(), sizeof(format));
-  if (format < kOldestFormat || format > kFormat) {
+  if (format < kOldestBackupFormat || format > kBackupFormat) {
     return absl::FailedPreconditionError(absl::StrCat(
-        "the backup has format ", format, ", this program reads ", kOldestFormat, " to ", kFormat,
-        format > kFormat ? ": restore it with the newer program" : kHowToReadOlderBackup));
+        "the backup has format ", format, ", this program reads ", kOldestBackupFormat, " to ",
+        kBackupFormat,
+        format > kBackupFormat ? ": restore it with the newer program" : kHowToReadOlderBackup));
   }
   rest.remove_prefix(kHeaderBytes);
   taken_ += kHeaderBytes;

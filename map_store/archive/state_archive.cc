@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
-#include "map_store/archive/older_formats.h"
+#include "map_store/archive/formats.h"
 #include "map_store/archive/state_fields.h"
 #include "map_store/archive/stored_map.h"
 #include "map_store/archive/unreadable.h"
@@ -34,11 +34,6 @@ void Fields(Archive& archive, T& agent) {
 }
 
 namespace {
-
-// In format 10 nobody knows whose a deleted local map was.
-constexpr uint32_t kOldestStateFormat = 10;
-constexpr uint32_t kFirstWithNumbers = 11;
-constexpr uint32_t kStateFormat = 11;
 
 absl::Status CheckRecordedCameras(const LocalMapState& local_map) {
   if (local_map.recorded_cameras.size() > local_map.cameras.size()) {
@@ -197,7 +192,7 @@ absl::StatusOr<MissionState> DecodeState(std::string_view bytes, const FeatureLo
   IndexJoined(state);
   ReadArrivals(reader, state);
   reader(state.uid);
-  if (format >= kFirstWithNumbers) ReadNumbers(reader, state);
+  if (format >= kFirstStateWithNumbers) ReadNumbers(reader, state);
   if (!reader.done()) return Unreadable("a mission's snapshot");
   RETURN_IF_ERROR(ValidateState(state));
   IndexPoints(state);

@@ -113,7 +113,9 @@ void Fields(Archive& archive, T& features) {
   archive(features.keypoints, features.descriptors);
 }
 
-// Archives a payload without its features.
+// Archives a payload without its features. Records don't say which format they have, so that a
+// value which older ones lack is to be announced by one of the upper bits of camera_index, which is
+// at most 1,000, and to follow it.
 template <typename Archive, MayBeConst<KeyframePayload> T>
 void Fields(Archive& archive, T& payload) {
   archive(payload.id, payload.timestamp_ns, payload.camera_index);

@@ -9,10 +9,10 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "map_store/archive/formats.h"
 #include "map_store/ingest/batch_validation.h"
 #include "map_store/rocks/backup_owner.h"
 #include "map_store/rocks/journal_folder.h"
-#include "map_store/rocks/mission_header.h"
 #include "map_store/rocks/rocks_journal.h"
 #include "slam/util/program_version.h"
 #include "slam/util/status_macros.h"

@@ -2,7 +2,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "map_store/archive/archive.h"
-#include "map_store/archive/older_formats.h"
+#include "map_store/archive/formats.h"
 #include "slam/util/program_version.h"
 
 namespace corbslam::map_store {

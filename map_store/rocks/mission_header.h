@@ -10,11 +10,6 @@
 
 namespace corbslam::map_store {
 
-// Formats of the whole journal. The one before is read and becomes kJournalFormat when it is
-// opened; others are refused. In format 15 nobody knows whose a deleted local map was.
-inline constexpr uint32_t kOldestJournalFormat = 15;
-inline constexpr uint32_t kJournalFormat = 16;
-
 // Returns the format's number as it stands under its key. DATA_LOSS for bytes that are no number,
 // FAILED_PRECONDITION for a format that this program doesn't read, with what to do; `written_by` is
 // the version of the program that wrote it, if that is known.

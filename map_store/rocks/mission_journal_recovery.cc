@@ -6,6 +6,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "map_store/archive/feature_archive.h"
+#include "map_store/archive/formats.h"
 #include "map_store/archive/record_archive.h"
 #include "map_store/archive/state_archive.h"
 #include "map_store/rocks/durable_mark.h"

@@ -9,6 +9,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "map_store/archive/archive.h"
+#include "map_store/archive/formats.h"
 #include "map_store/rocks/journal_folder.h"
 #include "map_store/rocks/journal_keys.h"
 #include "map_store/rocks/mission_header.h"

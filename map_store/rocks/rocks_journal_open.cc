@@ -7,6 +7,7 @@
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
+#include "map_store/archive/formats.h"
 #include "map_store/rocks/files_check.h"
 #include "map_store/rocks/journal_keys.h"
 #include "map_store/rocks/journal_scrubber.h"

@@ -8,8 +8,8 @@
 #include <memory>
 #include <string>
 
+#include "map_store/archive/formats.h"
 #include "map_store/rocks/journal_keys.h"
-#include "map_store/rocks/mission_header.h"
 #include "map_store/rocks/rocks_journal.h"
 #include "map_store/testing/rocks_store.h"
 #include "map_store/testing/store_dump.h"

@@ -133,7 +133,6 @@ struct LocalMapInfo {
 struct KeyframeInfo {
   KeyframeId id;
   std::string agent;
-  int64_t timestamp_ns = 0;
   Rigid3d camera_from_local;
   // `camera_from_island` is in the frame of this island.
   IslandId island;
@@ -246,7 +245,6 @@ struct IslandView {
   std::vector<LocalMapId> local_maps;
   struct KeyframePlace {
     KeyframeId id;
-    std::string agent;
     int64_t timestamp_ns = 0;
     Rigid3d camera_from_island;  // The camera's units are rescaled to the island's.
     KeyframeId parent;

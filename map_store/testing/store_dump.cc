@@ -49,7 +49,7 @@ std::string DumpLocal(const std::string& mission, const MapStore& store) {
   const Page<KeyframeInfo> keyframes = *store.ListKeyframes(mission, {}, {});
   for (const KeyframeInfo& keyframe : keyframes.items) {
     absl::StrAppend(
-        &text, ToString(keyframe.id), " ", keyframe.timestamp_ns, " ",
+        &text, ToString(keyframe.id), " ", keyframe.payload->timestamp_ns, " ",
         PoseText(keyframe.camera_from_local.rotation, keyframe.camera_from_local.translation), " ",
         ToString(keyframe.parent), " ", keyframe.observed_points, "\n");
     for (const Keypoint& keypoint : keyframe.payload->features.keypoints) {

@@ -37,7 +37,6 @@ KeyframeInfo DescribeKeyframe(const MissionState& state, const LocalMapState& lo
   KeyframeInfo info;
   info.id = keyframe.id();
   info.agent = local_map.agent;
-  info.timestamp_ns = keyframe.payload->timestamp_ns;
   info.camera_from_local = keyframe.camera_from_map;
   info.island = state.global.island_of.at(local_map.id);
   info.camera_from_island = camera_from_island;
@@ -185,7 +184,7 @@ IslandView DescribeIsland(const MissionState& state, const Island& island) {
        std::set<LocalMapId>(island.local_maps.begin(), island.local_maps.end())) {
     const LocalMapState& local_map = *state.FindLocalMap(id);
     for (const auto& [keyframe_id, keyframe] : local_map.map.keyframes()) {
-      view.keyframes.push_back({keyframe_id, local_map.agent, keyframe.payload->timestamp_ns,
+      view.keyframes.push_back({keyframe_id, keyframe.payload->timestamp_ns,
                                 poses.Of(local_map).at(keyframe_id).ToRigid(), keyframe.parent,
                                 state.global.keyframes.contains(keyframe_id)});
       for (const MapPointId& point : ObservedPoints(state, local_map, keyframe)) {

@@ -156,8 +156,8 @@ bool MapWatcher::TakeKeyframes(const MissionState& state, Part& part, size_t& ro
     }
     --room;
     const Keyframe& keyframe = *local_map.map.FindKeyframe(id);
-    changes.keyframes.push_back({id, local_map.agent, keyframe.payload->timestamp_ns,
-                                 pose.ToRigid(), keyframe.parent, standing->placed});
+    changes.keyframes.push_back(
+        {id, keyframe.payload->timestamp_ns, pose.ToRigid(), keyframe.parent, standing->placed});
     if (include_points_ && !part.whole) AddFollowers(state, local_map, id, part.points);
   }
   for (const KeyframeId& id : std::exchange(part.keyframes, {})) {

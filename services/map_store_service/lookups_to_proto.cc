@@ -121,7 +121,7 @@ void ToProto(absl::string_view mission, const LocalMapInfo& info, v1::LocalMap* 
 void ToProto(absl::string_view mission, const KeyframeInfo& info, v1::Keyframe* proto) {
   proto->set_name(KeyframeName(mission, info.id));
   proto->set_agent(AgentName(mission, info.agent));
-  proto->set_timestamp_ns(info.timestamp_ns);
+  proto->set_timestamp_ns(info.payload->timestamp_ns);
   ToProto(info.camera_from_local, proto->mutable_camera_from_local());
   proto->set_island(NameOrEmpty(mission, info.island));
   ToProto(info.camera_from_island, proto->mutable_camera_from_island());

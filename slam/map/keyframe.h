@@ -20,19 +20,19 @@ namespace corbslam {
 
 // A payload is never edited once made; threads, maps and revisions share it.
 struct KeyframePayload {
-  KeyframeId id;
+  KeyframeId id = {};
   // Time by the agent's own clock, which is never compared with another agent's.
   int64_t timestamp_ns = 0;
   // Index of the camera among those of its local map.
   uint32_t camera_index = 0;
-  std::shared_ptr<const Camera> camera;
+  std::shared_ptr<const Camera> camera = {};
   // Undistorted pixels. Descriptors are empty where an algorithm needs none (bundle adjustment).
-  Features features;
+  Features features = {};
   // Finds keypoints by pixel; built from `features` by MakeKeyframePayload.
-  FeatureGrid grid;
+  FeatureGrid grid = {};
   // The code that `features` were read from (slam/coding/feature_coding.h), while whoever received
   // it keeps it: then nobody need code them again.
-  std::weak_ptr<const std::string> code;
+  std::weak_ptr<const std::string> code = {};
 };
 
 // The grid is built here; all the rest is taken as it is.

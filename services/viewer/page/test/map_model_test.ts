@@ -1,5 +1,7 @@
 import assert from 'node:assert/strict';
 import test from 'node:test';
+import { create } from '@bufbuild/protobuf';
+import { WatchMapResponse_IslandKeyframeSchema } from '@gen/corbslam/v1/map_store_service_pb';
 import { MapModel } from '../src/model/map_model';
 import { HEX_A, HEX_B, change, keyframe, points } from './messages';
 
@@ -69,6 +71,15 @@ test('slots beyond the table and broken poses are passed over', () => {
     { slot: 1, keyframes: [keyframe(7, 0, 0), { id: { slot: 1, index: 1 }, cameraFromIsland: { rotationWxyz: [1], translation: [] } }] },
   ] })]);
   assert.equal(model.keyframeCount, 0);
+});
+
+test('a keyframe keeps all that was told of it but its names and its pose', () => {
+  const model = new MapModel();
+  const told = create(WatchMapResponse_IslandKeyframeSchema, { ...keyframe(1, 4, 2), placed: true, parent: { slot: 1, index: 3 } });
+  const { id, cameraFromIsland, parent, ...rest } = told;
+  model.apply([change({ islands: [{ slot: 1, localMapSlots: [1], keyframes: [told] }] })]);
+  const { slot, generation, ...kept } = model.localMap(HEX_A)!.keyframes.records.get(4)!;
+  assert.deepEqual(kept, rest);
 });
 
 test('keyframes are in the order of their time, whatever the order of arrival', () => {

@@ -1,22 +1,15 @@
+import type { Message } from '@bufbuild/protobuf';
+import type { WatchMapResponse_IslandKeyframe } from '@gen/corbslam/v1/map_store_service_pb';
 import { DirtyPages } from './dirty_pages';
-import type { KeyframeId } from './ids';
 import type { Pose } from './pose';
 
-/** What is kept of a keyframe beside the columns that the GPU reads. */
-export interface KeyframeRecord {
-  slot: number;
-  timestampNs: bigint;
-  parent?: KeyframeId;
-  placed: boolean;
-  generation: number;
-}
+/** What a keyframe is told to be, beside which it is and where it stands. */
+type KeyframeTold = Omit<WatchMapResponse_IslandKeyframe, keyof Message | 'id' | 'cameraFromIsland' | 'parent'>;
 
-/** What a keyframe is told to be. */
-export interface KeyframeTold {
-  timestampNs: bigint;
-  pose: Pose;
-  parent?: KeyframeId;
-  placed: boolean;
+/** What is kept of a keyframe beside the columns that the GPU reads: all that was told of it. */
+export interface KeyframeRecord extends KeyframeTold {
+  slot: number;
+  generation: number;
 }
 
 /** The keyframes of one local map: columns for the GPU, records for people. */
@@ -37,14 +30,13 @@ export class KeyframeStore {
     return this.records.size;
   }
 
-  set(index: number, told: KeyframeTold, age: number, generation: number): boolean {
+  set(index: number, { pose, ...told }: KeyframeTold & { pose: Pose }, age: number, generation: number): boolean {
     const old = this.records.get(index);
     const slot = old?.slot ?? this.newSlot(index);
-    const { timestampNs, parent, placed } = told;
-    this.records.set(index, { slot, timestampNs, parent, placed, generation });
-    this.write(slot, told.pose, old ? this.centres[slot * 4 + 3] : age);
-    if (!old) this.append(slot, timestampNs);
-    else if (old.timestampNs !== timestampNs) this.membership++;
+    this.records.set(index, { ...told, slot, generation });
+    this.write(slot, pose, old ? this.centres[slot * 4 + 3] : age);
+    if (!old) this.append(slot, told.timestampNs);
+    else if (old.timestampNs !== told.timestampNs) this.membership++;
     return !old;
   }
 

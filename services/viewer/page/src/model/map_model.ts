@@ -120,16 +120,11 @@ export class MapModel {
   }
 
   private setKeyframes(island: WatchMapResponse_Island, table: string[], name: string): void {
-    for (const { id, timestampNs, cameraFromIsland, parent, placed } of island.keyframes) {
+    for (const { id, cameraFromIsland, parent, ...told } of island.keyframes) {
       const localMap = id && this.join(table[id.slot - 1], name);
       const pose = poseOfCamera(cameraFromIsland);
       if (!localMap || !pose) continue;
-      const parentMap = parent && table[parent.slot - 1];
-      const told = {
-        timestampNs, pose, placed,
-        parent: parentMap ? { localMap: parentMap, index: parent.index } : undefined,
-      };
-      const isNew = localMap.keyframes.set(id.index, told, this.keyframeArrivals, this.generation);
+      const isNew = localMap.keyframes.set(id.index, { ...told, pose }, this.keyframeArrivals, this.generation);
       if (isNew) this.keyframeArrivals++, this.keyframeCount++;
     }
   }
