@@ -8,7 +8,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
-#include "client_agent/agent/others_words.h"
+#include "client_agent/agent/contradiction_text.h"
 #include "client_agent/agent/resuming.h"
 #include "client_agent/agent/trajectory_log.h"
 #include "client_agent/upload/held_items.h"

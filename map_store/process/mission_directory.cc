@@ -4,8 +4,8 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "map_store/view/asleep_words.h"
-#include "map_store/view/damage_words.h"
+#include "map_store/view/asleep_error.h"
+#include "map_store/view/damage_text.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::map_store {

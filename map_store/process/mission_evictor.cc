@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
-#include "map_store/view/damage_words.h"
+#include "map_store/view/damage_text.h"
 #include "slam/util/named_thread.h"
 #include "slam/util/resident_memory.h"
 #include "slam/util/status_macros.h"

@@ -21,15 +21,15 @@ HealthByNumber ReadBackupHealth(const std::string& folder) {
   HealthByNumber health;
   std::ifstream file(PathOfHealth(folder));
   for (std::string line; std::getline(file, line);) {
-    const std::vector<std::string> words = absl::StrSplit(line, absl::MaxSplits(' ', 2));
+    const std::vector<std::string> fields = absl::StrSplit(line, absl::MaxSplits(' ', 2));
     uint32_t number = 0;
     int64_t verified_ns = 0;
-    if (words.size() != 3 || !absl::SimpleAtoi(words[0], &number) ||
-        !absl::SimpleAtoi(words[1], &verified_ns)) {
+    if (fields.size() != 3 || !absl::SimpleAtoi(fields[0], &number) ||
+        !absl::SimpleAtoi(fields[1], &verified_ns)) {
       continue;
     }
     health[number] = {verified_ns == 0 ? absl::InfinitePast() : absl::FromUnixNanos(verified_ns),
-                      words[2]};
+                      fields[2]};
   }
   return health;
 }

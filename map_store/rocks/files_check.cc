@@ -164,14 +164,14 @@ FilesCheck CheckClosedFiles(const std::string& folder, const ReadPace& goes_on) 
 
 absl::Status NameDamagedFiles(const std::string& folder, const absl::Status& error) {
   if (!absl::IsDataLoss(error)) return error;
-  std::string words(error.message());
+  std::string text(error.message());
   const FilesCheck found = CheckClosedFiles(folder);
   for (const std::vector<std::string>* files : {&found.damaged, &found.torn}) {
     for (const std::string& file : *files) {
-      if (!absl::StrContains(words, file)) absl::StrAppend(&words, "; ", file);
+      if (!absl::StrContains(text, file)) absl::StrAppend(&text, "; ", file);
     }
   }
-  return absl::DataLossError(words);
+  return absl::DataLossError(text);
 }
 
 absl::Status CheckLiveFiles(rocksdb::DB& db, const ReadPace& goes_on) {

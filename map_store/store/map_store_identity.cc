@@ -42,7 +42,7 @@ absl::Status MapStore::CheckNotDeparted(const SessionRequest& request) const {
     is_departed = departed_->HasProcess(request.mission, present.value_or(""), request.agent,
                                         request.instance);
   } else if (present.has_value()) {
-    // What can't be read has its own words.
+    // A mission that can't be read has its own error.
     is_departed = !present->empty() && *present != request.mission_uid;
   } else {
     // A mission of which nothing was written goes with its last robot, which may come back.

@@ -16,7 +16,7 @@
 #include "map_store/testing/one_robots_store.h"
 #include "map_store/testing/sleeping_store.h"
 #include "map_store/testing/store_dump.h"
-#include "map_store/view/asleep_words.h"
+#include "map_store/view/asleep_error.h"
 
 namespace corbslam::map_store {
 namespace {

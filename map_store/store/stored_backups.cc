@@ -20,7 +20,7 @@ std::string KeyOfBackup(const StoredBackup& backup) {
   return absl::StrFormat("%s/%010d", backup.mission, backup.number);
 }
 
-// What reads a backup's records: they decide nothing that words would.
+// What reads a backup's records: they decide nothing that visual words would.
 MissionEnvironment ReadingEnvironment(const MapStoreOptions& options, Journal& journal,
                                       const MapStore::Clock& clock) {
   MissionEnvironment environment;

@@ -115,13 +115,13 @@ class WebSession : public WebConnection,
 
   void Upgrade(const WebRequest& request) {
     if (!IsOfSameSite(parser_->get())) {
-      return Write(WordsResponse(403, "a page of another site may not read this"), false);
+      return Write(TextResponse(403, "a page of another site may not read this"), false);
     }
     absl::StatusOr<std::shared_ptr<const void>> page =
         shared_.pages.Enter(peer_.host, shared_.handler.CallerOf(request));
     if (!page.ok()) {
       return Write(
-          WordsResponse(503, absl::StrCat("too many pages are open: ", page.status().message())),
+          TextResponse(503, absl::StrCat("too many pages are open: ", page.status().message())),
           false);
     }
     const auto socket =
@@ -149,7 +149,7 @@ class WebSession : public WebConnection,
       shared_.handler.Answer(request, std::move(respond));
     } catch (const std::exception& error) {
       LOG(ERROR) << "a web request ended with " << error.what();
-      Write(WordsResponse(500, "the answer could not be made"), false);
+      Write(TextResponse(500, "the answer could not be made"), false);
     }
   }
 

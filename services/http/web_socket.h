@@ -129,7 +129,7 @@ class WebSocket : public WebConnection, public std::enable_shared_from_this<WebS
       const CloseReason why = opened_.stream->WhyClose();
       if (why.code == 0) return AskWhetherItMayStay();
       Release();
-      End(why.code, why.words);
+      End(why.code, why.text);
     });
   }
 

@@ -6,7 +6,7 @@
 #include "absl/time/clock.h"
 #include "absl/time/time.h"
 #include "map_store/ingest/quota.h"
-#include "map_store/view/asleep_words.h"
+#include "map_store/view/asleep_error.h"
 #include "services/convert/agent_report.h"
 #include "services/convert/keyframe_picture.h"
 #include "services/convert/limits.h"

@@ -62,8 +62,8 @@ constexpr char kOperators[] = "gp";
 struct Row {
   std::string method;
   std::string request;
-  std::string may;    // The callers whom it lets in.
-  std::string words;  // What the others are told that they may not do.
+  std::string may;      // The callers whom it lets in.
+  std::string refusal;  // What the others are told that they may not do.
 };
 
 // Nothing is there of what these ask for, so that every call ends soon; what CreateMission makes
@@ -235,7 +235,7 @@ class AccessMatrixTest : public ::testing::Test {
     } else {
       EXPECT_EQ(status.code(), absl::StatusCode::kPermissionDenied) << who << ": " << status;
       EXPECT_TRUE(absl::StartsWith(status.message(),
-                                   absl::StrCat(Grants().at(caller), " may not ", row.words)))
+                                   absl::StrCat(Grants().at(caller), " may not ", row.refusal)))
           << who << ": " << status;
     }
   }

@@ -102,8 +102,8 @@ Viewer::Viewer(const std::shared_ptr<grpc::Channel>& store, MissionFeeds::Robots
       pool_(4 * options.threads) {}
 
 WebResponse Viewer::AnswerPage(const WebRequest& request) const {
-  if (request.path == "/healthz") return WordsResponse(200, "ok");
-  if (!page_.ok()) return WordsResponse(503, page_.status().message());
+  if (request.path == "/healthz") return TextResponse(200, "ok");
+  if (!page_.ok()) return TextResponse(503, page_.status().message());
   return page_->Answer(request);
 }
 
@@ -113,7 +113,7 @@ void Viewer::Answer(const WebRequest& request, Respond respond) {
     respond(std::move(response));
   };
   if (request.method != "GET" && request.method != "HEAD") {
-    WebResponse refusal = WordsResponse(405, "a viewer only shows");
+    WebResponse refusal = TextResponse(405, "a viewer only shows");
     refusal.headers["Allow"] = "GET, HEAD";
     return safely(std::move(refusal));
   }

@@ -80,16 +80,16 @@ Played Play(FrameStream& stream, size_t most = 1000) {
 
 class Listener : public google::LogSink {
  public:
-  explicit Listener(std::string words) : words_(std::move(words)) { google::AddLogSink(this); }
+  explicit Listener(std::string text) : text_(std::move(text)) { google::AddLogSink(this); }
   ~Listener() override { google::RemoveLogSink(this); }
   void send(google::LogSeverity, const char*, const char*, int, const struct ::tm*,
             const char* message, size_t length) override {
-    told_ += absl::StrContains(absl::string_view(message, length), words_) ? 1 : 0;
+    told_ += absl::StrContains(absl::string_view(message, length), text_) ? 1 : 0;
   }
   int told() const { return told_; }
 
  private:
-  const std::string words_;
+  const std::string text_;
   std::atomic<int> told_ = 0;
 };
 

@@ -87,7 +87,7 @@ absl::StatusOr<uint64_t> VersionAfter(uint64_t last, absl::Time time) {
                    "): versions are seconds since 1970; set the clock right"));
 }
 
-// Visits what is set, with the flag's name and its value in words.
+// Visits what is set, with the flag's name and its value as text.
 void VisitSettings(const v1::RobotSettings& settings,
                    const std::function<void(const char*, const std::string&)>& visit) {
   for (const RobotSetting& row : RobotSettingTable()) {

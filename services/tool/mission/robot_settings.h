@@ -1,4 +1,4 @@
-// Makes what an operator signs for a mission's robots, and says in words what is set.
+// Makes what an operator signs for a mission's robots, and describes for people what is set.
 #ifndef CORBSLAM_SERVICES_TOOL_MISSION_ROBOT_SETTINGS_H_
 #define CORBSLAM_SERVICES_TOOL_MISSION_ROBOT_SETTINGS_H_
 

@@ -1,4 +1,4 @@
-#include "map_store/view/damage_words.h"
+#include "map_store/view/damage_text.h"
 
 #include "absl/strings/str_cat.h"
 

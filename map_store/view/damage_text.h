@@ -1,6 +1,6 @@
 // Says that a mission's journal is damaged.
-#ifndef CORBSLAM_MAP_STORE_VIEW_DAMAGE_WORDS_H_
-#define CORBSLAM_MAP_STORE_VIEW_DAMAGE_WORDS_H_
+#ifndef CORBSLAM_MAP_STORE_VIEW_DAMAGE_TEXT_H_
+#define CORBSLAM_MAP_STORE_VIEW_DAMAGE_TEXT_H_
 
 #include <string>
 
@@ -15,4 +15,4 @@ std::string SayDamage(absl::string_view mission, const absl::Status& damage);
 
 }  // namespace corbslam::map_store
 
-#endif  // CORBSLAM_MAP_STORE_VIEW_DAMAGE_WORDS_H_
+#endif  // CORBSLAM_MAP_STORE_VIEW_DAMAGE_TEXT_H_

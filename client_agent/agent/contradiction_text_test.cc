@@ -1,4 +1,4 @@
-#include "client_agent/agent/others_words.h"
+#include "client_agent/agent/contradiction_text.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,7 +8,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-TEST(OthersWordsTest, SayWhichMapByHowMuchAndHowSure) {
+TEST(ContradictionTextTest, SayWhichMapByHowMuchAndHowSure) {
   const SourceFinding large = DescribeContradiction({LocalMapId{0xab}, 1.0141, 0.0016});
   EXPECT_EQ(large.level, FindingLevel::kWarning);
   EXPECT_EQ(large.code, "others-distances");
@@ -19,7 +19,7 @@ TEST(OthersWordsTest, SayWhichMapByHowMuchAndHowSure) {
               HasSubstr("2.00 % smaller than"));
 }
 
-TEST(OthersWordsTest, SayWhereAMapIsBent) {
+TEST(ContradictionTextTest, SayWhereAMapIsBent) {
   const SourceFinding bent =
       DescribeContradiction({LocalMapId{0xab}, 1, 0, MapBend{4.52, 0.127, 0.0122}});
   EXPECT_EQ(bent.level, FindingLevel::kWarning);

@@ -1,4 +1,4 @@
-#include "client_agent/source/calibration/lens_words.h"
+#include "client_agent/source/calibration/lens_names.h"
 
 #include <algorithm>
 #include <string>
@@ -13,20 +13,20 @@ namespace {
 
 enum class Kind { kRadialTangential, kEquidistant, kDoubleSphere, kUnified };
 
-struct Word {
-  absl::string_view word;
+struct LensName {
+  absl::string_view name;
   Kind kind;
 };
-constexpr Word kWords[] = {{"none", Kind::kRadialTangential},
-                           {"radial-tangential", Kind::kRadialTangential},
-                           {"radtan", Kind::kRadialTangential},
-                           {"plumb_bob", Kind::kRadialTangential},
-                           {"rational_polynomial", Kind::kRadialTangential},
-                           {"equidistant", Kind::kEquidistant},
-                           {"fisheye", Kind::kEquidistant},
-                           {"kannala-brandt", Kind::kEquidistant},
-                           {"double-sphere", Kind::kDoubleSphere},
-                           {"unified", Kind::kUnified}};
+constexpr LensName kNames[] = {{"none", Kind::kRadialTangential},
+                               {"radial-tangential", Kind::kRadialTangential},
+                               {"radtan", Kind::kRadialTangential},
+                               {"plumb_bob", Kind::kRadialTangential},
+                               {"rational_polynomial", Kind::kRadialTangential},
+                               {"equidistant", Kind::kEquidistant},
+                               {"fisheye", Kind::kEquidistant},
+                               {"kannala-brandt", Kind::kEquidistant},
+                               {"double-sphere", Kind::kDoubleSphere},
+                               {"unified", Kind::kUnified}};
 
 absl::Status WrongCount(absl::string_view lens, size_t given, absl::string_view wanted) {
   return absl::InvalidArgumentError(
@@ -81,14 +81,15 @@ std::vector<double> Numbers(const UnifiedSphere& d) {
 
 }  // namespace
 
-absl::StatusOr<LensModel> LensOfWords(absl::string_view word, const std::vector<double>& numbers) {
-  const std::string lower = absl::AsciiStrToLower(word);
-  const Word* const found = std::find_if(std::begin(kWords), std::end(kWords),
-                                         [&](const Word& known) { return known.word == lower; });
-  if (found != std::end(kWords)) return MakeLens(found->kind, numbers);
+absl::StatusOr<LensModel> LensOfName(absl::string_view name, const std::vector<double>& numbers) {
+  const std::string lower = absl::AsciiStrToLower(name);
+  const LensName* const found =
+      std::find_if(std::begin(kNames), std::end(kNames),
+                   [&](const LensName& known) { return known.name == lower; });
+  if (found != std::end(kNames)) return MakeLens(found->kind, numbers);
   std::string known;
-  for (const Word& each : kWords) absl::StrAppend(&known, known.empty() ? "" : ", ", each.word);
-  return absl::InvalidArgumentError(absl::StrCat("a lens that is '", word, "', known are ", known));
+  for (const LensName& each : kNames) absl::StrAppend(&known, known.empty() ? "" : ", ", each.name);
+  return absl::InvalidArgumentError(absl::StrCat("a lens that is '", name, "', known are ", known));
 }
 
 std::vector<double> NumbersOf(const LensModel& lens) {

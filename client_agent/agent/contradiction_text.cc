@@ -1,4 +1,4 @@
-#include "client_agent/agent/others_words.h"
+#include "client_agent/agent/contradiction_text.h"
 
 #include <cmath>
 #include <numbers>

@@ -1,4 +1,4 @@
-#include "services/tool/mission/event_words.h"
+#include "services/tool/mission/event_text.h"
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"

@@ -1,6 +1,6 @@
 // Makes a lens of what calibration files call it and of its numbers.
-#ifndef CORBSLAM_CLIENT_AGENT_SOURCE_CALIBRATION_LENS_WORDS_H_
-#define CORBSLAM_CLIENT_AGENT_SOURCE_CALIBRATION_LENS_WORDS_H_
+#ifndef CORBSLAM_CLIENT_AGENT_SOURCE_CALIBRATION_LENS_NAMES_H_
+#define CORBSLAM_CLIENT_AGENT_SOURCE_CALIBRATION_LENS_NAMES_H_
 
 #include <vector>
 
@@ -10,7 +10,7 @@
 
 namespace corbslam::client_agent {
 
-// Returns the lens that is called `word` by any of the calibration tools that are known (Kalibr's
+// Returns the lens that is called `name` by any of the calibration tools that are known (Kalibr's
 // radtan, equidistant, ROS's plumb_bob, rational_polynomial, fisheye, OpenCV's and our own names;
 // none), with `numbers` in the order in which all of them write them:
 //
@@ -19,12 +19,12 @@ namespace corbslam::client_agent {
 //   double-sphere:     xi alpha
 //   unified:           xi, then those of radial-tangential
 //
-// INVALID_ARGUMENT names the word or the count, and what is known.
-absl::StatusOr<LensModel> LensOfWords(absl::string_view word, const std::vector<double>& numbers);
+// INVALID_ARGUMENT says the name or the count, and what is known.
+absl::StatusOr<LensModel> LensOfName(absl::string_view name, const std::vector<double>& numbers);
 
-// Returns the numbers of a lens in the same order; LensOfWords of NameOf(lens) and these is `lens`.
+// Returns the numbers of a lens in the same order; LensOfName of NameOf(lens) and these is `lens`.
 std::vector<double> NumbersOf(const LensModel& lens);
 
 }  // namespace corbslam::client_agent
 
-#endif  // CORBSLAM_CLIENT_AGENT_SOURCE_CALIBRATION_LENS_WORDS_H_
+#endif  // CORBSLAM_CLIENT_AGENT_SOURCE_CALIBRATION_LENS_NAMES_H_

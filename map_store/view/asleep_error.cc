@@ -1,4 +1,4 @@
-#include "map_store/view/asleep_words.h"
+#include "map_store/view/asleep_error.h"
 
 #include "absl/strings/cord.h"
 #include "absl/strings/str_cat.h"

@@ -1,4 +1,4 @@
-#include "services/tool/mission/event_words.h"
+#include "services/tool/mission/event_text.h"
 
 #include <gtest/gtest.h>
 
@@ -11,7 +11,7 @@ const LocalMapNames& Names() {
   return names;
 }
 
-TEST(EventWordsTest, NamesRobotsAndLocalMaps) {
+TEST(EventTextTest, NamesRobotsAndLocalMaps) {
   v1::MissionEvent event;
   event.mutable_agent_joined()->set_agent("missions/m/agents/alpha");
   EXPECT_EQ(DescribeEvent(event, Names()), "alpha joined");
@@ -28,7 +28,7 @@ TEST(EventWordsTest, NamesRobotsAndLocalMaps) {
   EXPECT_TRUE(IsWarning(event));
 }
 
-TEST(EventWordsTest, ALoopIsByOverlapsOrByItsOwner) {
+TEST(EventTextTest, ALoopIsByOverlapsOrByItsOwner) {
   v1::MissionEvent event;
   event.mutable_loop_closed()->add_local_maps("missions/m/localMaps/0c");
   EXPECT_EQ(DescribeEvent(event, Names()), "the owner of 0c closed a loop");
@@ -36,7 +36,7 @@ TEST(EventWordsTest, ALoopIsByOverlapsOrByItsOwner) {
   EXPECT_EQ(DescribeEvent(event, Names()), "a loop was closed in 0c by 2 overlaps");
 }
 
-TEST(EventWordsTest, SaysSoWhereAnEventIsNew) {
+TEST(EventTextTest, SaysSoWhereAnEventIsNew) {
   EXPECT_EQ(DescribeEvent(v1::MissionEvent(), Names()),
             "something that this program does not know");
 }

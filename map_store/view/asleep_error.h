@@ -1,6 +1,6 @@
 // The error for a mission that is not in memory at this moment, and can be had a moment later.
-#ifndef CORBSLAM_MAP_STORE_VIEW_ASLEEP_WORDS_H_
-#define CORBSLAM_MAP_STORE_VIEW_ASLEEP_WORDS_H_
+#ifndef CORBSLAM_MAP_STORE_VIEW_ASLEEP_ERROR_H_
+#define CORBSLAM_MAP_STORE_VIEW_ASLEEP_ERROR_H_
 
 #include <optional>
 #include <string>
@@ -18,4 +18,4 @@ std::optional<std::string> AsleepMission(const absl::Status& status);
 
 }  // namespace corbslam::map_store
 
-#endif  // CORBSLAM_MAP_STORE_VIEW_ASLEEP_WORDS_H_
+#endif  // CORBSLAM_MAP_STORE_VIEW_ASLEEP_ERROR_H_

@@ -1,6 +1,6 @@
-// Says in words what happened in a mission.
-#ifndef CORBSLAM_SERVICES_TOOL_MISSION_EVENT_WORDS_H_
-#define CORBSLAM_SERVICES_TOOL_MISSION_EVENT_WORDS_H_
+// Describes for people what happened in a mission.
+#ifndef CORBSLAM_SERVICES_TOOL_MISSION_EVENT_TEXT_H_
+#define CORBSLAM_SERVICES_TOOL_MISSION_EVENT_TEXT_H_
 
 #include <string>
 
@@ -9,7 +9,7 @@
 
 namespace corbslam::services {
 
-// Returns words such as "alpha/1 and bravo/1 are one island (340 ms)". A local map without a short
+// Returns text such as "alpha/1 and bravo/1 are one island (340 ms)". A local map without a short
 // name is called by its id.
 std::string DescribeEvent(const v1::MissionEvent& event, const LocalMapNames& names);
 
@@ -18,4 +18,4 @@ bool IsWarning(const v1::MissionEvent& event);
 
 }  // namespace corbslam::services
 
-#endif  // CORBSLAM_SERVICES_TOOL_MISSION_EVENT_WORDS_H_
+#endif  // CORBSLAM_SERVICES_TOOL_MISSION_EVENT_TEXT_H_
