@@ -11,7 +11,7 @@
 #include "client_agent/agent/contradiction_text.h"
 #include "client_agent/agent/resuming.h"
 #include "client_agent/agent/trajectory_log.h"
-#include "client_agent/upload/held_items.h"
+#include "client_agent/upload/held_back_items.h"
 #include "slam/util/resident_memory.h"
 #include "slam/util/status_macros.h"
 
@@ -105,7 +105,7 @@ absl::Status CheckParts(const AgentOptions& options, const Vocabulary* vocabular
 absl::StatusOr<KeptMap> TakeOverSpool(const AgentOptions& options, Spool* spool,
                                       const Camera& camera, const RecordedCamera& recorded) {
   if (spool == nullptr) return absl::NotFoundError("there is no spool");
-  if (const absl::Status told = TellHeld(*spool); !told.ok()) {
+  if (const absl::Status told = TellHeldBack(*spool); !told.ok()) {
     LOG(ERROR) << "what an earlier process held back when it ended is lost: " << told;
   }
   if (!options.resume) return absl::NotFoundError("it is not wanted");

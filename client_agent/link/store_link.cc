@@ -55,7 +55,7 @@ StoreLink::~StoreLink() {
     for (auto& recording : recordings_) recording->recorder->StopHoldingBack();
   }
   TakeBatches(/*all=*/true);
-  if (!queue_.SpillAll()) WriteHeld(/*now=*/true);
+  if (!queue_.SpillAll()) WriteHeldBack(/*now=*/true);
 }
 
 void StoreLink::BeginLocalMap(GuardedMap& map, MapJobs& jobs, const KeptMap* kept,
@@ -118,7 +118,7 @@ void StoreLink::LetGoOfClosed() {
   if (closed.empty()) return;
   for (GuardedMap* map : closed) {
     map->SetObserver(nullptr);
-    queue_.ReleaseHeld(map->local_map());
+    queue_.ReleaseHeldBack(map->local_map());
   }
   absl::MutexLock lock(&mutex_);
   std::erase_if(recordings_, [&](const auto& recording) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {

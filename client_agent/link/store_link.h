@@ -182,8 +182,8 @@ class StoreLink : private UplinkListener {
     bool asked_for_exact_places = false;
     bool closed = false;      // True: its last batch is in the outbox.
     bool stays_open = false;  // True: its last batch does not close it.
-    // UpdateRecorder::held_changes of what the spool has; nullopt: of nothing.
-    std::optional<uint64_t> held;
+    // UpdateRecorder::held_back_changes of what the spool has; nullopt: of nothing.
+    std::optional<uint64_t> held_back;
   };
   void OnSessionOpened(const SessionGrant& grant) override;
   void OnAcknowledged(const Acknowledgement& acknowledgement) override;
@@ -208,8 +208,8 @@ class StoreLink : private UplinkListener {
   bool TakeBatchOf(Recording& recording);
   // Writes what is in no batch yet to the spool, where all is to outlive the process: now, or when
   // it is due.
-  void WriteHeld(bool now);
-  void WriteHeldOf(Recording& recording, bool anew);
+  void WriteHeldBack(bool now);
+  void WriteHeldBackOf(Recording& recording, bool anew);
   bool WritesAll() const {
     return queue_.has_spool() && options_.spool_within > absl::ZeroDuration();
   }
@@ -301,7 +301,7 @@ class StoreLink : private UplinkListener {
   bool stop_ ABSL_GUARDED_BY(mutex_) = false;
   std::optional<absl::Time> first_acknowledged_ ABSL_GUARDED_BY(mutex_);
   // Used by the thread that makes batches alone.
-  absl::Time next_held_ = absl::InfinitePast();
+  absl::Time next_held_back_ = absl::InfinitePast();
   std::thread thread_;
 };
 

@@ -11,7 +11,7 @@
 #include "client_agent/link/testing/fake_uplink.h"
 #include "client_agent/link/testing/test_payload.h"
 #include "client_agent/spool/testing/fake_spool.h"
-#include "client_agent/upload/held_items.h"
+#include "client_agent/upload/held_back_items.h"
 #include "client_agent/upload/kept_map_reading.h"
 
 namespace corbslam::client_agent {
@@ -302,7 +302,7 @@ class DurableLinkTest : public StoreLinkSpoolTest {
     options_.resumable = resumable;
     options_.clock = [this] { return now_; };
     auto spool = *OpenFakeSpool(&disk_);
-    ASSERT_TRUE(TellHeld(*spool).ok());
+    ASSERT_TRUE(TellHeldBack(*spool).ok());
     if (goes_on) kept_.emplace(*ReadNewestKeptMap(*spool));
     manager_ = std::make_unique<StoreLink>(
         options_, uplink, [](const auto&) { return std::make_shared<Words>(); }, std::move(spool),

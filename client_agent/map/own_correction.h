@@ -22,8 +22,8 @@ struct OwnCorrection {
   };
   // Own keyframes that moved.
   std::map<KeyframeId, Motion> motions;
-  // Others' keyframes that the own map was fitted to.
-  absl::btree_set<KeyframeId> held;
+  // Others' keyframes, held fixed, that the own map was fitted to.
+  absl::btree_set<KeyframeId> fixed;
 };
 
 }  // namespace corbslam::client_agent

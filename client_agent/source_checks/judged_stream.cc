@@ -64,7 +64,7 @@ absl::StatusOr<NextFrame> JudgedStream::Next(absl::Time deadline) {
     return Watch(std::move(next));
   }
   if (!judges_) return Watch(stream_->Next(deadline));
-  const absl::Time until = held_.has_value() ? std::min(deadline, held_until_) : deadline;
+  const absl::Time until = waiting_.has_value() ? std::min(deadline, waiting_until_) : deadline;
   return Hold(stream_->Next(until), absl::Now());
 }
 
@@ -86,25 +86,25 @@ absl::StatusOr<NextFrame> JudgedStream::Watch(absl::StatusOr<NextFrame> next) {
 absl::StatusOr<NextFrame> JudgedStream::Hold(absl::StatusOr<NextFrame> next, absl::Time now) {
   if (!next.ok() || std::holds_alternative<StreamEnd>(*next)) {
     judges_ = false;
-    if (!held_.has_value()) return next;
+    if (!waiting_.has_value()) return next;
     behind_ = std::move(next);
     return Release();
   }
   if (auto* frame = std::get_if<StreamFrame>(&*next)) {
-    if (held_until_ == absl::InfiniteFuture()) held_until_ = now + kMostHeld;
+    if (waiting_until_ == absl::InfiniteFuture()) waiting_until_ = now + kMaxWait;
     sample_.push_back({frame->frame.number, frame->images});
-    if (held_.has_value()) ++skipped_;
-    held_ = std::move(*frame);
+    if (waiting_.has_value()) ++skipped_;
+    waiting_ = std::move(*frame);
     if (sample_.size() == wanted_) {
       if (absl::Status wrong = Judge(); !wrong.ok()) {
         ended_ = true;
         return wrong;
       }
       if (wanted_ == kFrames || !judges_) return Release();
-      held_until_ = absl::Now() + kMostHeld;
+      waiting_until_ = absl::Now() + kMaxWait;
     }
   }
-  if (!held_.has_value() || now < held_until_) return NoFrameYet();
+  if (!waiting_.has_value() || now < waiting_until_) return NoFrameYet();
   return Release();
 }
 
@@ -140,8 +140,8 @@ absl::Status JudgedStream::Tell(SourceFinding finding) {
 }
 
 absl::StatusOr<NextFrame> JudgedStream::Release() {
-  StreamFrame frame = *std::move(held_);
-  held_.reset();
+  StreamFrame frame = *std::move(waiting_);
+  waiting_.reset();
   if (behind_.has_value()) return frame;
   absl::StatusOr<NextFrame> newest = stream_->Next(absl::InfinitePast());
   if (!newest.ok() || std::holds_alternative<StreamEnd>(*newest)) {

@@ -47,7 +47,7 @@ struct JudgedStreamOptions {
 
 // Gives the frames of a camera once three of them that could be judged were: those before are
 // counted as overtaken, for the newest one wins. A camera that gives a frame only when the one
-// before was used is not kept waiting for longer than kMostHeld; its frames are judged in passing.
+// before was used is not kept waiting for longer than kMaxWait; its frames are judged in passing.
 // Where nothing can be judged (a dark start) the next frames are, kMostTries times; and where a
 // late camera may be what is wrong, which three frames do not show, the next kFramesOfSecondLook.
 // In passing LateWatch looks on.
@@ -57,7 +57,7 @@ struct JudgedStreamOptions {
 // of a camera shows less than a recording does.
 class JudgedStream : public FrameStream {
  public:
-  static constexpr absl::Duration kMostHeld = absl::Seconds(1);
+  static constexpr absl::Duration kMaxWait = absl::Seconds(1);
   static constexpr size_t kFrames = 3;
   static constexpr size_t kFramesOfSecondLook = 8;
   static constexpr size_t kMostTries = 10;
@@ -93,9 +93,9 @@ class JudgedStream : public FrameStream {
   size_t wanted_ = kFrames;  // Of the sample.
   uint64_t skipped_ = 0;
   Sample sample_;
-  std::optional<StreamFrame> held_;
-  absl::Time held_until_ = absl::InfiniteFuture();
-  // What came behind the last frame that was held.
+  std::optional<StreamFrame> waiting_;
+  absl::Time waiting_until_ = absl::InfiniteFuture();
+  // What came behind the last frame that waited.
   std::optional<absl::StatusOr<NextFrame>> behind_;
   bool ended_ = false;
   SourceFindings findings_;

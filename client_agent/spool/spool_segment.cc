@@ -23,8 +23,8 @@ constexpr size_t kMaxOwnerBytes = 1024;
 constexpr uint32_t kClosesFlag = 1;
 constexpr uint32_t kWholePartFlag = 2;
 constexpr uint32_t kWholeEndFlag = 4;
-constexpr uint32_t kHeldKeyframeFlag = 8;
-constexpr uint32_t kHeldRestFlag = 16;
+constexpr uint32_t kHeldBackKeyframeFlag = 8;
+constexpr uint32_t kHeldBackRestFlag = 16;
 constexpr size_t kCrcBytes = 4;
 constexpr size_t kRecordHeaderBytes = 28;
 
@@ -50,10 +50,10 @@ uint32_t FlagOf(SpoolRecord::Kind kind) {
       return kWholePartFlag;
     case SpoolRecord::Kind::kWholeEnd:
       return kWholePartFlag | kWholeEndFlag;
-    case SpoolRecord::Kind::kHeldKeyframe:
-      return kHeldKeyframeFlag;
-    case SpoolRecord::Kind::kHeldRest:
-      return kHeldRestFlag;
+    case SpoolRecord::Kind::kHeldBackKeyframe:
+      return kHeldBackKeyframeFlag;
+    case SpoolRecord::Kind::kHeldBackRest:
+      return kHeldBackRestFlag;
   }
   return 0;
 }
@@ -66,7 +66,7 @@ void TakeFlags(uint32_t flags, SpoolRecord& record) {
   using Kind = SpoolRecord::Kind;
   record.closes_local_map = (flags & kClosesFlag) != 0;
   for (const Kind kind :
-       {Kind::kWholeEnd, Kind::kWholePart, Kind::kHeldKeyframe, Kind::kHeldRest}) {
+       {Kind::kWholeEnd, Kind::kWholePart, Kind::kHeldBackKeyframe, Kind::kHeldBackRest}) {
     if ((flags & ~kClosesFlag) == FlagOf(kind)) record.kind = kind;
   }
 }

@@ -20,7 +20,7 @@ absl::StatusOr<KeptMap> ReadKeptMap(LocalMapId local_map, const std::vector<Spoo
                                     const ReadSpooled& read);
 
 // The same for the newest local map that the spool found and that is not closed. NOT_FOUND: there
-// is none. To be called after TellHeld.
+// is none. To be called after TellHeldBack.
 absl::StatusOr<KeptMap> ReadNewestKeptMap(Spool& spool);
 
 }  // namespace corbslam::client_agent

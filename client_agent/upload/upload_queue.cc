@@ -25,8 +25,8 @@ UploadQueue::UploadQueue(const UploadQueueOptions& options, std::unique_ptr<Spoo
   });
   for (const SpooledBatch& found : in_order) {
     const SpoolRecord::Kind kind = found.record.kind;
-    // TellHeld has made batches of what is still of use.
-    if (kind == SpoolRecord::Kind::kHeldKeyframe || kind == SpoolRecord::Kind::kHeldRest) {
+    // TellHeldBack has made batches of what is still of use.
+    if (kind == SpoolRecord::Kind::kHeldBackKeyframe || kind == SpoolRecord::Kind::kHeldBackRest) {
       spool_->Release(found);
       continue;
     }

@@ -18,7 +18,7 @@
 #include "absl/synchronization/mutex.h"
 #include "client_agent/spool/spool.h"
 #include "client_agent/upload/held_back.h"
-#include "client_agent/upload/held_items.h"
+#include "client_agent/upload/held_back_items.h"
 #include "client_agent/upload/kept_map.h"
 #include "client_agent/upload/outbox.h"
 #include "slam/exchange/map_update.h"
@@ -123,14 +123,14 @@ class UploadQueue {
   bool SpillAll();
   // Returns whether the local map has a batch.
   bool HasBegun(LocalMapId local_map) const;
-  // Has the spool keep what a local map holds back, in place of what it held before. Returns how
-  // many bytes that took; nullopt: the disk did not take it, or the batches before it, or there is
-  // no batch yet, which alone says what camera took the keyframes.
-  std::optional<uint64_t> WriteHeld(const HeldItems& held);
+  // Has the spool keep what a local map holds back, in place of what was held back before. Returns
+  // how many bytes that took; nullopt: the disk did not take it, or the batches before it, or there
+  // is no batch yet, which alone says what camera took the keyframes.
+  std::optional<uint64_t> WriteHeldBack(const HeldBackItems& held_back);
   // Nothing is held back of the local map any more.
-  void ReleaseHeld(LocalMapId local_map);
+  void ReleaseHeldBack(LocalMapId local_map);
   // Returns true, once, where the disk may have lost what was held back.
-  bool TakeHeldLost() { return std::exchange(held_lost_, false); }
+  bool TakeHeldBackLost() { return std::exchange(held_back_lost_, false); }
 
   // Returns the next batch to send, marked as sent, or null if there is none. Local maps that the
   // disk has not kept are added to `lost`.
@@ -167,7 +167,7 @@ class UploadQueue {
   const std::unique_ptr<Spool> spool_;  // Used by the calls of the second group alone.
 
   // Used by the calls of the second group alone.
-  std::map<LocalMapId, HeldWriter> held_;
+  std::map<LocalMapId, HeldBackWriter> held_back_;
   // What is being made a whole: of which local map, up to which batch.
   struct MakingWhole {
     LocalMapId local_map;
@@ -177,7 +177,7 @@ class UploadQueue {
   };
   std::optional<MakingWhole> whole_;
   uint64_t whole_bytes_ = 0;  // What the last one took.
-  bool held_lost_ = false;
+  bool held_back_lost_ = false;
 
   mutable absl::Mutex mutex_;
   Outbox outbox_ ABSL_GUARDED_BY(mutex_);

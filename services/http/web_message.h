@@ -30,7 +30,7 @@ struct WebResponse {
   std::shared_ptr<const std::string> body = nullptr;  // Null: empty.
   std::map<std::string, std::string> headers = {};    // Further ones.
   // The answer is held back for so long; the connection may make room for others meanwhile.
-  absl::Duration held_back = absl::ZeroDuration();
+  absl::Duration delay = absl::ZeroDuration();
 };
 
 // Returns an answer of one line of text.
@@ -61,7 +61,7 @@ struct OpenedStream {
   uint16_t close_code = 0;
   std::string reason;
   // The refusal is held back for so long.
-  absl::Duration held_back = absl::ZeroDuration();
+  absl::Duration delay = absl::ZeroDuration();
 };
 
 class WebHandler {

@@ -154,10 +154,10 @@ class WebSession : public WebConnection,
   }
 
   void WriteLater(const WebResponse& answer, bool keep) {
-    if (answer.held_back <= absl::ZeroDuration()) return Write(answer, keep);
+    if (answer.delay <= absl::ZeroDuration()) return Write(answer, keep);
     // Nothing is under way meanwhile.
     use_.reset();
-    holding_back_.emplace(stream_.get_executor(), absl::ToChronoNanoseconds(answer.held_back));
+    holding_back_.emplace(stream_.get_executor(), absl::ToChronoNanoseconds(answer.delay));
     holding_back_->async_wait([weak = this->weak_from_this(), answer, keep](Error error) {
       const auto self = weak.lock();
       if (self != nullptr && !error) self->Write(answer, keep);

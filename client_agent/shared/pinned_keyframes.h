@@ -1,6 +1,6 @@
-// Finds which of others' keyframes the robot's own sight holds where they are in its map.
-#ifndef CORBSLAM_CLIENT_AGENT_SHARED_HELD_KEYFRAMES_H_
-#define CORBSLAM_CLIENT_AGENT_SHARED_HELD_KEYFRAMES_H_
+// Finds which of others' keyframes the robot's own sight pins to where they are in its map.
+#ifndef CORBSLAM_CLIENT_AGENT_SHARED_PINNED_KEYFRAMES_H_
+#define CORBSLAM_CLIENT_AGENT_SHARED_PINNED_KEYFRAMES_H_
 
 #include <map>
 
@@ -10,19 +10,19 @@
 
 namespace corbslam::client_agent {
 
-// The foreign keyframes that are held. A foreign keyframe is held by the own one that shares the
-// most points with it, if both see most of these where they stand in the map. Not thread-safe.
-class HeldKeyframes {
+// The foreign keyframes that are pinned. A foreign keyframe is pinned by the own one that shares
+// the most points with it, if both see most of these where they stand in the map. Not thread-safe.
+class PinnedKeyframes {
  public:
-  explicit HeldKeyframes(LocalMapId own) : own_(own) {}
+  explicit PinnedKeyframes(LocalMapId own) : own_(own) {}
 
   // Looks at every foreign keyframe of `map`. Its points are looked at only where either of the two
   // keyframes has moved since the last time, or the number of points that they share has changed.
   void Update(const Map& map);
 
-  bool Contains(KeyframeId id) const { return HolderOf(id).IsValid(); }
-  // Returns the own keyframe that holds it, as of the last Update; invalid where none does.
-  KeyframeId HolderOf(KeyframeId id) const;
+  bool Contains(KeyframeId id) const { return PinOf(id).IsValid(); }
+  // Returns the own keyframe that pins it, as of the last Update; invalid where none does.
+  KeyframeId PinOf(KeyframeId id) const;
 
  private:
   // What was last seen of a foreign keyframe and the own one that shares the most with it.
@@ -41,4 +41,4 @@ class HeldKeyframes {
 
 }  // namespace corbslam::client_agent
 
-#endif  // CORBSLAM_CLIENT_AGENT_SHARED_HELD_KEYFRAMES_H_
+#endif  // CORBSLAM_CLIENT_AGENT_SHARED_PINNED_KEYFRAMES_H_

@@ -1,4 +1,4 @@
-#include "client_agent/upload/held_items.h"
+#include "client_agent/upload/held_back_items.h"
 
 #include <algorithm>
 #include <cstdint>
@@ -15,13 +15,14 @@ namespace {
 using Kind = SpoolRecord::Kind;
 
 // What one batch takes, well below what a store refuses.
-constexpr size_t kMaxHeldKeyframes = 8;
-constexpr size_t kMaxHeldPoints = 8000;
-constexpr size_t kMaxHeldObservations = 4000;
-constexpr size_t kMaxHeldFrames = 30000;
+constexpr size_t kMaxHeldBackKeyframes = 8;
+constexpr size_t kMaxHeldBackPoints = 8000;
+constexpr size_t kMaxHeldBackObservations = 4000;
+constexpr size_t kMaxHeldBackFrames = 30000;
 
-bool IsHeld(const SpooledBatch& spooled) {
-  return spooled.record.kind == Kind::kHeldKeyframe || spooled.record.kind == Kind::kHeldRest;
+bool IsHeldBack(const SpooledBatch& spooled) {
+  return spooled.record.kind == Kind::kHeldBackKeyframe ||
+         spooled.record.kind == Kind::kHeldBackRest;
 }
 
 // What was found of one local map.
@@ -43,10 +44,10 @@ std::map<LocalMapId, FoundOfMap> SortFound(const std::vector<SpooledBatch>& foun
         of_map.batches[spooled.record.number] = spooled;
         of_map.is_closed = of_map.is_closed || spooled.record.closes_local_map;
         break;
-      case Kind::kHeldKeyframe:
+      case Kind::kHeldBackKeyframe:
         of_map.keyframes[spooled.record.number] = spooled;
         break;
-      case Kind::kHeldRest:
+      case Kind::kHeldBackRest:
         of_map.rest = spooled;
         break;
       case Kind::kWholePart:
@@ -137,8 +138,9 @@ void LeaveOutTold(const ToldLater& told, MapUpdateBatch& rest) {
 }
 
 // Keyframes without a payload go with what names them.
-absl::StatusOr<std::vector<FullKeyframe>> ReadHeldKeyframes(const FoundOfMap& found,
-                                                            MapUpdateBatch& rest, Spool& spool) {
+absl::StatusOr<std::vector<FullKeyframe>> ReadHeldBackKeyframes(const FoundOfMap& found,
+                                                                MapUpdateBatch& rest,
+                                                                Spool& spool) {
   std::vector<FullKeyframe> keyframes;
   for (const LightKeyframe& light : rest.light_keyframes) {
     const auto payload = found.keyframes.find(uint64_t{light.id.index} + 1);
@@ -165,7 +167,8 @@ bool HasAllLater(const FoundOfMap& found) {
   return true;
 }
 
-absl::StatusOr<std::vector<MapUpdateBatch>> MakeHeldBatches(const FoundOfMap& found, Spool& spool) {
+absl::StatusOr<std::vector<MapUpdateBatch>> MakeHeldBackBatches(const FoundOfMap& found,
+                                                                Spool& spool) {
   ASSIGN_OR_RETURN(MapUpdateBatch rest, spool.Read(*found.rest));
   ToldLater told;
   for (auto it = found.batches.upper_bound(rest.number); it != found.batches.end(); ++it) {
@@ -174,13 +177,13 @@ absl::StatusOr<std::vector<MapUpdateBatch>> MakeHeldBatches(const FoundOfMap& fo
   }
   LeaveOutTold(told, rest);
   ASSIGN_OR_RETURN(const std::vector<FullKeyframe> keyframes,
-                   ReadHeldKeyframes(found, rest, spool));
+                   ReadHeldBackKeyframes(found, rest, spool));
   std::vector<MapUpdateBatch> batches;
-  Deal(keyframes, kMaxHeldKeyframes, &MapUpdateBatch::full_keyframes, batches);
-  Deal(rest.full_points, kMaxHeldPoints, &MapUpdateBatch::full_points, batches);
-  Deal(rest.observations, kMaxHeldObservations, &MapUpdateBatch::observations, batches);
-  Deal(rest.tracked_frames, kMaxHeldFrames, &MapUpdateBatch::tracked_frames, batches);
-  Deal(rest.lost_frames_ns, kMaxHeldFrames, &MapUpdateBatch::lost_frames_ns, batches);
+  Deal(keyframes, kMaxHeldBackKeyframes, &MapUpdateBatch::full_keyframes, batches);
+  Deal(rest.full_points, kMaxHeldBackPoints, &MapUpdateBatch::full_points, batches);
+  Deal(rest.observations, kMaxHeldBackObservations, &MapUpdateBatch::observations, batches);
+  Deal(rest.tracked_frames, kMaxHeldBackFrames, &MapUpdateBatch::tracked_frames, batches);
+  Deal(rest.lost_frames_ns, kMaxHeldBackFrames, &MapUpdateBatch::lost_frames_ns, batches);
   uint64_t number = found.last_batch;
   for (MapUpdateBatch& batch : batches) {
     batch.local_map = rest.local_map;
@@ -189,8 +192,9 @@ absl::StatusOr<std::vector<MapUpdateBatch>> MakeHeldBatches(const FoundOfMap& fo
   return batches;
 }
 
-absl::Status TellHeldOf(const FoundOfMap& found, Spool& spool, std::vector<SpooledBatch>& told) {
-  ASSIGN_OR_RETURN(const std::vector<MapUpdateBatch> batches, MakeHeldBatches(found, spool));
+absl::Status TellHeldBackOf(const FoundOfMap& found, Spool& spool,
+                            std::vector<SpooledBatch>& told) {
+  ASSIGN_OR_RETURN(const std::vector<MapUpdateBatch> batches, MakeHeldBackBatches(found, spool));
   for (const MapUpdateBatch& batch : batches) {
     ASSIGN_OR_RETURN(const SpooledBatch spooled, spool.Append(batch));
     told.push_back(spooled);
@@ -200,17 +204,19 @@ absl::Status TellHeldOf(const FoundOfMap& found, Spool& spool, std::vector<Spool
 
 }  // namespace
 
-absl::Status HeldWriter::Write(const HeldItems& held, uint64_t last_batch, Spool& spool) {
-  for (const FullKeyframe& keyframe : held.keyframes) {
+absl::Status HeldBackWriter::Write(const HeldBackItems& held_back, uint64_t last_batch,
+                                   Spool& spool) {
+  for (const FullKeyframe& keyframe : held_back.keyframes) {
     MapUpdateBatch batch;
-    batch.local_map = held.rest.local_map;
+    batch.local_map = held_back.rest.local_map;
     batch.number = uint64_t{keyframe.payload->id.index} + 1;
     batch.full_keyframes.push_back(keyframe);
-    ASSIGN_OR_RETURN(keyframes_[keyframe.payload->id], spool.Append(batch, Kind::kHeldKeyframe));
+    ASSIGN_OR_RETURN(keyframes_[keyframe.payload->id],
+                     spool.Append(batch, Kind::kHeldBackKeyframe));
   }
-  MapUpdateBatch rest = held.rest;
+  MapUpdateBatch rest = held_back.rest;
   rest.number = last_batch;
-  ASSIGN_OR_RETURN(const SpooledBatch written, spool.Append(rest, Kind::kHeldRest));
+  ASSIGN_OR_RETURN(const SpooledBatch written, spool.Append(rest, Kind::kHeldBackRest));
   // They are needed until what was written now, which stands in for them, outlives a loss of power.
   for (const SpooledBatch& before : rest_) spool.ReleaseOnceSynced(before);
   rest_ = {written};
@@ -227,21 +233,21 @@ absl::Status HeldWriter::Write(const HeldItems& held, uint64_t last_batch, Spool
   return absl::OkStatus();
 }
 
-void HeldWriter::Finish(Spool& spool) {
+void HeldBackWriter::Finish(Spool& spool) {
   for (const auto& [id, spooled] : keyframes_) spool.ReleaseOnceSynced(spooled);
   for (const SpooledBatch& spooled : rest_) spool.ReleaseOnceSynced(spooled);
   keyframes_.clear();
   rest_.clear();
 }
 
-void HeldWriter::Release(Spool& spool) {
+void HeldBackWriter::Release(Spool& spool) {
   for (const auto& [id, spooled] : keyframes_) spool.Release(spooled);
   for (const SpooledBatch& spooled : rest_) spool.Release(spooled);
   keyframes_.clear();
   rest_.clear();
 }
 
-absl::Status TellHeld(Spool& spool) {
+absl::Status TellHeldBack(Spool& spool) {
   std::vector<SpooledBatch> found = spool.TakeFound();
   std::vector<SpooledBatch> told;
   absl::Status first_error;
@@ -249,13 +255,13 @@ absl::Status TellHeld(Spool& spool) {
     // The last batch of a local map stays until the map is closed and all of it acknowledged.
     const bool is_there = of_map.last_batch > 0 && !of_map.is_closed;
     const bool is_of_use = is_there && of_map.rest.has_value() && HasAllLater(of_map);
-    if (is_of_use) first_error.Update(TellHeldOf(of_map, spool, told));
+    if (is_of_use) first_error.Update(TellHeldBackOf(of_map, spool, told));
   }
   if (!told.empty()) first_error.Update(spool.Sync());
   for (const SpooledBatch& spooled : found) {
-    if (IsHeld(spooled)) spool.Release(spooled);
+    if (IsHeldBack(spooled)) spool.Release(spooled);
   }
-  std::erase_if(found, IsHeld);
+  std::erase_if(found, IsHeldBack);
   found.insert(found.end(), told.begin(), told.end());
   spool.SetFound(std::move(found));
   return first_error;

@@ -1,4 +1,4 @@
-#include "client_agent/shared/held_keyframes.h"
+#include "client_agent/shared/pinned_keyframes.h"
 
 #include <utility>
 
@@ -58,18 +58,18 @@ bool IsSame(const Rigid3d& a, const Rigid3d& b) {
 
 }  // namespace
 
-KeyframeId HeldKeyframes::HolderOf(KeyframeId id) const {
+KeyframeId PinnedKeyframes::PinOf(KeyframeId id) const {
   const auto it = contacts_.find(id);
   return it != contacts_.end() && it->second.agrees ? it->second.own : KeyframeId();
 }
 
-bool HeldKeyframes::IsAsBefore(const Contact& before, const Contact& now) {
+bool PinnedKeyframes::IsAsBefore(const Contact& before, const Contact& now) {
   return before.own == now.own && before.shared == now.shared &&
          IsSame(before.foreign_from_map, now.foreign_from_map) &&
          IsSame(before.own_from_map, now.own_from_map);
 }
 
-void HeldKeyframes::Update(const Map& map) {
+void PinnedKeyframes::Update(const Map& map) {
   std::map<KeyframeId, Contact> contacts;
   for (const auto& [id, foreign] : map.keyframes()) {
     if (id.local_map == own_) continue;

@@ -1,4 +1,4 @@
-// The newest keyframes wait until they are known to last.
+// Tests that the newest keyframes are held back until they are known to last.
 #include <vector>
 
 #include "client_agent/upload/outbox.h"
@@ -12,9 +12,9 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 
-class HoldingRecorderTest : public ::testing::Test {
+class HeldBackRecorderTest : public ::testing::Test {
  protected:
-  HoldingRecorderTest() { map_.SetObserver(&recorder_); }
+  HeldBackRecorderTest() { map_.SetObserver(&recorder_); }
 
   // One a tenth of a second; frames come as fast.
   void AddKeyframe(uint32_t index) {
@@ -40,7 +40,7 @@ class HoldingRecorderTest : public ::testing::Test {
   size_t frames_ = 0;
 };
 
-TEST_F(HoldingRecorderTest, TheFirstGoesAtOnceTheNewestWait) {
+TEST_F(HeldBackRecorderTest, TheFirstGoesAtOnceTheNewestWait) {
   AddKeyframe(0);
   EXPECT_THAT(TakeKeyframes(), ElementsAre(0));
   for (uint32_t i = 1; i < 4; ++i) AddKeyframe(i);
@@ -51,7 +51,7 @@ TEST_F(HoldingRecorderTest, TheFirstGoesAtOnceTheNewestWait) {
   EXPECT_EQ(frames_, 2u);
 }
 
-TEST_F(HoldingRecorderTest, WhatIsTakenOutMeanwhileIsNeverTold) {
+TEST_F(HeldBackRecorderTest, WhatIsTakenOutMeanwhileIsNeverTold) {
   for (uint32_t i = 0; i < 4; ++i) AddKeyframe(i);
   EXPECT_THAT(TakeKeyframes(), ElementsAre(0));
   map_.RemoveKeyframe({kOwn, 2});
@@ -62,7 +62,7 @@ TEST_F(HoldingRecorderTest, WhatIsTakenOutMeanwhileIsNeverTold) {
   EXPECT_THAT(TakeKeyframes(), ElementsAre(1, 3));
 }
 
-TEST_F(HoldingRecorderTest, WhoHangsOnOneThatWaitsIsToldOnceNowAndOnceThen) {
+TEST_F(HeldBackRecorderTest, WhoHangsOnOneThatWaitsIsToldOnceNowAndOnceThen) {
   for (uint32_t i = 0; i < 5; ++i) AddKeyframe(i);
   EXPECT_THAT(TakeKeyframes(), ElementsAre(0, 1));
   ASSERT_TRUE(map_.SetParent({kOwn, 1}, {kOwn, 4}));
@@ -76,7 +76,7 @@ TEST_F(HoldingRecorderTest, WhoHangsOnOneThatWaitsIsToldOnceNowAndOnceThen) {
   EXPECT_EQ(then.light_keyframes[0].parent, (KeyframeId{kOwn, 4}));
 }
 
-TEST_F(HoldingRecorderTest, KeypointsStayOnceTheyAreTold) {
+TEST_F(HeldBackRecorderTest, KeypointsStayOnceTheyAreTold) {
   for (uint32_t i = 0; i < 3; ++i) AddKeyframe(i);
   EXPECT_TRUE(recorder_.MayChangeKeypoints({kOwn, 0}));
   EXPECT_THAT(TakeKeyframes(), ElementsAre(0));
@@ -91,7 +91,7 @@ TEST_F(HoldingRecorderTest, KeypointsStayOnceTheyAreTold) {
   EXPECT_EQ(batch.full_keyframes[0].payload->features.keypoints[4].x_px, 44);
 }
 
-TEST_F(HoldingRecorderTest, NoneWaitsForLong) {
+TEST_F(HeldBackRecorderTest, NoneWaitsForLong) {
   for (uint32_t i = 0; i < 3; ++i) AddKeyframe(i);
   recorder_.AddTrackedFrame({TimeOf(31), {kOwn, 2}, {}});
   EXPECT_THAT(TakeKeyframes(), ElementsAre(0));
@@ -99,7 +99,7 @@ TEST_F(HoldingRecorderTest, NoneWaitsForLong) {
   EXPECT_THAT(TakeKeyframes(), ElementsAre(1));
 }
 
-TEST_F(HoldingRecorderTest, NothingWaitsWhereNoFramesCome) {
+TEST_F(HeldBackRecorderTest, NothingWaitsWhereNoFramesCome) {
   for (uint32_t i = 0; i < 3; ++i) AddKeyframe(i);
   recorder_.StopHoldingBack();
   EXPECT_THAT(TakeKeyframes(), ElementsAre(0, 1, 2));
@@ -107,7 +107,7 @@ TEST_F(HoldingRecorderTest, NothingWaitsWhereNoFramesCome) {
   EXPECT_THAT(TakeKeyframes(), IsEmpty());
 }
 
-TEST_F(HoldingRecorderTest, PointsThatMoveOnAreToldOnceInAWhile) {
+TEST_F(HeldBackRecorderTest, PointsThatMoveOnAreToldOnceInAWhile) {
   AddKeyframe(0);
   MapPoint point;
   point.id = {kOwn, 0};
@@ -137,13 +137,13 @@ TEST_F(HoldingRecorderTest, PointsThatMoveOnAreToldOnceInAWhile) {
   EXPECT_EQ(recorder_.TakeBatch(map_, 9).light_points.size(), 1u);
 }
 
-TEST_F(HoldingRecorderTest, WhoAsksForExactPlacesIsToldAll) {
+TEST_F(HeldBackRecorderTest, WhoAsksForExactPlacesIsToldAll) {
   for (uint32_t i = 0; i < 3; ++i) AddKeyframe(i);
   recorder_.AskForExactPlaces();
   EXPECT_THAT(TakeKeyframes(), ElementsAre(0, 1, 2));
 }
 
-TEST_F(HoldingRecorderTest, WhatCanNeverBeToldKeepsNothingExact) {
+TEST_F(HeldBackRecorderTest, WhatCanNeverBeToldKeepsNothingExact) {
   AddKeyframe(0);
   // Only another's keyframe sees it.
   map_.AddKeyframe(MakeKeyframe({kForeign, 0}, {}));

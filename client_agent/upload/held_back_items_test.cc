@@ -1,5 +1,5 @@
 // What is held back when a process is killed, and what the next one makes of it.
-#include "client_agent/upload/held_items.h"
+#include "client_agent/upload/held_back_items.h"
 
 #include <gtest/gtest.h>
 
@@ -19,16 +19,17 @@ namespace corbslam::client_agent {
 namespace {
 
 constexpr LocalMapId kHolding{7};
-constexpr uint32_t kHeldKeypoints = 10;
+constexpr uint32_t kHeldBackKeypoints = 10;
 
 // What a robot maps and holds back, and the spool that keeps it.
-class HeldDrive {
+class HeldBackDrive {
  public:
-  explicit HeldDrive(const SpoolOptions& options = {}) : spool_(*OpenFakeSpool(&disk_, options)) {
+  explicit HeldBackDrive(const SpoolOptions& options = {})
+      : spool_(*OpenFakeSpool(&disk_, options)) {
     map_.SetObserver(&recorder_);
   }
   // With segments of this size, and a thread that syncs when it is told to.
-  explicit HeldDrive(uint64_t segment_bytes) : HeldDrive(SyncedWhenTold(segment_bytes)) {}
+  explicit HeldBackDrive(uint64_t segment_bytes) : HeldBackDrive(SyncedWhenTold(segment_bytes)) {}
 
   static SpoolOptions SyncedWhenTold(uint64_t segment_bytes) {
     SpoolOptions options;
@@ -48,8 +49,8 @@ class HeldDrive {
   // A keyframe that sees a new point, and the point of the one before.
   void AddKeyframe(uint32_t index) {
     Features features;
-    features.keypoints.resize(kHeldKeypoints);
-    features.descriptors.resize(kHeldKeypoints);
+    features.keypoints.resize(kHeldBackKeypoints);
+    features.descriptors.resize(kHeldBackKeypoints);
     Keyframe keyframe;
     keyframe.payload = MakeKeyframePayload({kHolding, index}, index, 0, testing::TestCamera(),
                                            std::move(features));
@@ -70,14 +71,14 @@ class HeldDrive {
     batch.number = ++last_;
     ASSERT_TRUE(spool_->Append(batch).ok());
   }
-  void WriteHeld() {
-    const absl::Status written = writer_.Write(recorder_.CopyHeld(map_), last_, *spool_);
+  void WriteHeldBack() {
+    const absl::Status written = writer_.Write(recorder_.CopyHeldBack(map_), last_, *spool_);
     ASSERT_TRUE(written.ok()) << written;
   }
   // What the next process has of the local map.
   static std::set<uint32_t> KeyframesAfter(FakeDisk disk) {
     const auto spool = *OpenFakeSpool(&disk);
-    EXPECT_TRUE(TellHeld(*spool).ok());
+    EXPECT_TRUE(TellHeldBack(*spool).ok());
     const absl::StatusOr<KeptMap> kept = ReadNewestKeptMap(*spool);
     std::set<uint32_t> keyframes;
     if (!kept.ok()) return keyframes;
@@ -91,18 +92,18 @@ class HeldDrive {
   Map map_;
   // All but the first are held back.
   UpdateRecorder recorder_{kHolding, RecorderOptions{.hold_newest = 100}};
-  HeldWriter writer_;
+  HeldBackWriter writer_;
   uint64_t last_ = 0;
 };
 
-class HeldItemsTest : public ::testing::Test, protected HeldDrive {};
+class HeldBackItemsTest : public ::testing::Test, protected HeldBackDrive {};
 
-TEST_F(HeldItemsTest, WhatIsHeldBackIsThereAfterTheProcess) {
+TEST_F(HeldBackItemsTest, WhatIsHeldBackIsThereAfterTheProcess) {
   for (uint32_t i = 0; i < 5; ++i) AddKeyframe(i);
   WriteBatch();
-  WriteHeld();
+  WriteHeldBack();
   const auto spool = *OpenFakeSpool(&disk_);
-  ASSERT_TRUE(TellHeld(*spool).ok());
+  ASSERT_TRUE(TellHeldBack(*spool).ok());
   const absl::StatusOr<KeptMap> kept = ReadNewestKeptMap(*spool);
   ASSERT_TRUE(kept.ok()) << kept.status();
   EXPECT_EQ(kept->keyframes().size(), 5u);
@@ -116,24 +117,24 @@ TEST_F(HeldItemsTest, WhatIsHeldBackIsThereAfterTheProcess) {
   }
 }
 
-TEST_F(HeldItemsTest, WhatWasToldMeanwhileIsNotToldAgain) {
+TEST_F(HeldBackItemsTest, WhatWasToldMeanwhileIsNotToldAgain) {
   for (uint32_t i = 0; i < 5; ++i) AddKeyframe(i);
   WriteBatch();
-  WriteHeld();
+  WriteHeldBack();
   recorder_.StopHoldingBack();
   WriteBatch();
   const auto spool = *OpenFakeSpool(&disk_);
-  ASSERT_TRUE(TellHeld(*spool).ok());
+  ASSERT_TRUE(TellHeldBack(*spool).ok());
   EXPECT_EQ(spool->found().size(), 2u) << "the two batches";
   EXPECT_TRUE(ReadNewestKeptMap(*spool).ok());
   EXPECT_EQ(KeyframesAfter(disk_).size(), 5u);
 }
 
 // The process may end between a batch and the next record of what is held back.
-TEST_F(HeldItemsTest, WhatABatchDidNotTellIsStillThere) {
+TEST_F(HeldBackItemsTest, WhatABatchDidNotTellIsStillThere) {
   for (uint32_t i = 0; i < 5; ++i) AddKeyframe(i);
   WriteBatch();
-  WriteHeld();
+  WriteHeldBack();
   map_.RemoveKeyframe({kHolding, 2});
   recorder_.StopHoldingBack();
   MapUpdateBatch batch = recorder_.TakeBatch(map_, 1);
@@ -144,38 +145,38 @@ TEST_F(HeldItemsTest, WhatABatchDidNotTellIsStillThere) {
   EXPECT_EQ(KeyframesAfter(disk_), (std::set<uint32_t>{0, 1, 3, 4}));
 }
 
-TEST_F(HeldItemsTest, APayloadIsWrittenOnce) {
+TEST_F(HeldBackItemsTest, APayloadIsWrittenOnce) {
   for (uint32_t i = 0; i < 3; ++i) AddKeyframe(i);
   WriteBatch();
-  WriteHeld();
+  WriteHeldBack();
   AddKeyframe(3);
-  const HeldItems held = recorder_.CopyHeld(map_);
-  ASSERT_EQ(held.keyframes.size(), 1u);
-  EXPECT_EQ(held.keyframes[0].payload->id.index, 3u);
-  EXPECT_EQ(held.rest.light_keyframes.size(), 3u);
-  recorder_.CopyHeldAnew();
-  EXPECT_EQ(recorder_.CopyHeld(map_).keyframes.size(), 3u);
+  const HeldBackItems held_back = recorder_.CopyHeldBack(map_);
+  ASSERT_EQ(held_back.keyframes.size(), 1u);
+  EXPECT_EQ(held_back.keyframes[0].payload->id.index, 3u);
+  EXPECT_EQ(held_back.rest.light_keyframes.size(), 3u);
+  recorder_.CopyHeldBackAnew();
+  EXPECT_EQ(recorder_.CopyHeldBack(map_).keyframes.size(), 3u);
 }
 
-TEST_F(HeldItemsTest, WhatMappingTookOutIsGone) {
+TEST_F(HeldBackItemsTest, WhatMappingTookOutIsGone) {
   for (uint32_t i = 0; i < 5; ++i) AddKeyframe(i);
   WriteBatch();
-  WriteHeld();
+  WriteHeldBack();
   map_.RemoveKeyframe({kHolding, 3});
-  WriteHeld();
+  WriteHeldBack();
   EXPECT_EQ(KeyframesAfter(disk_), (std::set<uint32_t>{0, 1, 2, 4}));
 }
 
 // Whatever byte of the last records the disk did not keep: the map before is there, and it is a
 // whole one.
-TEST_F(HeldItemsTest, ATornTailLeavesWhatWasThereBefore) {
+TEST_F(HeldBackItemsTest, ATornTailLeavesWhatWasThereBefore) {
   for (uint32_t i = 0; i < 3; ++i) AddKeyframe(i);
   WriteBatch();
-  WriteHeld();
+  WriteHeldBack();
   const std::string name = disk_.files.begin()->first;
   const size_t before = disk_.files[name].size();
   AddKeyframe(3);
-  WriteHeld();
+  WriteHeldBack();
   const std::string whole = disk_.files[name];
   ASSERT_GT(whole.size(), before);
   for (size_t size = before; size < whole.size(); ++size) {
@@ -187,37 +188,37 @@ TEST_F(HeldItemsTest, ATornTailLeavesWhatWasThereBefore) {
   EXPECT_EQ(KeyframesAfter(disk_).size(), 4u);
 }
 
-TEST_F(HeldItemsTest, ItIsToldOnceOverTwoRestarts) {
+TEST_F(HeldBackItemsTest, ItIsToldOnceOverTwoRestarts) {
   for (uint32_t i = 0; i < 4; ++i) AddKeyframe(i);
   WriteBatch();
-  WriteHeld();
+  WriteHeldBack();
   size_t records = 0;
   for (int restart = 0; restart < 2; ++restart) {
     const auto spool = *OpenFakeSpool(&disk_);
-    ASSERT_TRUE(TellHeld(*spool).ok());
+    ASSERT_TRUE(TellHeldBack(*spool).ok());
     if (restart == 0) records = spool->found().size();
     EXPECT_EQ(spool->found().size(), records);
   }
   EXPECT_EQ(KeyframesAfter(disk_).size(), 4u);
 }
 
-TEST_F(HeldItemsTest, ThingsThatAreNotThereAreSaid) {
+TEST_F(HeldBackItemsTest, ThingsThatAreNotThereAreSaid) {
   for (uint32_t i = 0; i < 3; ++i) AddKeyframe(i);
   WriteBatch();
-  HeldItems held = recorder_.CopyHeld(map_);
-  held.keyframes.clear();
-  ASSERT_TRUE(writer_.Write(held, last_, *spool_).ok());
+  HeldBackItems held_back = recorder_.CopyHeldBack(map_);
+  held_back.keyframes.clear();
+  ASSERT_TRUE(writer_.Write(held_back, last_, *spool_).ok());
   const auto spool = *OpenFakeSpool(&disk_);
-  EXPECT_TRUE(absl::IsDataLoss(TellHeld(*spool)));
+  EXPECT_TRUE(absl::IsDataLoss(TellHeldBack(*spool)));
   EXPECT_EQ(spool->found().size(), 1u) << "the batch is there";
 }
 
 // A process that is killed right after the store has acknowledged the end leaves what was put off.
-TEST(HeldWriterTest, OfALocalMapThatHasEndedNothingIsToldAgain) {
-  HeldDrive drive(uint64_t{1});
+TEST(HeldBackWriterTest, OfALocalMapThatHasEndedNothingIsToldAgain) {
+  HeldBackDrive drive(uint64_t{1});
   for (uint32_t i = 0; i < 5; ++i) drive.AddKeyframe(i);
   drive.WriteBatch();
-  drive.WriteHeld();
+  drive.WriteHeldBack();
   drive.End();
   {
     const auto spool = *OpenFakeSpool(&drive.disk());
@@ -227,24 +228,24 @@ TEST(HeldWriterTest, OfALocalMapThatHasEndedNothingIsToldAgain) {
   }
   const auto spool = *OpenFakeSpool(&drive.disk());
   ASSERT_FALSE(spool->found().empty()) << "the test can't tell";
-  EXPECT_TRUE(TellHeld(*spool).ok());
+  EXPECT_TRUE(TellHeldBack(*spool).ok());
   EXPECT_TRUE(spool->found().empty());
 }
 
 // A local map ends: what was held back is in its last batches, which the disk has not got yet.
-TEST(HeldWriterTest, ALossOfPowerTakesNothingWhenALocalMapEnds) {
+TEST(HeldBackWriterTest, ALossOfPowerTakesNothingWhenALocalMapEnds) {
   std::mt19937 random(5);
   int without_the_end = 0;
   for (int cut = 0; cut < 40; ++cut) {
-    HeldDrive drive(cut % 2 == 0 ? uint64_t{1} : uint64_t{1} << 20);
+    HeldBackDrive drive(cut % 2 == 0 ? uint64_t{1} : uint64_t{1} << 20);
     for (uint32_t i = 0; i < 5; ++i) drive.AddKeyframe(i);
     drive.WriteBatch();
-    drive.WriteHeld();
+    drive.WriteHeldBack();
     ASSERT_TRUE(drive.spool().Sync().ok());
     drive.End();
     FakeDisk after = drive.disk();
     after.CutPower(random);
-    const std::set<uint32_t> keyframes = HeldDrive::KeyframesAfter(after);
+    const std::set<uint32_t> keyframes = HeldBackDrive::KeyframesAfter(after);
     EXPECT_EQ(keyframes.size(), 5u) << "cut " << cut;
     without_the_end += after.Used() < drive.disk().Used() ? 1 : 0;
     // Once the disk has the batches, what was held back goes.
