@@ -45,10 +45,10 @@ void LocalMapSession::OnMapped(KeyframeId id) {
   loop_closer_.Enqueue(id);
 }
 
-void LocalMapSession::GoOnFrom(const KeptMap& kept) {
-  map_.GoOnFrom(kept.next_keyframe(), kept.next_point());
+void LocalMapSession::GoOnFrom(const SpooledMap& spooled_map) {
+  map_.GoOnFrom(spooled_map.next_keyframe(), spooled_map.next_point());
   map_.Write([&](Map& map) {
-    kept.Fill(
+    spooled_map.Fill(
         [this](const std::vector<Descriptor>& descriptors) {
           return std::make_shared<const Words>(vocabulary_->Transform(descriptors));
         },

@@ -190,11 +190,12 @@ std::optional<Eigen::Vector3d> FarMaps::Recognise(const FarLook& look) {
 }
 
 void FarMaps::Bring(LocalMapId local_map, const std::vector<KeyframeId>& ids) {
-  const absl::StatusOr<KeptMap> kept = read_(local_map);
-  if (!kept.ok()) return NoteUnreadable(local_map, kept.status());
+  const absl::StatusOr<SpooledMap> spooled_map = read_(local_map);
+  if (!spooled_map.ok()) return NoteUnreadable(local_map, spooled_map.status());
   Map map;
   // Who takes the updates computes the words of those that come.
-  kept->Fill([](const std::vector<Descriptor>&) { return std::shared_ptr<const Words>(); }, map);
+  spooled_map->Fill([](const std::vector<Descriptor>&) { return std::shared_ptr<const Words>(); },
+                    map);
   uint64_t brought = 0;
   for (size_t i = 0; i < ids.size(); i += kKeyframesAnUpdate) {
     const size_t count = std::min(kKeyframesAnUpdate, ids.size() - i);

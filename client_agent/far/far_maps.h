@@ -20,7 +20,7 @@
 #include "client_agent/far/far_choice.h"
 #include "client_agent/far/far_index.h"
 #include "client_agent/far/far_share.h"
-#include "client_agent/upload/kept_map.h"
+#include "client_agent/upload/spooled_map.h"
 #include "slam/exchange/shared_update.h"
 #include "slam/map/map.h"
 
@@ -58,7 +58,7 @@ struct FarLook {
 class FarMaps {
  public:
   // Reads all that there is of a local map. Called by the work alone.
-  using ReadLocalMap = std::function<absl::StatusOr<KeptMap>(LocalMapId)>;
+  using ReadLocalMap = std::function<absl::StatusOr<SpooledMap>(LocalMapId)>;
   // Takes an update for the local map; called by the work alone.
   using Share = std::function<void(LocalMapId for_local_map, SharedUpdate)>;
   using ComputeWords =

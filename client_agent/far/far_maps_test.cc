@@ -6,7 +6,7 @@
 
 #include "absl/status/status.h"
 #include "absl/synchronization/notification.h"
-#include "client_agent/far/testing/kept_row.h"
+#include "client_agent/far/testing/spooled_row.h"
 #include "client_agent/map/map_bytes.h"
 
 namespace corbslam::client_agent {
@@ -46,7 +46,7 @@ class FarMapsTest : public ::testing::Test {
 
   static Map MapOf(LocalMapId local_map, uint32_t begin_m) {
     Map map;
-    KeptRow(local_map, kKeyframes, begin_m).Fill(&LooksOf, map);
+    SpooledRow(local_map, kKeyframes, begin_m).Fill(&LooksOf, map);
     return map;
   }
   void Keep(LocalMapId local_map, uint32_t begin_m) {
@@ -59,7 +59,7 @@ class FarMapsTest : public ::testing::Test {
     look.timestamp_ns = (time_ns_ += 1'000'000'000);
     look.centre = Eigen::Vector3d(x, 0, 0);
     if (looks_like.has_value()) {
-      look.payload = KeptRow({99}, 1, *looks_like).keyframes().begin()->second.payload;
+      look.payload = SpooledRow({99}, 1, *looks_like).keyframes().begin()->second.payload;
     }
     far_.Note(look);
     far_.Step();
@@ -70,10 +70,10 @@ class FarMapsTest : public ::testing::Test {
     for (const SharedKeyframe& keyframe : update.keyframes) held_.insert(keyframe.payload->id);
     for (const KeyframeId id : update.removed_keyframes) held_.erase(id);
   }
-  absl::StatusOr<KeptMap> Read(LocalMapId local_map) {
+  absl::StatusOr<SpooledMap> Read(LocalMapId local_map) {
     ++reads_;
     if (damaged_) return absl::DataLossError("file 000007.spool: record at byte 4711");
-    return KeptRow(local_map, kKeyframes, local_map == kPassed ? 0 : kKeyframes);
+    return SpooledRow(local_map, kKeyframes, local_map == kPassed ? 0 : kKeyframes);
   }
 
   LocalMapId wanted_for_ = kInUse;

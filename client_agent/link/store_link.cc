@@ -58,7 +58,7 @@ StoreLink::~StoreLink() {
   if (!queue_.SpillAll()) WriteHeldBack(/*now=*/true);
 }
 
-void StoreLink::BeginLocalMap(GuardedMap& map, MapJobs& jobs, const KeptMap* kept,
+void StoreLink::BeginLocalMap(GuardedMap& map, MapJobs& jobs, const SpooledMap* spooled_map,
                               Earlier earlier) {
   if (uplink_ == nullptr) return;
   RecorderOptions recorder_options;
@@ -69,7 +69,7 @@ void StoreLink::BeginLocalMap(GuardedMap& map, MapJobs& jobs, const KeptMap* kep
   recording->map = &map;
   recording->recorder = std::make_unique<UpdateRecorder>(map.local_map(), recorder_options);
   UpdateRecorder* const recorder = recording->recorder.get();
-  if (kept != nullptr) recorder->GoOnFrom(*kept);
+  if (spooled_map != nullptr) recorder->GoOnFrom(*spooled_map);
   auto inbox = std::make_shared<SharedInbox>(map.local_map(), jobs, *uplink_, options_.inbox);
   {
     absl::MutexLock lock(&mutex_);

@@ -26,8 +26,8 @@
 #include "client_agent/spool/spool.h"
 #include "client_agent/upload/frame_inbox.h"
 #include "client_agent/upload/held_back.h"
-#include "client_agent/upload/kept_map.h"
 #include "client_agent/upload/link_budget.h"
+#include "client_agent/upload/spooled_map.h"
 #include "client_agent/upload/update_recorder.h"
 #include "client_agent/upload/upload_queue.h"
 #include "slam/exchange/uplink.h"
@@ -110,9 +110,9 @@ class StoreLink : private UplinkListener {
 
   // Begins a local map, whose changes are recorded from now on. Those before are told to their end
   // and closed: at once, or each after EndLocalMap. `map` is read while Reads says so, `jobs` are
-  // used until the next local map begins; neither is owned. `kept` is what `map` was made of where
-  // it is the one that goes on, else null.
-  void BeginLocalMap(GuardedMap& map, MapJobs& jobs, const KeptMap* kept = nullptr,
+  // used until the next local map begins; neither is owned. `spooled_map` is what `map` was made of
+  // where it is the one that goes on, else null.
+  void BeginLocalMap(GuardedMap& map, MapJobs& jobs, const SpooledMap* spooled_map = nullptr,
                      Earlier earlier = Earlier::kHaveEnded);
   // Says that the local map is written no more.
   void EndLocalMap(LocalMapId local_map);
@@ -133,7 +133,9 @@ class StoreLink : private UplinkListener {
   // session stands, or while it waits for that.
   void AskAnew(double radius_m);
   // Does what UploadQueue::ReadLocalMap does, for a local map that Reads says is told.
-  absl::StatusOr<KeptMap> ReadTold(LocalMapId local_map) { return queue_.ReadLocalMap(local_map); }
+  absl::StatusOr<SpooledMap> ReadTold(LocalMapId local_map) {
+    return queue_.ReadLocalMap(local_map);
+  }
   // Takes where a frame was of a robot that localises only; what AddTrackedFrame and AddLostFrame
   // take is its trajectory.
   void AddLocalised(const LocalisedFrame& frame);
@@ -187,7 +189,7 @@ class StoreLink : private UplinkListener {
   };
   void OnSessionOpened(const SessionGrant& grant) override;
   void OnAcknowledged(const Acknowledgement& acknowledgement) override;
-  void OnLocalisedKept(const LocalisedKept& kept) override;
+  void OnLocalisedKept(const LocalisedKept& spooled_map) override;
   void OnShared(SharedUpdate update) override;
   void OnExactPlacesWanted() override;
   void OnSessionClosed(const absl::Status& reason) override;

@@ -11,7 +11,7 @@
 
 #include "absl/time/time.h"
 #include "client_agent/spool/testing/fake_spool.h"
-#include "client_agent/upload/kept_map_reading.h"
+#include "client_agent/upload/spooled_map_reading.h"
 #include "client_agent/upload/update_recorder.h"
 #include "slam/camera/testing/test_camera.h"
 
@@ -79,10 +79,10 @@ class HeldBackDrive {
   static std::set<uint32_t> KeyframesAfter(FakeDisk disk) {
     const auto spool = *OpenFakeSpool(&disk);
     EXPECT_TRUE(TellHeldBack(*spool).ok());
-    const absl::StatusOr<KeptMap> kept = ReadNewestKeptMap(*spool);
+    const absl::StatusOr<SpooledMap> spooled_map = ReadNewestSpooledMap(*spool);
     std::set<uint32_t> keyframes;
-    if (!kept.ok()) return keyframes;
-    for (const auto& [id, keyframe] : kept->keyframes()) keyframes.insert(id.index);
+    if (!spooled_map.ok()) return keyframes;
+    for (const auto& [id, keyframe] : spooled_map->keyframes()) keyframes.insert(id.index);
     return keyframes;
   }
 
@@ -104,16 +104,16 @@ TEST_F(HeldBackItemsTest, WhatIsHeldBackIsThereAfterTheProcess) {
   WriteHeldBack();
   const auto spool = *OpenFakeSpool(&disk_);
   ASSERT_TRUE(TellHeldBack(*spool).ok());
-  const absl::StatusOr<KeptMap> kept = ReadNewestKeptMap(*spool);
-  ASSERT_TRUE(kept.ok()) << kept.status();
-  EXPECT_EQ(kept->keyframes().size(), 5u);
-  EXPECT_EQ(kept->points().size(), 5u);
-  EXPECT_EQ(kept->newest_ns(), 4);
+  const absl::StatusOr<SpooledMap> spooled_map = ReadNewestSpooledMap(*spool);
+  ASSERT_TRUE(spooled_map.ok()) << spooled_map.status();
+  EXPECT_EQ(spooled_map->keyframes().size(), 5u);
+  EXPECT_EQ(spooled_map->points().size(), 5u);
+  EXPECT_EQ(spooled_map->newest_ns(), 4);
   for (uint32_t i = 1; i < 5; ++i) {
-    const auto& seen = kept->observations().keyframes().at({kHolding, i});
+    const auto& seen = spooled_map->observations().keyframes().at({kHolding, i});
     EXPECT_EQ(seen[0], (MapPointId{kHolding, i}));
     EXPECT_EQ(seen[1], (MapPointId{kHolding, i - 1}));
-    EXPECT_EQ(kept->keyframes().at({kHolding, i}).parent, (KeyframeId{kHolding, i - 1}));
+    EXPECT_EQ(spooled_map->keyframes().at({kHolding, i}).parent, (KeyframeId{kHolding, i - 1}));
   }
 }
 
@@ -126,7 +126,7 @@ TEST_F(HeldBackItemsTest, WhatWasToldMeanwhileIsNotToldAgain) {
   const auto spool = *OpenFakeSpool(&disk_);
   ASSERT_TRUE(TellHeldBack(*spool).ok());
   EXPECT_EQ(spool->found().size(), 2u) << "the two batches";
-  EXPECT_TRUE(ReadNewestKeptMap(*spool).ok());
+  EXPECT_TRUE(ReadNewestSpooledMap(*spool).ok());
   EXPECT_EQ(KeyframesAfter(disk_).size(), 5u);
 }
 

@@ -4,15 +4,15 @@
 
 namespace corbslam::client_agent {
 
-void UpdateRecorder::GoOnFrom(const KeptMap& kept) {
+void UpdateRecorder::GoOnFrom(const SpooledMap& spooled_map) {
   absl::MutexLock lock(&mutex_);
-  sent_cameras_ = static_cast<uint32_t>(kept.cameras().size());
-  mirror_ = kept.observations();
-  for (const auto& [id, keyframe] : kept.keyframes()) {
+  sent_cameras_ = static_cast<uint32_t>(spooled_map.cameras().size());
+  mirror_ = spooled_map.observations();
+  for (const auto& [id, keyframe] : spooled_map.keyframes()) {
     sent_keyframes_.insert(id);
     believed_.PlaceKeyframe(id, keyframe.camera_from_local);
   }
-  for (const auto& [id, point] : kept.points()) {
+  for (const auto& [id, point] : spooled_map.points()) {
     sent_points_.insert(id);
     const bool moves = sent_keyframes_.contains(point.reference);
     // Without its reference a point stays where it is.

@@ -18,8 +18,8 @@
 #include "client_agent/upload/held_back.h"
 #include "client_agent/upload/held_back_items.h"
 #include "client_agent/upload/item_gate.h"
-#include "client_agent/upload/kept_map.h"
 #include "client_agent/upload/observation_mirror.h"
+#include "client_agent/upload/spooled_map.h"
 #include "slam/exchange/map_update.h"
 #include "slam/map/map.h"
 
@@ -118,9 +118,9 @@ class UpdateRecorder : public MapObserver {
     return TakeBatch(map, BatchAllowance(max_keyframes));
   }
 
-  // Goes on where an earlier process ended: the store has been told what is kept, and no more. To
-  // be called before anything else.
-  void GoOnFrom(const KeptMap& kept);
+  // Goes on where an earlier process ended: the store has been told `spooled_map`, and no
+  // more. To be called before anything else.
+  void GoOnFrom(const SpooledMap& spooled_map);
 
   // What is new and in no batch yet, for a disk that is to outlive the process (held_items.h). A
   // keyframe's payload is in it the first time only.

@@ -19,8 +19,8 @@
 #include "client_agent/spool/spool.h"
 #include "client_agent/upload/held_back.h"
 #include "client_agent/upload/held_back_items.h"
-#include "client_agent/upload/kept_map.h"
 #include "client_agent/upload/outbox.h"
+#include "client_agent/upload/spooled_map.h"
 #include "slam/exchange/map_update.h"
 #include "slam/exchange/uplink.h"
 
@@ -70,7 +70,7 @@ struct UploadQueueOptions {
   bool keep = false;
   // A local map that an earlier process left and that goes on; invalid: none does.
   LocalMapId goes_on = {};
-  // With keep: when the acknowledged batches that are kept take so much more than twice what the
+  // With keep: when the acknowledged batches in the spool take so much more than twice what the
   // local map as a whole took the last time, it is written as a whole in their place.
   uint64_t whole_after_bytes = 8 << 20;
   // True: that is done by whoever calls Spill, who waits for it.
@@ -113,8 +113,8 @@ class UploadQueue {
 
   void MarkUnsent();
   // Makes a local map of all its batches, which neither the store nor anybody else has taken yet.
-  // May wait for the disk, and may be called beside all else. Errors are ReadKeptMap's.
-  absl::StatusOr<KeptMap> ReadLocalMap(LocalMapId local_map);
+  // May wait for the disk, and may be called beside all else. Errors are ReadSpooledMap's.
+  absl::StatusOr<SpooledMap> ReadLocalMap(LocalMapId local_map);
 
   // Writes what is to be written to the spool, moves the oldest batches there while there are more
   // in memory than allowed, and gives back room. An error is in the status.
@@ -144,9 +144,9 @@ class UploadQueue {
   absl::Status KeepOnDisk(const Outbox::Entry& entry);
   void TakeSyncError();
   // Where the disk has no room, gives up that local maps can go on after a restart.
-  bool GiveUpKept();
+  bool GiveUpAcknowledged();
   void NoteDurable(const absl::Status& durable);
-  // The kept batches of the local map in use become one whole, on a thread of its own.
+  // The acknowledged batches of the local map in use become one whole, on a thread of its own.
   using Whole = absl::StatusOr<std::vector<MapUpdateBatch>>;
   void KeepWhole();
   void BeginWhole();

@@ -70,7 +70,7 @@ std::optional<uint64_t> UploadQueue::WriteHeldBack(const HeldBackItems& held_bac
   const uint64_t before = spool_->appended_bytes();
   HeldBackWriter& writer = held_back_[held_back.rest.local_map];
   absl::Status written = writer.Write(held_back, last, *spool_);
-  if (absl::IsResourceExhausted(written) && GiveUpKept()) {
+  if (absl::IsResourceExhausted(written) && GiveUpAcknowledged()) {
     written = writer.Write(held_back, last, *spool_);
   }
   if (!written.ok()) {
@@ -99,10 +99,10 @@ void UploadQueue::ReleaseHeldBack(LocalMapId local_map) {
   held_back_.erase(it);
 }
 
-bool UploadQueue::GiveUpKept() {
+bool UploadQueue::GiveUpAcknowledged() {
   {
     absl::MutexLock lock(&mutex_);
-    if (outbox_.Kept(in_use_).size() <= 1) return false;
+    if (outbox_.AcknowledgedBatches(in_use_).size() <= 1) return false;
     LOG(WARNING) << "the spool has no room left: what the map store has of local map "
                  << ToString(in_use_) << " leaves it, so that the map can't be resumed";
     outbox_.StopKeeping(in_use_);
@@ -124,7 +124,7 @@ bool UploadQueue::WriteOldest() {
     return false;
   }
   const absl::StatusOr<SpooledBatch> spooled = spool_->Append(*oldest);
-  if (absl::IsResourceExhausted(spooled.status()) && GiveUpKept()) return true;
+  if (absl::IsResourceExhausted(spooled.status()) && GiveUpAcknowledged()) return true;
   if (!spooled.ok()) {
     NoteDurable(spooled.status());
     return false;

@@ -1,11 +1,11 @@
-// How the batches that are kept of a local map make room: it is written as a whole in their place.
+// Makes room in the spool: a local map is written as a whole in place of its acknowledged batches.
 #include <glog/logging.h>
 
 #include <chrono>
 #include <map>
 #include <utility>
 
-#include "client_agent/upload/kept_map_reading.h"
+#include "client_agent/upload/spooled_map_reading.h"
 #include "client_agent/upload/upload_queue.h"
 #include "slam/util/status_macros.h"
 
@@ -15,20 +15,20 @@ namespace {
 using Kind = SpoolRecord::Kind;
 
 absl::StatusOr<std::vector<MapUpdateBatch>> MakeWhole(LocalMapId local_map,
-                                                      const std::vector<SpooledBatch>& kept,
+                                                      const std::vector<SpooledBatch>& acknowledged,
                                                       const ReadSpooled& read) {
-  ASSIGN_OR_RETURN(const KeptMap map, ReadKeptMap(local_map, kept, read));
+  ASSIGN_OR_RETURN(const SpooledMap map, ReadSpooledMap(local_map, acknowledged, read));
   return map.ToBatches();
 }
 
 }  // namespace
 
-absl::StatusOr<KeptMap> UploadQueue::ReadLocalMap(LocalMapId local_map) {
+absl::StatusOr<SpooledMap> UploadQueue::ReadLocalMap(LocalMapId local_map) {
   std::vector<SpooledBatch> records;
   std::map<uint64_t, std::shared_ptr<const MapUpdateBatch>> in_memory;
   {
     absl::MutexLock lock(&mutex_);
-    records = outbox_.Kept(local_map);
+    records = outbox_.AcknowledgedBatches(local_map);
     for (const Outbox::Entry& entry : outbox_.EntriesOf(local_map)) {
       SpooledBatch record;
       record.record.local_map = local_map;
@@ -37,34 +37,34 @@ absl::StatusOr<KeptMap> UploadQueue::ReadLocalMap(LocalMapId local_map) {
       records.push_back(entry.spooled.value_or(record));
     }
   }
-  return ReadKeptMap(local_map, records,
-                     [&](const SpooledBatch& spooled) -> absl::StatusOr<MapUpdateBatch> {
-                       const auto batch = in_memory.find(spooled.record.number);
-                       if (batch != in_memory.end() && spooled.record.kind == Kind::kBatch) {
-                         return *batch->second;
-                       }
-                       return spool_->Read(spooled);
-                     });
+  return ReadSpooledMap(local_map, records,
+                        [&](const SpooledBatch& spooled) -> absl::StatusOr<MapUpdateBatch> {
+                          const auto batch = in_memory.find(spooled.record.number);
+                          if (batch != in_memory.end() && spooled.record.kind == Kind::kBatch) {
+                            return *batch->second;
+                          }
+                          return spool_->Read(spooled);
+                        });
 }
 
 void UploadQueue::BeginWhole() {
   MakingWhole making;
-  std::vector<SpooledBatch> kept;
+  std::vector<SpooledBatch> acknowledged;
   {
     absl::MutexLock lock(&mutex_);
     making.local_map = in_use_;
-    kept = outbox_.Kept(in_use_);
+    acknowledged = outbox_.AcknowledgedBatches(in_use_);
   }
   uint64_t bytes = 0;
-  for (const SpooledBatch& spooled : kept) {
+  for (const SpooledBatch& spooled : acknowledged) {
     bytes += spooled.record.bytes;
     if (spooled.record.kind == Kind::kBatch) making.number = spooled.record.number;
   }
   if (making.number == 0 || bytes <= 2 * whole_bytes_ + options_.whole_after_bytes) return;
   making.future = std::async(
       options_.whole_at_once ? std::launch::deferred : std::launch::async,
-      [local_map = making.local_map, kept = std::move(kept), spool = spool_.get()] {
-        return MakeWhole(local_map, kept,
+      [local_map = making.local_map, acknowledged = std::move(acknowledged), spool = spool_.get()] {
+        return MakeWhole(local_map, acknowledged,
                          [spool](const SpooledBatch& spooled) { return spool->Read(spooled); });
       });
   whole_ = std::move(making);
@@ -114,7 +114,7 @@ void UploadQueue::KeepWhole() {
   }
   {
     absl::MutexLock lock(&mutex_);
-    outbox_.ReplaceKept(whole_->local_map, whole_->written);
+    outbox_.ReplaceAcknowledged(whole_->local_map, whole_->written);
   }
   whole_.reset();
   ReleaseSpooled();

@@ -25,7 +25,7 @@ namespace corbslam::map_store {
 class EventBook {
  public:
   // How many events are remembered.
-  static constexpr size_t kKept = 1000;
+  static constexpr size_t kMaxEvents = 1000;
 
   explicit EventBook(std::function<absl::Time()> clock, std::string mission = "")
       : clock_(std::move(clock)), mission_(std::move(mission)) {}
@@ -36,7 +36,7 @@ class EventBook {
     std::deque<MissionEvent> events;
   };
   // How many events that are.
-  static constexpr size_t kKeptAsleep = 100;
+  static constexpr size_t kMaxEventsAsleep = 100;
 
   Past GetPast() const;
   // Goes on from there; called before all else.

@@ -20,7 +20,7 @@
 #include "absl/time/clock.h"
 #include "client_agent/spool/testing/unsynced_loss_files.h"
 #include "client_agent/upload/held_back_items.h"
-#include "client_agent/upload/kept_map_reading.h"
+#include "client_agent/upload/spooled_map_reading.h"
 #include "services/programs/spool_flags.h"
 #include "tests/fault/fault_fixture.h"
 #include "tests/integration/mission_fixture.h"
@@ -28,9 +28,9 @@
 namespace corbslam::tests {
 
 using client_agent::CutPower;
-using client_agent::KeptMap;
 using client_agent::PowerCutLoss;
-using client_agent::ReadNewestKeptMap;
+using client_agent::ReadNewestSpooledMap;
+using client_agent::SpooledMap;
 using client_agent::TellHeldBack;
 using services::OpenSpool;
 using services::SpoolFlags;
@@ -85,7 +85,7 @@ class KilledRobotTest : public FaultTest {
     if (!spool.ok()) return 0;
     const absl::Status told = TellHeldBack(**spool);
     EXPECT_TRUE(told.ok()) << told;
-    const absl::StatusOr<KeptMap> kept = ReadNewestKeptMap(**spool);
+    const absl::StatusOr<SpooledMap> kept = ReadNewestSpooledMap(**spool);
     EXPECT_TRUE(kept.ok() || absl::IsNotFound(kept.status())) << kept.status();
     return kept.ok() ? kept->next_keyframe() : 0;
   }

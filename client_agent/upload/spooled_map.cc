@@ -1,4 +1,4 @@
-#include "client_agent/upload/kept_map.h"
+#include "client_agent/upload/spooled_map.h"
 
 #include <algorithm>
 
@@ -18,7 +18,7 @@ Rigid3d Normalised(const Rigid3d& pose) { return {pose.rotation.normalized(), po
 
 }  // namespace
 
-absl::Status KeptMap::AddCameras(const MapUpdateBatch& batch) {
+absl::Status SpooledMap::AddCameras(const MapUpdateBatch& batch) {
   if (batch.cameras.empty()) return absl::OkStatus();
   if (batch.first_camera_index > cameras_.size()) {
     return absl::InvalidArgumentError(absl::StrCat("cameras from index ", batch.first_camera_index,
@@ -42,7 +42,7 @@ absl::Status KeptMap::AddCameras(const MapUpdateBatch& batch) {
   return absl::OkStatus();
 }
 
-absl::Status KeptMap::AddKeyframe(FullKeyframe keyframe) {
+absl::Status SpooledMap::AddKeyframe(FullKeyframe keyframe) {
   if (keyframe.payload == nullptr) return absl::InvalidArgumentError("keyframe without payload");
   const KeyframeId id = keyframe.payload->id;
   RETURN_IF_ERROR(ValidateOwn("keyframe", id, local_map_));
@@ -65,7 +65,7 @@ absl::Status KeptMap::AddKeyframe(FullKeyframe keyframe) {
   return absl::InvalidArgumentError(absl::StrCat("keyframe ", ToString(id), " was told before"));
 }
 
-absl::Status KeptMap::AddPoint(const FullMapPoint& point) {
+absl::Status SpooledMap::AddPoint(const FullMapPoint& point) {
   RETURN_IF_ERROR(ValidateOwn("map point", point.id, local_map_));
   RETURN_IF_ERROR(ValidateFullPoint(point));
   NoteIndex(point.id);
@@ -77,7 +77,7 @@ absl::Status KeptMap::AddPoint(const FullMapPoint& point) {
   return absl::OkStatus();
 }
 
-absl::Status KeptMap::MoveKeyframe(const LightKeyframe& light, bool points_follow) {
+absl::Status SpooledMap::MoveKeyframe(const LightKeyframe& light, bool points_follow) {
   RETURN_IF_ERROR(ValidateLightKeyframe(light));
   const auto it = keyframes_.find(light.id);
   if (it == keyframes_.end()) return Unknown("keyframe", light.id);
@@ -94,7 +94,7 @@ absl::Status KeptMap::MoveKeyframe(const LightKeyframe& light, bool points_follo
   return absl::OkStatus();
 }
 
-absl::Status KeptMap::MovePoint(const LightMapPoint& light) {
+absl::Status SpooledMap::MovePoint(const LightMapPoint& light) {
   RETURN_IF_ERROR(
       ValidatePosition("light map point", light.id, "position", light.position_in_local));
   const auto it = points_.find(light.id);
@@ -103,7 +103,7 @@ absl::Status KeptMap::MovePoint(const LightMapPoint& light) {
   return absl::OkStatus();
 }
 
-absl::Status KeptMap::Replace(const PointReplacement& replacement) {
+absl::Status SpooledMap::Replace(const PointReplacement& replacement) {
   const MapPointId survivor = replacement.survivor;
   if (survivor.local_map == local_map_ && !points_.contains(survivor)) {
     return Unknown("survivor", survivor);
@@ -115,7 +115,7 @@ absl::Status KeptMap::Replace(const PointReplacement& replacement) {
   return absl::OkStatus();
 }
 
-absl::Status KeptMap::Observe(const ObservationChange& change) {
+absl::Status SpooledMap::Observe(const ObservationChange& change) {
   const bool is_added = change.kind == ObservationChange::Kind::kAdded;
   if (is_added && change.point.local_map == local_map_ && !points_.contains(change.point)) {
     return Unknown("observed point", change.point);
@@ -127,7 +127,7 @@ absl::Status KeptMap::Observe(const ObservationChange& change) {
 }
 
 // Keyframes may be told to be gone that were never told.
-void KeptMap::Remove(const KeyframeRemoval& removal) {
+void SpooledMap::Remove(const KeyframeRemoval& removal) {
   NoteIndex(removal.id);
   const auto it = keyframes_.find(removal.id);
   if (it == keyframes_.end()) return;
@@ -143,7 +143,7 @@ void KeptMap::Remove(const KeyframeRemoval& removal) {
   });
 }
 
-absl::Status KeptMap::Apply(const MapUpdateBatch& batch) {
+absl::Status SpooledMap::Apply(const MapUpdateBatch& batch) {
   if (batch.local_map != local_map_) {
     return absl::InvalidArgumentError(absl::StrCat("the batch is of local map ",
                                                    ToString(batch.local_map), ", not of ",
@@ -174,7 +174,7 @@ absl::Status KeptMap::Apply(const MapUpdateBatch& batch) {
   return absl::OkStatus();
 }
 
-void KeptMap::NoteFrames(const MapUpdateBatch& batch) {
+void SpooledMap::NoteFrames(const MapUpdateBatch& batch) {
   for (const TrackedFrame& frame : batch.tracked_frames) {
     NoteTime(frame.timestamp_ns);
     NoteIndex(frame.reference);
@@ -182,19 +182,19 @@ void KeptMap::NoteFrames(const MapUpdateBatch& batch) {
   for (const int64_t lost_ns : batch.lost_frames_ns) NoteTime(lost_ns);
 }
 
-void KeptMap::NoteTime(int64_t timestamp_ns) {
+void SpooledMap::NoteTime(int64_t timestamp_ns) {
   newest_ns_ = std::max(newest_ns_.value_or(timestamp_ns), timestamp_ns);
 }
 
-void KeptMap::NoteIndex(KeyframeId id) {
+void SpooledMap::NoteIndex(KeyframeId id) {
   if (id.local_map == local_map_) next_keyframe_ = std::max(next_keyframe_, id.index + 1);
 }
 
-void KeptMap::NoteIndex(MapPointId id) {
+void SpooledMap::NoteIndex(MapPointId id) {
   if (id.local_map == local_map_) next_point_ = std::max(next_point_, id.index + 1);
 }
 
-absl::Status KeptMap::Check() const {
+absl::Status SpooledMap::Check() const {
   if (keyframes_.empty()) return absl::InvalidArgumentError("it has no keyframe");
   std::optional<KeyframeId> root;
   for (const auto& [id, keyframe] : keyframes_) {

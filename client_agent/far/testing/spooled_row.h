@@ -1,19 +1,19 @@
 // Makes a local map of keyframes in a row, for tests of what comes back from the disk.
-#ifndef CORBSLAM_CLIENT_AGENT_FAR_TESTING_KEPT_ROW_H_
-#define CORBSLAM_CLIENT_AGENT_FAR_TESTING_KEPT_ROW_H_
+#ifndef CORBSLAM_CLIENT_AGENT_FAR_TESTING_SPOOLED_ROW_H_
+#define CORBSLAM_CLIENT_AGENT_FAR_TESTING_SPOOLED_ROW_H_
 
 #include <gtest/gtest.h>
 
 #include <utility>
 
-#include "client_agent/upload/kept_map.h"
+#include "client_agent/upload/spooled_map.h"
 #include "slam/camera/testing/test_camera.h"
 
 namespace corbslam::client_agent {
 
 // Keyframe i stands at x = i + `begin_m`, a child of the one before, and sees the points i and
 // i + 1. Its descriptors begin with the word `begin_m` + i, so that each looks like no other.
-inline KeptMap KeptRow(LocalMapId local_map, uint32_t keyframes, uint32_t begin_m = 0) {
+inline SpooledMap SpooledRow(LocalMapId local_map, uint32_t keyframes, uint32_t begin_m = 0) {
   MapUpdateBatch batch;
   batch.local_map = local_map;
   batch.cameras.push_back(testing::TestCamera());
@@ -43,12 +43,12 @@ inline KeptMap KeptRow(LocalMapId local_map, uint32_t keyframes, uint32_t begin_
           {ObservationChange::Kind::kAdded, {local_map, i + k}, {local_map, i}, k});
     }
   }
-  KeptMap kept(local_map);
-  const absl::Status applied = kept.Apply(batch);
+  SpooledMap spooled_map(local_map);
+  const absl::Status applied = spooled_map.Apply(batch);
   EXPECT_TRUE(applied.ok()) << applied;
-  return kept;
+  return spooled_map;
 }
 
 }  // namespace corbslam::client_agent
 
-#endif  // CORBSLAM_CLIENT_AGENT_FAR_TESTING_KEPT_ROW_H_
+#endif  // CORBSLAM_CLIENT_AGENT_FAR_TESTING_SPOOLED_ROW_H_

@@ -1,6 +1,6 @@
-// Keeps global adjustments as files: what a worker was asked, to be looked at and done again.
-#ifndef CORBSLAM_SERVICES_OBSERVE_KEPT_WORK_KEPT_ADJUSTMENT_H_
-#define CORBSLAM_SERVICES_OBSERVE_KEPT_WORK_KEPT_ADJUSTMENT_H_
+// Saves global adjustments as files: what a worker was asked, to be looked at and done again.
+#ifndef CORBSLAM_SERVICES_OBSERVE_ADJUSTMENT_FILES_ADJUSTMENT_FILE_H_
+#define CORBSLAM_SERVICES_OBSERVE_ADJUSTMENT_FILES_ADJUSTMENT_FILE_H_
 
 #include <string>
 
@@ -19,4 +19,4 @@ absl::StatusOr<AdjustBundleRequest> ReadAdjustment(const std::string& path);
 
 }  // namespace corbslam::services
 
-#endif  // CORBSLAM_SERVICES_OBSERVE_KEPT_WORK_KEPT_ADJUSTMENT_H_
+#endif  // CORBSLAM_SERVICES_OBSERVE_ADJUSTMENT_FILES_ADJUSTMENT_FILE_H_

@@ -1,6 +1,6 @@
 // What the batches of a local map say it to be, so that a robot can go on with it after a restart.
-#ifndef CORBSLAM_CLIENT_AGENT_UPLOAD_KEPT_MAP_H_
-#define CORBSLAM_CLIENT_AGENT_UPLOAD_KEPT_MAP_H_
+#ifndef CORBSLAM_CLIENT_AGENT_UPLOAD_SPOOLED_MAP_H_
+#define CORBSLAM_CLIENT_AGENT_UPLOAD_SPOOLED_MAP_H_
 
 #include <cstdint>
 #include <functional>
@@ -22,9 +22,9 @@ namespace corbslam::client_agent {
 
 // Takes batches in order, as the map store takes them. What it has then is what the store has of
 // the local map's own items. Not thread-safe.
-class KeptMap {
+class SpooledMap {
  public:
-  explicit KeptMap(LocalMapId local_map) : local_map_(local_map) {}
+  explicit SpooledMap(LocalMapId local_map) : local_map_(local_map) {}
 
   // Applies the next batch, or a part of a local map that is told as a whole. Returns
   // INVALID_ARGUMENT, with the item and what is wrong with it, where the batch does not fit what
@@ -89,4 +89,4 @@ class KeptMap {
 
 }  // namespace corbslam::client_agent
 
-#endif  // CORBSLAM_CLIENT_AGENT_UPLOAD_KEPT_MAP_H_
+#endif  // CORBSLAM_CLIENT_AGENT_UPLOAD_SPOOLED_MAP_H_

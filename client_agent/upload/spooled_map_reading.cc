@@ -1,4 +1,4 @@
-#include "client_agent/upload/kept_map_reading.h"
+#include "client_agent/upload/spooled_map_reading.h"
 
 #include <algorithm>
 #include <optional>
@@ -28,9 +28,10 @@ std::vector<SpooledBatch> FindWhole(const std::vector<SpooledBatch>& records) {
   return whole;
 }
 
-absl::Status ApplyRecord(const SpooledBatch& spooled, const ReadSpooled& read, KeptMap& kept) {
+absl::Status ApplyRecord(const SpooledBatch& spooled, const ReadSpooled& read,
+                         SpooledMap& spooled_map) {
   ASSIGN_OR_RETURN(const MapUpdateBatch batch, read(spooled));
-  const absl::Status applied = kept.Apply(batch);
+  const absl::Status applied = spooled_map.Apply(batch);
   if (applied.ok()) return applied;
   return absl::Status(applied.code(),
                       absl::StrCat("batch ", spooled.record.number, ": ", applied.message()));
@@ -38,12 +39,13 @@ absl::Status ApplyRecord(const SpooledBatch& spooled, const ReadSpooled& read, K
 
 }  // namespace
 
-absl::StatusOr<KeptMap> ReadKeptMap(LocalMapId local_map, const std::vector<SpooledBatch>& records,
-                                    const ReadSpooled& read) {
-  KeptMap kept(local_map);
+absl::StatusOr<SpooledMap> ReadSpooledMap(LocalMapId local_map,
+                                          const std::vector<SpooledBatch>& records,
+                                          const ReadSpooled& read) {
+  SpooledMap spooled_map(local_map);
   uint64_t last = 0;
   for (const SpooledBatch& part : FindWhole(records)) {
-    RETURN_IF_ERROR(ApplyRecord(part, read, kept));
+    RETURN_IF_ERROR(ApplyRecord(part, read, spooled_map));
     last = part.record.number;
   }
   for (const SpooledBatch& spooled : records) {
@@ -53,14 +55,14 @@ absl::StatusOr<KeptMap> ReadKeptMap(LocalMapId local_map, const std::vector<Spoo
           "the spool has no batch ", last + 1, " of it, but batch ", spooled.record.number,
           last == 0 ? ": the robot that made it did not run with --resume" : ""));
     }
-    RETURN_IF_ERROR(ApplyRecord(spooled, read, kept));
+    RETURN_IF_ERROR(ApplyRecord(spooled, read, spooled_map));
     last = spooled.record.number;
   }
-  RETURN_IF_ERROR(kept.Check());
-  return kept;
+  RETURN_IF_ERROR(spooled_map.Check());
+  return spooled_map;
 }
 
-absl::StatusOr<KeptMap> ReadNewestKeptMap(Spool& spool) {
+absl::StatusOr<SpooledMap> ReadNewestSpooledMap(Spool& spool) {
   std::vector<LocalMapId> in_order;
   std::set<LocalMapId> closed;
   for (const SpooledBatch& spooled : spool.found()) {
@@ -76,11 +78,12 @@ absl::StatusOr<KeptMap> ReadNewestKeptMap(Spool& spool) {
   std::vector<SpooledBatch> records = spool.found();
   std::erase_if(records,
                 [&](const SpooledBatch& spooled) { return spooled.record.local_map != *newest; });
-  absl::StatusOr<KeptMap> kept = ReadKeptMap(
+  absl::StatusOr<SpooledMap> spooled_map = ReadSpooledMap(
       *newest, records, [&](const SpooledBatch& spooled) { return spool.Read(spooled); });
-  if (kept.ok()) return kept;
-  return absl::Status(kept.status().code(),
-                      absl::StrCat("local map ", ToString(*newest), ": ", kept.status().message()));
+  if (spooled_map.ok()) return spooled_map;
+  return absl::Status(
+      spooled_map.status().code(),
+      absl::StrCat("local map ", ToString(*newest), ": ", spooled_map.status().message()));
 }
 
 }  // namespace corbslam::client_agent

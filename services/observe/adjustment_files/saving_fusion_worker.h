@@ -1,6 +1,6 @@
-// Makes a fusion worker that keeps what it is asked.
-#ifndef CORBSLAM_SERVICES_OBSERVE_KEPT_WORK_KEEPING_FUSION_WORKER_H_
-#define CORBSLAM_SERVICES_OBSERVE_KEPT_WORK_KEEPING_FUSION_WORKER_H_
+// Makes a fusion worker that saves what it is asked.
+#ifndef CORBSLAM_SERVICES_OBSERVE_ADJUSTMENT_FILES_SAVING_FUSION_WORKER_H_
+#define CORBSLAM_SERVICES_OBSERVE_ADJUSTMENT_FILES_SAVING_FUSION_WORKER_H_
 
 #include <memory>
 #include <string>
@@ -13,8 +13,8 @@ namespace corbslam::services {
 // files are called TIME_NUMBER.adjustment, so that they sort by when the requests came, and are
 // never deleted. A failure to write is logged, and the request is worked on all the same. Thread
 // contract and results are those of `worker`, which must outlive the result.
-std::unique_ptr<FusionWorker> MakeKeepingFusionWorker(FusionWorker* worker, std::string folder);
+std::unique_ptr<FusionWorker> MakeSavingFusionWorker(FusionWorker* worker, std::string folder);
 
 }  // namespace corbslam::services
 
-#endif  // CORBSLAM_SERVICES_OBSERVE_KEPT_WORK_KEEPING_FUSION_WORKER_H_
+#endif  // CORBSLAM_SERVICES_OBSERVE_ADJUSTMENT_FILES_SAVING_FUSION_WORKER_H_

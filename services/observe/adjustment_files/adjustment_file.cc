@@ -1,4 +1,4 @@
-#include "services/observe/kept_work/kept_adjustment.h"
+#include "services/observe/adjustment_files/adjustment_file.h"
 
 #include <google/protobuf/io/zero_copy_stream_impl.h>
 #include <google/protobuf/util/delimited_message_util.h>

@@ -1,4 +1,4 @@
-#include "services/observe/kept_work/keeping_fusion_worker.h"
+#include "services/observe/adjustment_files/saving_fusion_worker.h"
 
 #include <glog/logging.h>
 
@@ -9,14 +9,14 @@
 #include "absl/strings/str_format.h"
 #include "absl/time/clock.h"
 #include "absl/time/time.h"
-#include "services/observe/kept_work/kept_adjustment.h"
+#include "services/observe/adjustment_files/adjustment_file.h"
 
 namespace corbslam::services {
 namespace {
 
-class KeepingFusionWorker : public FusionWorker {
+class SavingFusionWorker : public FusionWorker {
  public:
-  KeepingFusionWorker(FusionWorker* worker, std::string folder)
+  SavingFusionWorker(FusionWorker* worker, std::string folder)
       : worker_(*worker), folder_(std::move(folder)) {}
 
   absl::StatusOr<VerifyOverlapResult> VerifyOverlap(const VerifyOverlapRequest& request,
@@ -29,8 +29,8 @@ class KeepingFusionWorker : public FusionWorker {
   }
   absl::StatusOr<AdjustBundleResult> AdjustBundle(const AdjustBundleRequest& request,
                                                   const ProgressCallback& progress) override {
-    const absl::Status kept = WriteAdjustment(request, NextPath());
-    if (!kept.ok()) LOG(WARNING) << kept;
+    const absl::Status saved = WriteAdjustment(request, NextPath());
+    if (!saved.ok()) LOG(WARNING) << saved;
     return worker_.AdjustBundle(request, progress);
   }
   absl::StatusOr<LocateFrameResult> LocateFrame(const LocateFrameRequest& request,
@@ -45,18 +45,18 @@ class KeepingFusionWorker : public FusionWorker {
  private:
   std::string NextPath() {
     const std::string time = absl::FormatTime("%Y%m%dT%H%M%E3SZ", absl::Now(), absl::UTCTimeZone());
-    return absl::StrCat(folder_, "/", time, "_", absl::StrFormat("%06d", ++kept_), ".adjustment");
+    return absl::StrCat(folder_, "/", time, "_", absl::StrFormat("%06d", ++saved_), ".adjustment");
   }
 
   FusionWorker& worker_;
   const std::string folder_;
-  std::atomic<int> kept_ = 0;
+  std::atomic<int> saved_ = 0;
 };
 
 }  // namespace
 
-std::unique_ptr<FusionWorker> MakeKeepingFusionWorker(FusionWorker* worker, std::string folder) {
-  return std::make_unique<KeepingFusionWorker>(worker, std::move(folder));
+std::unique_ptr<FusionWorker> MakeSavingFusionWorker(FusionWorker* worker, std::string folder) {
+  return std::make_unique<SavingFusionWorker>(worker, std::move(folder));
 }
 
 }  // namespace corbslam::services

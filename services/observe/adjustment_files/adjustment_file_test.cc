@@ -1,4 +1,4 @@
-#include "services/observe/kept_work/kept_adjustment.h"
+#include "services/observe/adjustment_files/adjustment_file.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "services/convert/testing/test_data.h"
-#include "services/observe/kept_work/keeping_fusion_worker.h"
+#include "services/observe/adjustment_files/saving_fusion_worker.h"
 #include "services/testing/test_path.h"
 
 namespace corbslam::services {
@@ -50,7 +50,7 @@ void ExpectSame(const AdjustBundleRequest& a, const AdjustBundleRequest& b) {
   }
 }
 
-TEST(KeptAdjustmentTest, IsReadAsItWasWritten) {
+TEST(AdjustmentFileTest, IsReadAsItWasWritten) {
   const std::string path = TestPath("one");
   const AdjustBundleRequest request = MakeRequest();
   ASSERT_TRUE(WriteAdjustment(request, path).ok());
@@ -59,7 +59,7 @@ TEST(KeptAdjustmentTest, IsReadAsItWasWritten) {
   ExpectSame(request, *read);
 }
 
-TEST(KeptAdjustmentTest, WhatIsNoneIsRefusedByName) {
+TEST(AdjustmentFileTest, WhatIsNoneIsRefusedByName) {
   const std::string path = TestPath("one");
   EXPECT_EQ(ReadAdjustment(path + "_absent").status().code(), absl::StatusCode::kNotFound);
   ASSERT_TRUE(WriteAdjustment(MakeRequest(), path).ok());
@@ -72,7 +72,7 @@ TEST(KeptAdjustmentTest, WhatIsNoneIsRefusedByName) {
   }
 }
 
-TEST(KeptAdjustmentTest, AFolderThatIsNotThereIsNamed) {
+TEST(AdjustmentFileTest, AFolderThatIsNotThereIsNamed) {
   const std::string path = TestPath("absent") + "/one";
   const absl::Status status = WriteAdjustment(MakeRequest(), path);
   EXPECT_EQ(status.code(), absl::StatusCode::kUnavailable);
@@ -101,29 +101,29 @@ class CountingWorker : public FusionWorker {
   int asked_ = 0;
 };
 
-TEST(KeepingFusionWorkerTest, KeepsEachRequestAndAnswersAsTheOther) {
+TEST(SavingFusionWorkerTest, KeepsEachRequestAndAnswersAsTheOther) {
   const fs::path folder = TestPath("folder");
   fs::remove_all(folder);
   fs::create_directories(folder);
   CountingWorker worker;
-  const auto keeping = MakeKeepingFusionWorker(&worker, folder);
+  const auto keeping = MakeSavingFusionWorker(&worker, folder);
   const AdjustBundleRequest request = MakeRequest();
   for (int i = 1; i <= 2; ++i) EXPECT_EQ(keeping->AdjustBundle(request, nullptr)->iterations, i);
   EXPECT_EQ(keeping->FuseMaps({}, nullptr).status().message(), "fuse");
   EXPECT_EQ(keeping->VerifyOverlap({}, nullptr).status().message(), "verify");
-  std::vector<std::string> kept;
-  for (const auto& entry : fs::directory_iterator(folder)) kept.push_back(entry.path());
-  ASSERT_EQ(kept.size(), 2);
-  for (const std::string& path : kept) {
+  std::vector<std::string> saved;
+  for (const auto& entry : fs::directory_iterator(folder)) saved.push_back(entry.path());
+  ASSERT_EQ(saved.size(), 2);
+  for (const std::string& path : saved) {
     const auto read = ReadAdjustment(path);
     ASSERT_TRUE(read.ok()) << read.status();
     ExpectSame(request, *read);
   }
 }
 
-TEST(KeepingFusionWorkerTest, WorksOnWhatItCannotKeep) {
+TEST(SavingFusionWorkerTest, WorksOnWhatItCannotKeep) {
   CountingWorker worker;
-  const auto keeping = MakeKeepingFusionWorker(&worker, TestPath("absent"));
+  const auto keeping = MakeSavingFusionWorker(&worker, TestPath("absent"));
   EXPECT_EQ(keeping->AdjustBundle(MakeRequest(), nullptr)->iterations, 1);
 }
 

@@ -1,11 +1,11 @@
-// What a KeptMap gives: a map, and batches to keep in place of those that it was made of.
+// What a SpooledMap gives: a map, and batches to keep in place of those that it was made of.
 #include <algorithm>
 
-#include "client_agent/upload/kept_map.h"
+#include "client_agent/upload/spooled_map.h"
 
 namespace corbslam::client_agent {
 
-void KeptMap::Fill(const ComputeKeyframeWords& compute_words, Map& map) const {
+void SpooledMap::Fill(const ComputeKeyframeWords& compute_words, Map& map) const {
   for (const auto& [id, full] : keyframes_) {
     Keyframe keyframe;
     keyframe.payload = full.payload;
@@ -40,7 +40,7 @@ void KeptMap::Fill(const ComputeKeyframeWords& compute_words, Map& map) const {
 }
 
 // Names the greatest indices that were ever given, and the latest time.
-void KeptMap::AppendNames(MapUpdateBatch& batch) const {
+void SpooledMap::AppendNames(MapUpdateBatch& batch) const {
   if (next_keyframe_ > 0 && !keyframes_.contains({local_map_, next_keyframe_ - 1})) {
     batch.removed_keyframes.push_back(
         {{local_map_, next_keyframe_ - 1}, keyframes_.begin()->first, Rigid3d::Identity()});
@@ -52,7 +52,7 @@ void KeptMap::AppendNames(MapUpdateBatch& batch) const {
   if (newest_ns_.has_value()) batch.lost_frames_ns.push_back(*newest_ns_);
 }
 
-std::vector<MapUpdateBatch> KeptMap::ToBatches(size_t max_keyframes, size_t max_points) const {
+std::vector<MapUpdateBatch> SpooledMap::ToBatches(size_t max_keyframes, size_t max_points) const {
   std::vector<MapUpdateBatch> batches(1);
   batches.back().local_map = local_map_;
   const auto next = [&] {
