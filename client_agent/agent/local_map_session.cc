@@ -23,12 +23,12 @@ LocalMapSession::LocalMapSession(const LocalMapSessionOptions& options,
           options.follow_correction),
       mapper_(options.mapper, MakeMapperParts(options.local_ba_ms)),
       tracker_(options.tracker, std::move(camera),
-               {&map_, &queue_, &statistics_, vocabulary_.get(), &find_places_, &looks_}) {}
+               {&map_, &queue_, &statistics_, vocabulary_.get(), &find_places_, &measurements_}) {}
 
 LocalMapSession::~LocalMapSession() { Stop(); }
 
 MapperParts LocalMapSession::MakeMapperParts(SampleLog* local_ba_ms) {
-  MapperParts parts{&map_, &queue_, &statistics_, nullptr, nullptr, &looks_, local_ba_ms};
+  MapperParts parts{&map_, &queue_, &statistics_, nullptr, nullptr, &measurements_, local_ba_ms};
   parts.on_mapped = [this](KeyframeId id) { OnMapped(id); };
   parts.on_removed = [this](KeyframeId id) { places_.Remove(id); };
   return parts;

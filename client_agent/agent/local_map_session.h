@@ -82,7 +82,7 @@ class LocalMapSession : public MapJobs {
   std::atomic<uint64_t> map_bytes_ = 0;
   MappingQueue queue_;
   PointStatistics statistics_;
-  LookBook looks_;
+  MeasurementBook measurements_;
   PlaceIndex places_;
   const PlaceFinder find_places_;
   LoopCloser loop_closer_;

@@ -39,7 +39,7 @@ class FarMapsTest : public ::testing::Test {
   static FarMapsOptions Options() {
     FarMapsOptions options;
     options.max_bytes = 1 << 20;
-    options.max_look_bytes = 4 << 20;
+    options.max_bag_bytes = 4 << 20;
     options.radius = 10;
     return options;
   }
@@ -55,13 +55,13 @@ class FarMapsTest : public ::testing::Test {
 
   // The frame looks like the keyframe there.
   void At(double x, std::optional<uint32_t> looks_like = {}) {
-    FarLook look;
-    look.timestamp_ns = (time_ns_ += 1'000'000'000);
-    look.centre = Eigen::Vector3d(x, 0, 0);
+    FarFrame frame;
+    frame.timestamp_ns = (time_ns_ += 1'000'000'000);
+    frame.centre = Eigen::Vector3d(x, 0, 0);
     if (looks_like.has_value()) {
-      look.payload = SpooledRow({99}, 1, *looks_like).keyframes().begin()->second.payload;
+      frame.payload = SpooledRow({99}, 1, *looks_like).keyframes().begin()->second.payload;
     }
-    far_.Note(look);
+    far_.Note(frame);
     far_.Step();
   }
   void Take(LocalMapId for_local_map, const SharedUpdate& update) {
@@ -119,9 +119,9 @@ TEST_F(FarMapsTest, WhatComesBackIsBounded) {
   far.BeginLocalMap(kPassed, false);
   far.BeginLocalMap(kInUse, true);
   far.Keep(kPassed, map);
-  FarLook look;
-  look.centre = Eigen::Vector3d(50, 0, 0);
-  far.Note(look);
+  FarFrame frame;
+  frame.centre = Eigen::Vector3d(50, 0, 0);
+  far.Note(frame);
   far.Step();
   EXPECT_EQ(held_.size(), 6u);
 }
@@ -180,9 +180,9 @@ TEST_F(FarMapsTest, TheThreadDoesTheSame) {
   far.BeginLocalMap(kInUse, true);
   far.Keep(kPassed, MapOf(kPassed, 0));
   far.Start();
-  FarLook look;
-  look.centre = Eigen::Vector3d(50, 0, 0);
-  far.Note(look);
+  FarFrame frame;
+  frame.centre = Eigen::Vector3d(50, 0, 0);
+  far.Note(frame);
   came.WaitForNotification();
   far.Stop();
 }

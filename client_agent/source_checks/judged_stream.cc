@@ -25,27 +25,27 @@ bool IsHopeless(const SourceFinding& finding) {
 }  // namespace
 
 void LateWatch::Offer(const StreamFrame& frame, absl::Time now) {
-  if (looks_ == kMostLooks || look_.valid() || now < next_) return;
+  if (judgements_ == kMostJudgements || judging_.valid() || now < next_) return;
   if (!row_.empty() && row_.back().number + 1 != frame.frame.number) row_.clear();
   row_.push_back({frame.frame.number, frame.images});
   if (row_.size() < kFrames) return;
-  ++looks_;
-  look_ = std::async(std::launch::async, [this, row = std::exchange(row_, {})] {
+  ++judgements_;
+  judging_ = std::async(std::launch::async, [this, row = std::exchange(row_, {})] {
     return JudgeSample(calibration_, row);
   });
 }
 
 std::optional<SourceFinding> LateWatch::Take(bool waits, absl::Time now) {
-  if (!look_.valid()) return std::nullopt;
-  if (!waits && look_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) {
+  if (!judging_.valid()) return std::nullopt;
+  if (!waits && judging_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) {
     return std::nullopt;
   }
-  StereoJudgement judgement = look_.get();
-  next_ = now + kBetweenLooks;
+  StereoJudgement judgement = judging_.get();
+  next_ = now + kBetweenJudgements;
   const auto late = std::find_if(judgement.findings.begin(), judgement.findings.end(),
                                  [](const auto& found) { return found.code == "pair-late"; });
   if (late == judgement.findings.end()) return std::nullopt;
-  looks_ = kMostLooks;
+  judgements_ = kMostJudgements;
   return std::move(*late);
 }
 
@@ -116,7 +116,7 @@ absl::Status JudgedStream::Judge() {
   judges_ = !is_hopeless && judgement.pairs.size() < kFrames && ++tries_ < kMostTries;
   if (judges_) return absl::OkStatus();
   if (wanted_ == kFrames && MayBeLate(judgement)) {
-    wanted_ = kFramesOfSecondLook;
+    wanted_ = kFramesOfSecondTry;
     judges_ = true;
     return absl::OkStatus();
   }

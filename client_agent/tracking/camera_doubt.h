@@ -30,11 +30,11 @@ class CameraDoubt {
   bool has_warned() const { return has_warned_; }
 
  private:
-  bool Look(const Frame& frame, const std::vector<PointInView>& points);
+  bool HasExpectedCamera(const Frame& frame, const std::vector<PointInView>& points);
   void Warn(const Camera& said, const CameraFit& fit);
 
   int frames_ = 0;
-  int in_a_row_ = 0;  // Looks that found another camera.
+  int in_a_row_ = 0;  // Checks that found another camera.
   bool has_warned_ = false;
 };
 

@@ -97,8 +97,10 @@ class MissionSessions {
   Told* FindTold(const std::string& agent);
   // Returns the next update after one look at the state; nullopt: share.unfinished says whether to
   // look again.
-  absl::StatusOr<std::optional<SharedUpdate>> Look(uint64_t session_id, const std::string& agent,
-                                                   size_t byte_budget, ShareState& share) const;
+  absl::StatusOr<std::optional<SharedUpdate>> PollUpdate(uint64_t session_id,
+                                                         const std::string& agent,
+                                                         size_t byte_budget,
+                                                         ShareState& share) const;
 
   MissionStrand& strand_;
   EventBook& events_;

@@ -171,7 +171,7 @@ absl::StatusOr<std::vector<MapChanges>> MissionSnapshots::TellPast(
   const ReturnsFreeMemory after;
   MapReplay past(options, beginning.progress, check_memory);
   const absl::StatusOr<MissionState> state =
-      Replay(beginning, goes_on, [&past](const MissionState& then) { return past.Look(then); });
+      Replay(beginning, goes_on, [&past](const MissionState& then) { return past.Note(then); });
   // The replay's own words of what has ended it would name the journal's folder.
   RETURN_IF_ERROR(past.status());
   if (strand_.IsDeleted()) return strand_.Deleted();

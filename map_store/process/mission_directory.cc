@@ -164,7 +164,7 @@ KnownMission MissionDirectory::Describe(const std::string& name, const Entry& en
   return {name, entry.mission, entry.evicted, entry.damage, entry.last_used, entry.users > 0};
 }
 
-absl::StatusOr<KnownMission> MissionDirectory::Look(absl::string_view name) const {
+absl::StatusOr<KnownMission> MissionDirectory::Peek(absl::string_view name) const {
   absl::MutexLock lock(&mutex_);
   ASSIGN_OR_RETURN(const EntryPtr entry, Find(name));
   return Describe(std::string(name), *entry);

@@ -83,7 +83,7 @@ class MissionDirectory {
   // Those who only look: what they get may leave memory, and they are no users.
 
   // Returns NOT_FOUND where there is none, or one that is being made.
-  absl::StatusOr<KnownMission> Look(absl::string_view name) const ABSL_LOCKS_EXCLUDED(mutex_);
+  absl::StatusOr<KnownMission> Peek(absl::string_view name) const ABSL_LOCKS_EXCLUDED(mutex_);
   // Returns those behind `after` in the order of names, `count` at most.
   std::vector<KnownMission> List(absl::string_view after, size_t count) const
       ABSL_LOCKS_EXCLUDED(mutex_);

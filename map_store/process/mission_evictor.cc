@@ -53,7 +53,7 @@ void MissionEvictor::Run() {
 }
 
 absl::Status MissionEvictor::Evict(absl::string_view name) {
-  ASSIGN_OR_RETURN(const KnownMission known, directory_.Look(name));
+  ASSIGN_OR_RETURN(const KnownMission known, directory_.Peek(name));
   if (!known.damage.ok()) return absl::DataLossError(SayDamage(name, known.damage));
   if (known.mission == nullptr) return absl::OkStatus();
   return TryEvict({known.name, known.mission, known.last_used}, /*in_haste=*/false,

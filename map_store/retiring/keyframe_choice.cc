@@ -155,9 +155,9 @@ class Choice {
   }
 
   bool IsInCompany(KeyframeId id) const {
-    std::set<LocalMapId> looks;
-    for (const KeyframeId& other : CompanyOf(id)) looks.insert(other.local_map);
-    return looks.size() >= options_.max_looks;
+    std::set<LocalMapId> visits;
+    for (const KeyframeId& other : CompanyOf(id)) visits.insert(other.local_map);
+    return visits.size() >= options_.max_visits;
   }
 
   // Returns the share of the landmarks that it observes of which enough others see.

@@ -27,9 +27,9 @@ struct ChoiceOptions {
   // makes keyframes neighbours.
   int min_shared = 15;
   // Where keyframes of so many other local maps look at the same place, a keyframe may go whatever
-  // of it they see, by day and by night: so many looks a place has. Those of which the others see
-  // most go first, so that looks that differ are left.
-  size_t max_looks = 3;
+  // of it they see, by day and by night: so many visits of a place are enough. Those of which the
+  // others see most go first, so that visits that differ are left.
+  size_t max_visits = 3;
   // Such a keyframe may take more landmarks with it.
   double max_homeless_share_in_company = 0.3;
   CompanyOptions company;
@@ -41,7 +41,7 @@ struct StayCounts {
   size_t newest = 0;    // Nothing later looks at the place.
   size_t links = 0;     // Their overlap alone joins local maps.
   size_t homeless = 0;  // Others would lose too many landmarks.
-  size_t unseen = 0;    // Too few others see what they see, and the place has looks to spare.
+  size_t unseen = 0;    // Too few others see what they see, and the place has visits to spare.
   size_t unplaced = 0;  // Nothing that stays could stand in.
 };
 

@@ -73,7 +73,7 @@ class CredentialWatch {
   // Begins to look. Called once.
   void Start();
   // Reads all sources now.
-  void Look() ABSL_LOCKS_EXCLUDED(mutex_);
+  void Poll() ABSL_LOCKS_EXCLUDED(mutex_);
 
   std::vector<CredentialState> states() const ABSL_LOCKS_EXCLUDED(mutex_);
 

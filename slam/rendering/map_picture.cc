@@ -75,13 +75,13 @@ absl::StatusOr<cv::Mat> RenderMap(const MapPicture& picture, const MapPictureOpt
   }
 }
 
-absl::StatusOr<std::string> RenderMapSvg(const MapPicture& picture, SvgLook look,
+absl::StatusOr<std::string> RenderMapSvg(const MapPicture& picture, SvgStyle style,
                                          const MapPictureOptions& options) {
   if (const absl::Status status = Check(picture, options); !status.ok()) return status;
   const MapView view = ChooseView(picture);
   const PictureLayout layout =
-      ArrangePicture(picture, view, options.width_px, SvgSurface(1, 1, look));
-  SvgSurface surface(options.width_px, layout.height_px, look);
+      ArrangePicture(picture, view, options.width_px, SvgSurface(1, 1, style));
+  SvgSurface surface(options.width_px, layout.height_px, style);
   Draw(picture, view, layout, surface);
   return surface.Finish(picture.title);
 }

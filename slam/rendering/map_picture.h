@@ -46,7 +46,7 @@ struct MapPictureOptions {
 absl::StatusOr<cv::Mat> RenderMap(const MapPicture& picture, const MapPictureOptions& options = {});
 
 // Draws the same as SVG.
-absl::StatusOr<std::string> RenderMapSvg(const MapPicture& picture, SvgLook look,
+absl::StatusOr<std::string> RenderMapSvg(const MapPicture& picture, SvgStyle style,
                                          const MapPictureOptions& options = {});
 
 // Writes a picture of the kind that the path's ending names, .png say. INVALID_ARGUMENT names an

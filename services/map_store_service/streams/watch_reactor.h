@@ -22,7 +22,7 @@
 
 namespace corbslam::services {
 
-enum class WatchJob { kNone, kWrite, kFinish, kLook };
+enum class WatchJob { kNone, kWrite, kFinish, kPoll };
 
 // Looks whenever something has changed and what was found before is written, so that a slow reader
 // costs no more memory than one look finds. Derived classes say where to look. Owns itself once it
@@ -70,7 +70,7 @@ class WatchReactor : public grpc::ServerWriteReactor<Response>, private StreamTa
   // These are called by one thread at a time, without locks. Subscribe comes first, until it is OK;
   // an error ends the stream. `listener` may be called from any thread, at any time.
   virtual absl::Status Subscribe(std::function<void()> listener) = 0;
-  virtual absl::StatusOr<Found> Look() = 0;
+  virtual absl::StatusOr<Found> Poll() = 0;
   // Called last, after a Subscribe that was OK.
   virtual void Unsubscribe() = 0;
 
@@ -86,19 +86,19 @@ class WatchReactor : public grpc::ServerWriteReactor<Response>, private StreamTa
     if (writing_) return WatchJob::kNone;
     if (cancelled_ || end_) return WatchJob::kFinish;
     if (!messages_.empty()) return WatchJob::kWrite;
-    return changed_ ? WatchJob::kLook : WatchJob::kNone;
+    return changed_ ? WatchJob::kPoll : WatchJob::kNone;
   }
 
   void BeginJob(WatchJob job) override ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
     if (job == WatchJob::kWrite) writing_ = true;
-    if (job == WatchJob::kLook) changed_ = false;
+    if (job == WatchJob::kPoll) changed_ = false;
   }
 
   void DoJob(WatchJob job) override {
     if (job == WatchJob::kWrite) WriteNext();
-    if (job == WatchJob::kLook) {
-      absl::Status status = LookAndKeep();
-      if (!status.ok()) status = LookAgain(status);
+    if (job == WatchJob::kPoll) {
+      absl::Status status = PollAndKeep();
+      if (!status.ok()) status = PollAgain(status);
       absl::MutexLock lock(&mutex_);
       if (!status.ok()) end_ = status;
     }
@@ -115,10 +115,10 @@ class WatchReactor : public grpc::ServerWriteReactor<Response>, private StreamTa
     this->StartWrite(message);
   }
 
-  absl::Status LookAndKeep() {
+  absl::Status PollAndKeep() {
     if (!subscribed_) RETURN_IF_ERROR(Subscribe(link_.Guard([this] { OnChange(); })));
     subscribed_ = true;
-    ASSIGN_OR_RETURN(Found found, Look());
+    ASSIGN_OR_RETURN(Found found, Poll());
     absl::MutexLock lock(&mutex_);
     held_.reset();
     changed_ = changed_ || found.more;
@@ -127,7 +127,7 @@ class WatchReactor : public grpc::ServerWriteReactor<Response>, private StreamTa
   }
 
   // Looks again once what was not there is; returns the error if it never will be.
-  absl::Status LookAgain(const absl::Status& error) {
+  absl::Status PollAgain(const absl::Status& error) {
     return pool().Defer(error, link_.Guard([this](const auto& ready) {
       Note([this, &ready]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
         changed_ = ready.ok();

@@ -99,7 +99,7 @@ absl::Status Draw(const ServedMap& map, const std::string& own, const FusedAccur
   const MapPicture picture = ComposePicture(map, own, accuracy, DrivenOf(robots));
   if (IsSvg(arguments.out)) {
     ASSIGN_OR_RETURN(const std::string svg,
-                     RenderMapSvg(picture, SvgLook::kAlone, arguments.picture));
+                     RenderMapSvg(picture, SvgStyle::kAlone, arguments.picture));
     return WriteWhole(arguments.out, svg);
   }
   ASSIGN_OR_RETURN(const cv::Mat image, RenderMap(picture, arguments.picture));

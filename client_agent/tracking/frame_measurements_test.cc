@@ -1,4 +1,4 @@
-#include "client_agent/tracking/frame_looks.h"
+#include "client_agent/tracking/frame_measurements.h"
 
 #include <gtest/gtest.h>
 
@@ -13,11 +13,11 @@ namespace {
 
 // Eight keyframes in a row with noise in their pixels and none in their poses. A frame stands where
 // the last but one of them does, and sees the same points exactly.
-class FrameLooksTest : public ::testing::Test {
+class FrameMeasurementsTest : public ::testing::Test {
  protected:
   static constexpr uint32_t kSameView = 6;
 
-  FrameLooksTest() : scene_(testing::MakeSyntheticScene(Options())) {
+  FrameMeasurementsTest() : scene_(testing::MakeSyntheticScene(Options())) {
     const Keyframe& view = *scene_.map.FindKeyframe(Id(kSameView));
     Features features = view.payload->features;
     frame_.associations.resize(features.keypoints.size());
@@ -47,8 +47,8 @@ class FrameLooksTest : public ::testing::Test {
   }
   static KeyframeId Id(uint32_t index) { return {Options().local_map, index}; }
 
-  std::vector<Look> Find(const Map& map) const {
-    return FindLooks(map, Options().local_map, frame_);
+  std::vector<KeypointMeasurement> Find(const Map& map) const {
+    return FindMeasurements(map, Options().local_map, frame_);
   }
 
   // Returns the root mean square of what the keyframe's keypoints differ from the truth, in pixels.
@@ -71,11 +71,11 @@ class FrameLooksTest : public ::testing::Test {
   Frame frame_;
 };
 
-TEST_F(FrameLooksTest, BringTheNewestKeyframesNearerToTheTruth) {
-  const std::vector<Look> looks = Find(scene_.map);
-  ASSERT_GT(looks.size(), 100u);
-  LookBook book;
-  book.Add(looks);
+TEST_F(FrameMeasurementsTest, BringTheNewestKeyframesNearerToTheTruth) {
+  const std::vector<KeypointMeasurement> measurements = Find(scene_.map);
+  ASSERT_GT(measurements.size(), 100u);
+  MeasurementBook book;
+  book.Add(measurements);
   for (const auto& [id, of_keyframe] : book.TakeUpTo(Id(7))) {
     const std::vector<Keypoint>& before = scene_.map.FindKeyframe(id)->keypoints();
     EXPECT_LT(PixelError(Averaged(before, of_keyframe), id), 0.8 * PixelError(before, id))
@@ -83,30 +83,31 @@ TEST_F(FrameLooksTest, BringTheNewestKeyframesNearerToTheTruth) {
   }
 }
 
-TEST_F(FrameLooksTest, APointsOwnErrorCancels) {
+TEST_F(FrameMeasurementsTest, APointsOwnErrorCancels) {
   Map displaced = scene_.map;
   for (const auto& [id, point] : scene_.map.points()) {
     displaced.SetPosition(id, point.position_in_map + Eigen::Vector3d(0.01, 0, 0));
   }
-  const std::vector<Look> looks = Find(scene_.map);
-  const std::vector<Look> of_displaced = Find(displaced);
-  ASSERT_EQ(looks.size(), of_displaced.size());
-  for (size_t i = 0; i < looks.size(); ++i) {
-    EXPECT_LT((looks[i].shift_px - of_displaced[i].shift_px).norm(), 0.05);
+  const std::vector<KeypointMeasurement> measurements = Find(scene_.map);
+  const std::vector<KeypointMeasurement> of_displaced = Find(displaced);
+  ASSERT_EQ(measurements.size(), of_displaced.size());
+  for (size_t i = 0; i < measurements.size(); ++i) {
+    EXPECT_LT((measurements[i].shift_px - of_displaced[i].shift_px).norm(), 0.05);
   }
 }
 
-TEST_F(FrameLooksTest, AreOfTheNewestThatSeesThePointIfItIsProvisional) {
+TEST_F(FrameMeasurementsTest, AreOfTheNewestThatSeesThePointIfItIsProvisional) {
   const KeyframeId settled = NewestBut(scene_.map, Options().local_map, kProvisionalKeyframes);
   ASSERT_EQ(settled, Id(1));
-  for (const Look& look : Find(scene_.map)) {
-    EXPECT_GT(look.keyframe, settled);
-    const MapPointId point = scene_.map.FindKeyframe(look.keyframe)->points[look.keypoint];
-    EXPECT_EQ(scene_.map.FindPoint(point)->observations.rbegin()->first, look.keyframe);
+  for (const KeypointMeasurement& measurement : Find(scene_.map)) {
+    EXPECT_GT(measurement.keyframe, settled);
+    const MapPointId point =
+        scene_.map.FindKeyframe(measurement.keyframe)->points[measurement.keypoint];
+    EXPECT_EQ(scene_.map.FindPoint(point)->observations.rbegin()->first, measurement.keyframe);
   }
 }
 
-TEST_F(FrameLooksTest, WhatNoiseDoesNotExplainIsNone) {
+TEST_F(FrameMeasurementsTest, WhatNoiseDoesNotExplainIsNone) {
   const size_t all = Find(scene_.map).size();
   Features features = frame_.payload->features;
   for (Keypoint& keypoint : features.keypoints) keypoint.x_px += 30;
@@ -114,13 +115,13 @@ TEST_F(FrameLooksTest, WhatNoiseDoesNotExplainIsNone) {
   EXPECT_LT(Find(scene_.map).size(), all / 100);
 }
 
-TEST_F(FrameLooksTest, WithoutItsReferenceAFrameHasNone) {
+TEST_F(FrameMeasurementsTest, WithoutItsReferenceAFrameHasNone) {
   frame_.reference = Id(99);
   EXPECT_TRUE(Find(scene_.map).empty());
 }
 
-TEST_F(FrameLooksTest, OthersKeyframesGetNone) {
-  EXPECT_TRUE(FindLooks(scene_.map, LocalMapId{99}, frame_).empty());
+TEST_F(FrameMeasurementsTest, OthersKeyframesGetNone) {
+  EXPECT_TRUE(FindMeasurements(scene_.map, LocalMapId{99}, frame_).empty());
 }
 
 }  // namespace

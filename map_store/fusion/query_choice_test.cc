@@ -1,5 +1,5 @@
-// Tests how many look-ups workers are asked for, where every place looks like every other.
-#include "map_store/fusion/lookup_choice.h"
+// Tests how many queries workers are asked for, where every place looks like every other.
+#include "map_store/fusion/query_choice.h"
 
 #include <gtest/gtest.h>
 
@@ -85,7 +85,7 @@ Row FuseVisits(size_t robots) {
   return Fuse({robots, 0.3, false}, options);
 }
 
-TEST(LookupChoiceTest, LookUpsGrowWithKeyframesNotWithLocalMaps) {
+TEST(QueryChoiceTest, QueriesGrowWithKeyframesNotWithLocalMaps) {
   const Row four = FuseRow(4, false);
   const Row eight = FuseRow(8, false);
   const Row twelve = FuseRow(12, false);
@@ -97,14 +97,14 @@ TEST(LookupChoiceTest, LookUpsGrowWithKeyframesNotWithLocalMaps) {
   EXPECT_LE(twelve.look_ups - eight.look_ups, (eight.look_ups - four.look_ups) * 5 / 4);
 }
 
-TEST(LookupChoiceTest, ARobotsNextLocalMapIsHeldAgainstItsLastBesideTheBest) {
+TEST(QueryChoiceTest, ARobotsNextLocalMapIsHeldAgainstItsLastBesideTheBest) {
   const Row twelve = FuseRow(12, true);
   EXPECT_EQ(twelve.islands, 1u);
   EXPECT_LE(twelve.most_of_a_keyframe, 4u);
 }
 
 // Where two others hold a place already, eight more visits of it are not asked, too.
-TEST(LookupChoiceTest, KnownGroundCostsTheSameHoweverOftenItWasVisited) {
+TEST(QueryChoiceTest, KnownGroundCostsTheSameHoweverOftenItWasVisited) {
   const Row four = FuseVisits(4);
   const Row twelve = FuseVisits(12);
   EXPECT_EQ(four.islands, 1u);
@@ -113,9 +113,9 @@ TEST(LookupChoiceTest, KnownGroundCostsTheSameHoweverOftenItWasVisited) {
   EXPECT_LE(twelve.of_the_last, four.of_the_last);
 }
 
-class NextToLookUpTest : public ::testing::Test {
+class NextToQueryTest : public ::testing::Test {
  protected:
-  NextToLookUpTest() {
+  NextToQueryTest() {
     for (const LocalMapId id : {kJoined, kPartner, kAlone}) {
       AddLocalMap(state_, id, ToString(id));
       state_.queries.Push({id, 1}, {kPartner});
@@ -132,29 +132,29 @@ class NextToLookUpTest : public ::testing::Test {
   MissionState state_;
 };
 
-TEST_F(NextToLookUpTest, NothingIsChosenWhereNothingWaits) {
+TEST_F(NextToQueryTest, NothingIsChosenWhereNothingWaits) {
   state_.queries.Clear();
-  EXPECT_FALSE(ChooseNextToLookUp(state_).IsValid());
+  EXPECT_FALSE(ChooseNextToQuery(state_).IsValid());
 }
 
-TEST_F(NextToLookUpTest, WhoIsNotJoinedComesFirst) {
-  EXPECT_EQ(ChooseNextToLookUp(state_), kAlone);
+TEST_F(NextToQueryTest, WhoIsNotJoinedComesFirst) {
+  EXPECT_EQ(ChooseNextToQuery(state_), kAlone);
   state_.FindLocalMap(kAlone)->closed = true;
-  EXPECT_EQ(ChooseNextToLookUp(state_), kAlone);
+  EXPECT_EQ(ChooseNextToQuery(state_), kAlone);
 }
 
-TEST_F(NextToLookUpTest, WhoDrivesComesBeforeWhoHasEnded) {
+TEST_F(NextToQueryTest, WhoDrivesComesBeforeWhoHasEnded) {
   state_.queries.BringForward(kAlone);
   state_.queries.PopFront();
-  EXPECT_EQ(ChooseNextToLookUp(state_), kJoined) << "it has waited longest";
+  EXPECT_EQ(ChooseNextToQuery(state_), kJoined) << "it has waited longest";
   state_.FindLocalMap(kJoined)->closed = true;
-  EXPECT_EQ(ChooseNextToLookUp(state_), kPartner);
+  EXPECT_EQ(ChooseNextToQuery(state_), kPartner);
 }
 
 // A mission may be deleted, or derived anew, between the claim of a lane and the choice.
-TEST(LookupChoiceTest, OfAnEmptyQueueNothingIsChosen) {
+TEST(QueryChoiceTest, OfAnEmptyQueueNothingIsChosen) {
   UnbrokenRead read;
-  const auto chosen = ChooseLookups(MissionState(), DeterministicOptions(), read);
+  const auto chosen = ChooseQueriedMaps(MissionState(), DeterministicOptions(), read);
   ASSERT_TRUE(chosen.ok()) << chosen.status();
   EXPECT_TRUE(chosen->empty());
 }

@@ -1,4 +1,4 @@
-#include "map_store/fusion/lookup_choice.h"
+#include "map_store/fusion/query_choice.h"
 
 #include <algorithm>
 #include <tuple>
@@ -31,7 +31,7 @@ bool AreJoined(const MissionState& state, LocalMapId a, LocalMapId b) {
 
 // Lists the local maps in which something is to be verified, the most alike first. Once a place is
 // linked to others of its island, the rest of the island, which is linked to these, has nothing
-// new: else each visit would be looked up in all visits before it.
+// new: else each visit would query all visits before it.
 absl::StatusOr<std::vector<Prospect>> ListProspects(const MissionState& state,
                                                     const MapStoreOptions& options,
                                                     LongRead& read) {
@@ -61,7 +61,7 @@ absl::StatusOr<std::vector<Prospect>> ListProspects(const MissionState& state,
 
 }  // namespace
 
-LocalMapId ChooseNextToLookUp(const MissionState& state) {
+LocalMapId ChooseNextToQuery(const MissionState& state) {
   const std::vector<LocalMapId> waiting = state.queries.WaitingLocalMaps();
   if (waiting.empty()) return LocalMapId();
   return *std::ranges::min_element(waiting, {}, [&state](LocalMapId id) {
@@ -72,9 +72,9 @@ LocalMapId ChooseNextToLookUp(const MissionState& state) {
   });
 }
 
-absl::StatusOr<std::vector<LocalMapId>> ChooseLookups(const MissionState& state,
-                                                      const MapStoreOptions& options,
-                                                      LongRead& read) {
+absl::StatusOr<std::vector<LocalMapId>> ChooseQueriedMaps(const MissionState& state,
+                                                          const MapStoreOptions& options,
+                                                          LongRead& read) {
   if (state.queries.empty()) return std::vector<LocalMapId>();
   ASSIGN_OR_RETURN(const std::vector<Prospect> prospects, ListProspects(state, options, read));
   std::vector<Prospect> chosen;

@@ -1,4 +1,4 @@
-#include "client_agent/tracking/frame_looks.h"
+#include "client_agent/tracking/frame_measurements.h"
 
 #include <cstdint>
 #include <iterator>
@@ -30,16 +30,18 @@ std::optional<Residual> ResidualOf(const Keypoint& keypoint, const Camera& camer
                   keypoint.disparity_px - DisparityFromDepth(camera, depth)};
 }
 
-bool IsNoise(const Look& look, double own_variance_px2) {
-  const double pixel_chi2 = look.shift_px.squaredNorm() / (look.variance_px2 + own_variance_px2);
-  const double disparity_chi2 = look.disparity_shift_px * look.disparity_shift_px /
-                                (look.disparity_variance_px2 + own_variance_px2);
+bool IsNoise(const KeypointMeasurement& measurement, double own_variance_px2) {
+  const double pixel_chi2 =
+      measurement.shift_px.squaredNorm() / (measurement.variance_px2 + own_variance_px2);
+  const double disparity_chi2 = measurement.disparity_shift_px * measurement.disparity_shift_px /
+                                (measurement.disparity_variance_px2 + own_variance_px2);
   return pixel_chi2 <= kMaxPixelChi2 && disparity_chi2 <= kMaxDisparityChi2;
 }
 
 // The point's own error is in both residuals, and cancels.
-std::optional<Look> LookAt(const Keyframe& keyframe, uint32_t index, const MapPoint& point,
-                           const Rigid3d& frame_from_map, const Keypoint& seen) {
+std::optional<KeypointMeasurement> Measure(const Keyframe& keyframe, uint32_t index,
+                                           const MapPoint& point, const Rigid3d& frame_from_map,
+                                           const Keypoint& seen) {
   const Keypoint& keypoint = keyframe.keypoints()[index];
   const auto in_frame = ResidualOf(seen, keyframe.camera(), frame_from_map * point.position_in_map);
   const auto in_keyframe =
@@ -48,17 +50,18 @@ std::optional<Look> LookAt(const Keyframe& keyframe, uint32_t index, const MapPo
   // A pixel of the frame is so many in the keyframe. A disparity scales by the square, because it
   // is one over depth.
   const double scale = in_frame->depth / in_keyframe->depth;
-  Look look;
-  look.keyframe = keyframe.id();
-  look.keypoint = index;
-  look.shift_px = scale * in_frame->pixel_px - in_keyframe->pixel_px;
-  look.variance_px2 = scale * scale * ScalePyramid::Variance_px2(seen.octave);
+  KeypointMeasurement measurement;
+  measurement.keyframe = keyframe.id();
+  measurement.keypoint = index;
+  measurement.shift_px = scale * in_frame->pixel_px - in_keyframe->pixel_px;
+  measurement.variance_px2 = scale * scale * ScalePyramid::Variance_px2(seen.octave);
   if (seen.HasDepth() && keypoint.HasDepth()) {
-    look.disparity_shift_px = scale * scale * in_frame->disparity_px - in_keyframe->disparity_px;
-    look.disparity_variance_px2 = scale * scale * look.variance_px2;
+    measurement.disparity_shift_px =
+        scale * scale * in_frame->disparity_px - in_keyframe->disparity_px;
+    measurement.disparity_variance_px2 = scale * scale * measurement.variance_px2;
   }
-  if (!IsNoise(look, ScalePyramid::Variance_px2(keypoint.octave))) return std::nullopt;
-  return look;
+  if (!IsNoise(measurement, ScalePyramid::Variance_px2(keypoint.octave))) return std::nullopt;
+  return measurement;
 }
 
 // Ids of one local map are in the order in which its keyframes were made.
@@ -73,10 +76,11 @@ std::optional<std::pair<KeyframeId, uint32_t>> NewestOf(const MapPoint& point, L
 
 }  // namespace
 
-std::vector<Look> FindLooks(const Map& map, LocalMapId own, const Frame& frame) {
-  std::vector<Look> looks;
+std::vector<KeypointMeasurement> FindMeasurements(const Map& map, LocalMapId own,
+                                                  const Frame& frame) {
+  std::vector<KeypointMeasurement> measurements;
   const Keyframe* reference = map.FindKeyframe(frame.reference);
-  if (reference == nullptr) return looks;
+  if (reference == nullptr) return measurements;
   // The map, and with it the frame's reference, may have moved since the frame was tracked.
   const Rigid3d frame_from_map = frame.camera_from_reference * reference->camera_from_map;
   const KeyframeId settled = NewestBut(map, own, kProvisionalKeyframes);
@@ -86,11 +90,11 @@ std::vector<Look> FindLooks(const Map& map, LocalMapId own, const Frame& frame) 
     if (point == nullptr) continue;
     const auto newest = NewestOf(*point, own);
     if (!newest.has_value() || (settled.IsValid() && newest->first <= settled)) continue;
-    const auto look = LookAt(*map.FindKeyframe(newest->first), newest->second, *point,
-                             frame_from_map, frame.keypoints()[i]);
-    if (look.has_value()) looks.push_back(*look);
+    const auto measurement = Measure(*map.FindKeyframe(newest->first), newest->second, *point,
+                                     frame_from_map, frame.keypoints()[i]);
+    if (measurement.has_value()) measurements.push_back(*measurement);
   }
-  return looks;
+  return measurements;
 }
 
 }  // namespace corbslam::client_agent
