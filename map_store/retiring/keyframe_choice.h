@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "absl/container/flat_hash_set.h"
-#include "map_store/retiring/company.h"
 #include "map_store/retiring/landmark_sights.h"
+#include "map_store/retiring/other_visits.h"
 #include "map_store/retiring/retirement.h"
 #include "map_store/retiring/retiring_view.h"
 
@@ -31,8 +31,8 @@ struct ChoiceOptions {
   // others see most go first, so that visits that differ are left.
   size_t max_visits = 3;
   // Such a keyframe may take more landmarks with it.
-  double max_homeless_share_in_company = 0.3;
-  CompanyOptions company;
+  double max_homeless_share_where_visited = 0.3;
+  OtherVisitsOptions other_visits;
 };
 
 // Why candidates stay: how many for each reason, the first that holds.
@@ -51,9 +51,9 @@ std::string ToString(const StayCounts& counts);
 // turn: those that hold no overlap before those that do, those of earlier local maps before later
 // ones, those of which most is seen first. What the last local map that sees a place has of it
 // stays, and so do the root of a local map that is no part of another, keyframes whose overlap
-// alone joins local maps, and those that nothing stands in for. Then those go that stand in
-// company, those of which most is seen first. `faded` landmarks don't count. Counts in `stays`, if
-// given, what stays. Pure.
+// alone joins local maps, and those that nothing stands in for. Then those go at whose
+// places there are enough other visits, those of which most is seen first. `faded` landmarks don't
+// count. Counts in `stays`, if given, what stays. Pure.
 std::vector<RetiredKeyframe> ChooseKeyframes(const RetiringView& view,
                                              const SightsOfLandmarks& sights,
                                              const absl::flat_hash_set<MapPointId>& faded,

@@ -207,11 +207,11 @@ class VisitsOfAPlaceTest : public KeyframeChoiceTest {
  protected:
   VisitsOfAPlaceTest() { options_.seen_share = 2; }
   // Local maps of which keyframes that stay look at the keyframe's place.
-  static size_t CountVisits(const Company& company, KeyframeId id,
+  static size_t CountVisits(const OtherVisits& other_visits, KeyframeId id,
                             const std::set<KeyframeId>& going) {
     std::set<LocalMapId> visits;
-    const auto it = company.find(id);
-    if (it == company.end()) return 0;
+    const auto it = other_visits.find(id);
+    if (it == other_visits.end()) return 0;
     for (const KeyframeId& other : it->second) {
       if (!going.contains(other)) visits.insert(other.local_map);
     }
@@ -232,13 +232,14 @@ TEST_F(VisitsOfAPlaceTest, AreBounded) {
   EXPECT_FALSE(counts.contains(LocalMapId{5})) << "the newest visit stays";
   std::set<KeyframeId> going;
   for (const RetiredKeyframe& one : retired) going.insert(one.id);
-  const Company company = FindCompany(view_, {});
+  const OtherVisits other_visits = FindOtherVisits(view_, {});
   for (const KeyframeId& id : view_.candidates) {
     if (going.contains(id) || id.index == 0 || id.local_map == LocalMapId{5}) continue;
-    EXPECT_LT(CountVisits(company, id, going), options_.max_visits) << ToString(id);
+    EXPECT_LT(CountVisits(other_visits, id, going), options_.max_visits) << ToString(id);
   }
   for (const RetiredKeyframe& one : retired) {
-    EXPECT_GE(CountVisits(company, one.id, going), options_.max_visits - 1) << ToString(one.id);
+    EXPECT_GE(CountVisits(other_visits, one.id, going), options_.max_visits - 1)
+        << ToString(one.id);
   }
 }
 
@@ -248,7 +249,7 @@ TEST_F(VisitsOfAPlaceTest, StayWhileThereIsRoom) {
 }
 
 TEST_F(VisitsOfAPlaceTest, ThatOthersDependOnStay) {
-  options_.max_homeless_share_in_company = -1;
+  options_.max_homeless_share_where_visited = -1;
   EXPECT_TRUE(Choose(view_, options_).empty());
 }
 

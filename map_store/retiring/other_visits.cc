@@ -1,4 +1,4 @@
-#include "map_store/retiring/company.h"
+#include "map_store/retiring/other_visits.h"
 
 #include <algorithm>
 #include <optional>
@@ -36,12 +36,12 @@ std::optional<double> MedianDistance(const Map& map, const Keyframe& keyframe,
 
 }  // namespace
 
-Company FindCompany(const RetiringView& view, const CompanyOptions& options) {
+OtherVisits FindOtherVisits(const RetiringView& view, const OtherVisitsOptions& options) {
   std::vector<Stand> stands;
   for (const auto& [id, keyframe] : view.map.keyframes()) {
     if (view.closed.contains(id.local_map)) stands.push_back(StandOf(keyframe));
   }
-  Company company;
+  OtherVisits other_visits;
   for (const KeyframeId& id : view.candidates) {
     const Keyframe* keyframe = view.map.FindKeyframe(id);
     if (keyframe == nullptr) continue;
@@ -52,10 +52,10 @@ Company FindCompany(const RetiringView& view, const CompanyOptions& options) {
       if (other.id.local_map == id.local_map) continue;
       const bool is_near = (other.center - here.center).norm() <= options.near_share * *distance;
       if (!is_near || other.axis.dot(here.axis) < options.min_axis_cosine) continue;
-      company[id].push_back(other.id);
+      other_visits[id].push_back(other.id);
     }
   }
-  return company;
+  return other_visits;
 }
 
 }  // namespace corbslam::map_store

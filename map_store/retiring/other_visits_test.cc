@@ -1,4 +1,4 @@
-#include "map_store/retiring/company.h"
+#include "map_store/retiring/other_visits.h"
 
 #include <gtest/gtest.h>
 
@@ -23,28 +23,28 @@ SyntheticMap DriveFrom(uint64_t session, double begin_degrees) {
   return MakeSyntheticMap(TheWorld().world, PosesOnRing(begin_degrees, 4, 6), options);
 }
 
-TEST(CompanyTest, WhoLooksAtTheSamePlaceWithoutSharingALandmark) {
+TEST(OtherVisitsTest, WhoLooksAtTheSamePlaceWithoutSharingALandmark) {
   const SyntheticMap first = DriveFrom(1, 1);
   const SyntheticMap second = DriveFrom(2, 1);
   const RetiringView view = MakeDriveView({&first, &second}, TheWorld().world, Joined::kNone);
-  const Company company = FindCompany(view, {});
+  const OtherVisits other_visits = FindOtherVisits(view, {});
   for (uint32_t i = 0; i < 6; ++i) {
     const KeyframeId id{{1}, i};
-    ASSERT_TRUE(company.contains(id));
-    const std::vector<KeyframeId>& others = company.at(id);
+    ASSERT_TRUE(other_visits.contains(id));
+    const std::vector<KeyframeId>& others = other_visits.at(id);
     EXPECT_TRUE(std::ranges::find(others, KeyframeId{{2}, i}) != others.end());
     for (const KeyframeId& other : others) EXPECT_EQ(other.local_map, LocalMapId{2});
   }
 }
 
-TEST(CompanyTest, NobodyWhoStandsElsewhere) {
+TEST(OtherVisitsTest, NobodyWhoStandsElsewhere) {
   const SyntheticMap first = DriveFrom(1, 1);
   const SyntheticMap second = DriveFrom(2, 180);
-  EXPECT_TRUE(
-      FindCompany(MakeDriveView({&first, &second}, TheWorld().world, Joined::kNone), {}).empty());
+  EXPECT_TRUE(FindOtherVisits(MakeDriveView({&first, &second}, TheWorld().world, Joined::kNone), {})
+                  .empty());
 }
 
-TEST(CompanyTest, NobodyWhoLooksElsewhere) {
+TEST(OtherVisitsTest, NobodyWhoLooksElsewhere) {
   const SyntheticMap first = DriveFrom(1, 1);
   const SyntheticMap second = DriveFrom(2, 1);
   RetiringView view = MakeDriveView({&first, &second}, TheWorld().world, Joined::kNone);
@@ -54,15 +54,15 @@ TEST(CompanyTest, NobodyWhoLooksElsewhere) {
     const Rigid3d& pose = view.map.FindKeyframe(id)->camera_from_map;
     view.map.SetPose(id, Rigid3d{turn, Eigen::Vector3d::Zero()} * pose);
   }
-  EXPECT_TRUE(FindCompany(view, {}).empty());
+  EXPECT_TRUE(FindOtherVisits(view, {}).empty());
 }
 
-TEST(CompanyTest, NobodyOfALocalMapThatIsOpen) {
+TEST(OtherVisitsTest, NobodyOfALocalMapThatIsOpen) {
   const SyntheticMap first = DriveFrom(1, 1);
   const SyntheticMap second = DriveFrom(2, 1);
   RetiringView view = MakeDriveView({&first, &second}, TheWorld().world, Joined::kNone);
   view.closed.erase(LocalMapId{2});
-  for (const auto& [id, others] : FindCompany(view, {})) EXPECT_EQ(id.local_map, LocalMapId{2});
+  for (const auto& [id, others] : FindOtherVisits(view, {})) EXPECT_EQ(id.local_map, LocalMapId{2});
 }
 
 }  // namespace
