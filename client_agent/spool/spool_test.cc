@@ -188,7 +188,7 @@ TEST_F(SpoolTest, AnOlderVersionIsRead) {
 
 TEST_F(SpoolTest, TheKindOfARecordIsKept) {
   using Kind = SpoolRecord::Kind;
-  const std::vector<Kind> kinds = {Kind::kBatch, Kind::kWholePart, Kind::kWholeEnd,
+  const std::vector<Kind> kinds = {Kind::kBatch, Kind::kSnapshotPart, Kind::kSnapshotEnd,
                                    Kind::kHeldBackKeyframe, Kind::kHeldBackRest};
   {
     const auto spool = Open();

@@ -50,8 +50,8 @@ std::map<LocalMapId, FoundOfMap> SortFound(const std::vector<SpooledBatch>& foun
       case Kind::kHeldBackRest:
         of_map.rest = spooled;
         break;
-      case Kind::kWholePart:
-      case Kind::kWholeEnd:
+      case Kind::kSnapshotPart:
+      case Kind::kSnapshotEnd:
         of_map.last_batch = std::max(of_map.last_batch, spooled.record.number);
         break;
     }

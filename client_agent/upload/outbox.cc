@@ -26,16 +26,16 @@ uint64_t Outbox::SpooledBytes() const {
 
 absl::Status Outbox::AddFound(const SpooledBatch& spooled) {
   const SpoolRecord& record = spooled.record;
-  const bool is_whole = record.kind != SpoolRecord::Kind::kBatch;
+  const bool is_of_snapshot = record.kind != SpoolRecord::Kind::kBatch;
   const auto [it, is_new] = local_maps_.try_emplace(record.local_map);
   LocalMapNumbers& numbers = it->second;
   if (is_new) {
     numbers.of_earlier_process = true;
     // Batches that are not in the spool any more were acknowledged.
-    numbers.acknowledged = record.number - (is_whole ? 0 : 1);
+    numbers.acknowledged = record.number - (is_of_snapshot ? 0 : 1);
     numbers.last = numbers.acknowledged;
   }
-  if (is_whole) {
+  if (is_of_snapshot) {
     // It stands for what was acknowledged.
     numbers.acknowledged = std::max(numbers.acknowledged, record.number);
     numbers.last = std::max(numbers.last, record.number);
@@ -103,16 +103,16 @@ std::vector<Outbox::Entry> Outbox::EntriesOf(LocalMapId local_map) const {
   return entries;
 }
 
-void Outbox::ReplaceAcknowledged(LocalMapId local_map, const std::vector<SpooledBatch>& whole) {
+void Outbox::ReplaceAcknowledged(LocalMapId local_map, const std::vector<SpooledBatch>& snapshot) {
   const auto it = local_maps_.find(local_map);
-  if (it == local_maps_.end() || whole.empty() || !it->second.keeps) {
-    released_.insert(released_.end(), whole.begin(), whole.end());
+  if (it == local_maps_.end() || snapshot.empty() || !it->second.keeps) {
+    released_.insert(released_.end(), snapshot.begin(), snapshot.end());
     return;
   }
-  std::vector<SpooledBatch> before = std::exchange(it->second.acknowledged_batches, whole);
+  std::vector<SpooledBatch> before = std::exchange(it->second.acknowledged_batches, snapshot);
   for (const SpooledBatch& spooled : before) {
     const bool is_later = spooled.record.kind == SpoolRecord::Kind::kBatch &&
-                          spooled.record.number > whole.back().record.number;
+                          spooled.record.number > snapshot.back().record.number;
     (is_later ? it->second.acknowledged_batches : released_).push_back(spooled);
   }
 }

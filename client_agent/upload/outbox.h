@@ -54,10 +54,9 @@ class Outbox {
 
   // Notes that the agent begins a local map. Returns false if the id is taken.
   bool Begin(LocalMapId local_map) { return local_maps_.try_emplace(local_map).second; }
-  // Adds a batch that an earlier process left, or a part of a local map that is spooled as a whole;
-  // the latter come first. To be called before anything else. Returns DATA_LOSS
-  // where an earlier batch of the local map is missing, so that this one can't be applied; it is
-  // left out.
+  // Adds a batch that an earlier process left, or a part of a local map's snapshot; the latter
+  // come first. To be called before anything else. Returns DATA_LOSS where an
+  // earlier batch of the local map is missing, so that this one can't be applied; it is left out.
   absl::Status AddFound(const SpooledBatch& spooled);
   // Goes on with a local map that an earlier process left: its batches stay in the spool when they
   // are acknowledged (AcknowledgedBatches). Returns false if there is no such local map, or it
@@ -104,8 +103,8 @@ class Outbox {
   std::vector<SpooledBatch> AcknowledgedBatches(LocalMapId local_map) const;
   // Returns those of it that are not acknowledged, in order.
   std::vector<Entry> EntriesOf(LocalMapId local_map) const;
-  // Has `whole` stand for those up to its number.
-  void ReplaceAcknowledged(LocalMapId local_map, const std::vector<SpooledBatch>& whole);
+  // Has `snapshot` stand for the acknowledged batches up to its number.
+  void ReplaceAcknowledged(LocalMapId local_map, const std::vector<SpooledBatch>& snapshot);
   // Returns the places in the spool that came to be needed no more since the last call.
   std::vector<SpooledBatch> TakeReleased() { return std::exchange(released_, {}); }
 

@@ -26,12 +26,12 @@ class SpooledMap {
  public:
   explicit SpooledMap(LocalMapId local_map) : local_map_(local_map) {}
 
-  // Applies the next batch, or a part of a local map that is told as a whole. Returns
+  // Applies the next batch, or a part of a snapshot. Returns
   // INVALID_ARGUMENT, with the item and what is wrong with it, where the batch does not fit what
   // came before; what is here is of no use then.
   absl::Status Apply(const MapUpdateBatch& batch);
-  // To be asked after the last batch. Returns INVALID_ARGUMENT where this is no whole map: it has
-  // no keyframe, or its spanning tree is none.
+  // To be asked after the last batch. Returns INVALID_ARGUMENT where the map is not complete: it
+  // has no keyframe, or its spanning tree is none.
   absl::Status Check() const;
 
   // Adds all to an empty map, but for what others made. `compute_words` is called for each

@@ -14,18 +14,18 @@ namespace {
 
 using Kind = SpoolRecord::Kind;
 
-// Returns the records of the last whole local map that is complete; empty: there is none.
-std::vector<SpooledBatch> FindWhole(const std::vector<SpooledBatch>& records) {
-  std::vector<SpooledBatch> whole;
+// Returns the records of the last snapshot that is complete; empty: there is none.
+std::vector<SpooledBatch> FindSnapshot(const std::vector<SpooledBatch>& records) {
+  std::vector<SpooledBatch> snapshot;
   std::vector<SpooledBatch> parts;
   for (const SpooledBatch& spooled : records) {
     const SpoolRecord& record = spooled.record;
-    if (record.kind != Kind::kWholePart && record.kind != Kind::kWholeEnd) continue;
+    if (record.kind != Kind::kSnapshotPart && record.kind != Kind::kSnapshotEnd) continue;
     if (!parts.empty() && parts.back().record.number != record.number) parts.clear();
     parts.push_back(spooled);
-    if (record.kind == Kind::kWholeEnd) whole = std::exchange(parts, {});
+    if (record.kind == Kind::kSnapshotEnd) snapshot = std::exchange(parts, {});
   }
-  return whole;
+  return snapshot;
 }
 
 absl::Status ApplyRecord(const SpooledBatch& spooled, const ReadSpooled& read,
@@ -44,7 +44,7 @@ absl::StatusOr<SpooledMap> ReadSpooledMap(LocalMapId local_map,
                                           const ReadSpooled& read) {
   SpooledMap spooled_map(local_map);
   uint64_t last = 0;
-  for (const SpooledBatch& part : FindWhole(records)) {
+  for (const SpooledBatch& part : FindSnapshot(records)) {
     RETURN_IF_ERROR(ApplyRecord(part, read, spooled_map));
     last = part.record.number;
   }

@@ -148,7 +148,7 @@ TEST_F(SpooledMapReadingTest, WhereItWasNotKeptThatIsSaid) {
   EXPECT_THAT(std::string(Read().status().message()), HasSubstr("--resume"));
 }
 
-TEST_F(SpooledMapReadingTest, AWholeStandsForTheBatchesBefore) {
+TEST_F(SpooledMapReadingTest, ASnapshotStandsForTheBatchesBefore) {
   Write(3);
   SpooledMap spooled_map(kSpooled);
   ASSERT_TRUE(spooled_map.Apply(FirstBatch()).ok());
@@ -157,20 +157,21 @@ TEST_F(SpooledMapReadingTest, AWholeStandsForTheBatchesBefore) {
   for (MapUpdateBatch& part : parts) {
     part.number = 2;
     const bool last = &part == &parts.back();
-    ASSERT_TRUE(
-        spool_->Append(part, last ? SpoolRecord::Kind::kWholeEnd : SpoolRecord::Kind::kWholePart)
-            .ok());
+    ASSERT_TRUE(spool_
+                    ->Append(part, last ? SpoolRecord::Kind::kSnapshotEnd
+                                        : SpoolRecord::Kind::kSnapshotPart)
+                    .ok());
   }
   const auto read = Read();
   ASSERT_TRUE(read.ok()) << read.status();
   EXPECT_EQ(read->keyframes().size(), 2u);
 }
 
-TEST_F(SpooledMapReadingTest, HalfAWholeIsNone) {
+TEST_F(SpooledMapReadingTest, HalfASnapshotIsNone) {
   Write(3);
   MapUpdateBatch part = FirstBatch();
   part.number = 2;
-  ASSERT_TRUE(spool_->Append(part, SpoolRecord::Kind::kWholePart).ok());
+  ASSERT_TRUE(spool_->Append(part, SpoolRecord::Kind::kSnapshotPart).ok());
   EXPECT_TRUE(absl::IsFailedPrecondition(Read().status()));
 }
 

@@ -169,8 +169,8 @@ class Scenario {
     }
   }
 
-  // Telling it as a whole tells the same.
-  void ExpectWholeIsTheSame() const {
+  // Expects that a snapshot tells the same.
+  void ExpectSnapshotIsTheSame() const {
     SpooledMap again(kOwn);
     for (const MapUpdateBatch& batch : spooled_map_.ToBatches(3, 5)) {
       const absl::Status applied = again.Apply(batch);
@@ -368,7 +368,7 @@ TEST(UpdateRecorderTest, WhatIsKeptIsWhatTheStoreHas) {
       ASSERT_FALSE(::testing::Test::HasFailure()) << "seed " << seed << " step " << step;
     }
     scenario.Flush(1000);
-    scenario.ExpectWholeIsTheSame();
+    scenario.ExpectSnapshotIsTheSame();
     ASSERT_FALSE(::testing::Test::HasFailure()) << "seed " << seed;
   }
 }

@@ -71,10 +71,10 @@ struct UploadQueueOptions {
   // A local map that an earlier process left and that goes on; invalid: none does.
   LocalMapId goes_on = {};
   // With keep: when the acknowledged batches in the spool take so much more than twice what the
-  // local map as a whole took the last time, it is written as a whole in their place.
-  uint64_t whole_after_bytes = 8 << 20;
+  // last snapshot of the local map took, a new one is written in their place.
+  uint64_t snapshot_after_bytes = 8 << 20;
   // True: that is done by whoever calls Spill, who waits for it.
-  bool whole_at_once = false;
+  bool snapshot_at_once = false;
 };
 
 // The queue is thread-safe. The calls of the second group may wait for the disk and are to be made
@@ -146,11 +146,11 @@ class UploadQueue {
   // Where the disk has no room, gives up that local maps can go on after a restart.
   bool GiveUpAcknowledged();
   void NoteDurable(const absl::Status& durable);
-  // The acknowledged batches of the local map in use become one whole, on a thread of its own.
-  using Whole = absl::StatusOr<std::vector<MapUpdateBatch>>;
-  void KeepWhole();
-  void BeginWhole();
-  void WriteWhole(Whole whole);
+  // Makes a snapshot of the acknowledged batches of the local map in use, on a thread of its own.
+  using Snapshot = absl::StatusOr<std::vector<MapUpdateBatch>>;
+  void KeepSnapshot();
+  void BeginSnapshot();
+  void WriteSnapshot(Snapshot snapshot);
   bool MaySend(const Outbox::Entry& entry) const;
   void ReleaseSpooled();
   // The batch that was the oldest when the store ended a session, and the reason it gave.
@@ -168,15 +168,15 @@ class UploadQueue {
 
   // Used by the calls of the second group alone.
   std::map<LocalMapId, HeldBackWriter> held_back_;
-  // What is being made a whole: of which local map, up to which batch.
-  struct MakingWhole {
+  // The snapshot that is being made: of which local map, up to which batch.
+  struct MakingSnapshot {
     LocalMapId local_map;
     uint64_t number = 0;
     std::vector<SpooledBatch> written;  // Waits until it is on the disk.
-    std::future<Whole> future;
+    std::future<Snapshot> future;
   };
-  std::optional<MakingWhole> whole_;
-  uint64_t whole_bytes_ = 0;  // What the last one took.
+  std::optional<MakingSnapshot> snapshot_;
+  uint64_t snapshot_bytes_ = 0;  // What the last one took.
   bool held_back_lost_ = false;
 
   mutable absl::Mutex mutex_;

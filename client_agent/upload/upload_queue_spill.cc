@@ -51,9 +51,9 @@ void UploadQueue::TakeSyncError() {
   const uint64_t synced = spool_->synced();
   for (auto& [id, writer] : held_back_) writer.Release(*spool_);
   held_back_lost_ = true;
-  if (whole_.has_value() && !whole_->future.valid()) {
-    for (const SpooledBatch& part : whole_->written) spool_->Release(part);
-    whole_.reset();
+  if (snapshot_.has_value() && !snapshot_->future.valid()) {
+    for (const SpooledBatch& part : snapshot_->written) spool_->Release(part);
+    snapshot_.reset();
   }
   absl::MutexLock lock(&mutex_);
   outbox_.MarkUnwritten(synced);
@@ -187,7 +187,7 @@ void UploadQueue::Spill() {
   if (spool_ == nullptr) return;
   ReleaseSpooled();
   WriteAll();
-  if (options_.keep) KeepWhole();
+  if (options_.keep) KeepSnapshot();
   while (SpillOldest(options_.max_memory_bytes)) {
   }
 }

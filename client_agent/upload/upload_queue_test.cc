@@ -282,8 +282,8 @@ class DurableQueueTest : public UploadQueueTest {
     options.write_all = true;
     options.keep = keep;
     options.goes_on = goes_on;
-    options.whole_after_bytes = 2000;
-    options.whole_at_once = true;
+    options.snapshot_after_bytes = 2000;
+    options.snapshot_at_once = true;
     SpoolOptions spool;
     spool.segment_bytes = 500;
     queue_ = std::make_unique<UploadQueue>(options, *OpenFakeSpool(&disk_, spool));

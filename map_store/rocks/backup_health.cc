@@ -7,8 +7,8 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_replace.h"
 #include "absl/strings/str_split.h"
+#include "slam/util/atomic_file.h"
 #include "slam/util/status_macros.h"
-#include "slam/util/whole_file.h"
 
 namespace corbslam::map_store {
 namespace {
@@ -42,8 +42,8 @@ absl::Status WriteBackupHealth(const std::string& folder, const HealthByNumber& 
     absl::StrAppend(&lines, number, " ", verified_ns, " ",
                     absl::StrReplaceAll(of.damage, {{"\n", " "}}), "\n");
   }
-  ASSIGN_OR_RETURN(WholeFile file,
-                   WholeFile::Create(PathOfHealth(folder), WholeFile::Old::kReplaced));
+  ASSIGN_OR_RETURN(AtomicFile file,
+                   AtomicFile::Create(PathOfHealth(folder), AtomicFile::Old::kReplaced));
   RETURN_IF_ERROR(file.Append(lines));
   // It can be found out again.
   return file.FinishUnsynced();

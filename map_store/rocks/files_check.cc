@@ -69,7 +69,7 @@ void CheckListOfFiles(const std::string& folder, const ReadPace& goes_on, FilesC
 }
 
 // RocksDB writes what it is opened with; nothing reads it again.
-bool IsWholeOptions(const std::string& path) {
+bool IsIntactOptions(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   const std::string text((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
   const bool is_text = std::all_of(text.begin(), text.end(),
@@ -81,7 +81,7 @@ bool IsWholeOptions(const std::string& path) {
 void NoteWhatLosesNothing(const std::string& folder, FilesCheck& found) {
   const std::vector<std::string> options = ListFiles(folder, "OPTIONS-", "");
   for (const std::string& name : options) {
-    if (absl::EndsWith(name, ".dbtmp") || IsWholeOptions(PathIn(folder, name))) continue;
+    if (absl::EndsWith(name, ".dbtmp") || IsIntactOptions(PathIn(folder, name))) continue;
     found.notes.push_back(absl::StrCat(PathIn(folder, name),
                                        " is damaged; nothing needs it, and the next start writes "
                                        "another one"));

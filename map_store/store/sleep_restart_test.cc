@@ -23,9 +23,9 @@ class SleepRestartTest : public testing::SleepingStore {
   // Opens the store again and returns how many missions that reads.
   int OpenAgain() {
     store_.reset();
-    const int reads = counts_.whole_reads;
+    const int reads = counts_.reads_with_features;
     Open();
-    return counts_.whole_reads - reads;
+    return counts_.reads_with_features - reads;
   }
   fs::path Summary() const { return FolderOf() / kSummaryFile; }
 };

@@ -8,9 +8,9 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/string_view.h"
 #include "services/security/pem_files.h"
+#include "slam/util/atomic_file.h"
 #include "slam/util/checksum.h"
 #include "slam/util/status_macros.h"
-#include "slam/util/whole_file.h"
 
 namespace corbslam::services {
 namespace {
@@ -67,7 +67,7 @@ absl::Status WriteKeptSettings(const v1::RobotSettingsList& list, const std::str
   }
   const std::string bytes = list.SerializeAsString();
   const auto write = [&]() -> absl::Status {
-    ASSIGN_OR_RETURN(WholeFile file, WholeFile::Create(path, WholeFile::Old::kReplaced));
+    ASSIGN_OR_RETURN(AtomicFile file, AtomicFile::Create(path, AtomicFile::Old::kReplaced));
     RETURN_IF_ERROR(file.Append(HeadOf(bytes)));
     RETURN_IF_ERROR(file.Append(bytes));
     return file.Finish();

@@ -10,7 +10,7 @@
 #include "slam/rendering/canvas.h"
 #include "slam/rendering/map_cell.h"
 #include "slam/rendering/map_legend.h"
-#include "slam/util/whole_file.h"
+#include "slam/util/atomic_file.h"
 
 namespace corbslam {
 namespace {
@@ -99,7 +99,7 @@ absl::Status WriteImage(const cv::Mat& image, const std::string& path) {
     return absl::InvalidArgumentError(absl::StrCat(
         "can't write ", path, ": no kind of picture ends with '", ending, "', .png is one"));
   }
-  return WriteWhole(path, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+  return WriteAtomically(path, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
 }
 
 }  // namespace corbslam

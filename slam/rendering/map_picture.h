@@ -50,7 +50,7 @@ absl::StatusOr<std::string> RenderMapSvg(const MapPicture& picture, SvgStyle sty
                                          const MapPictureOptions& options = {});
 
 // Writes a picture of the kind that the path's ending names, .png say. INVALID_ARGUMENT names an
-// ending that no kind has; other errors are WriteWhole's.
+// ending that no kind has; other errors are WriteAtomically's.
 absl::Status WriteImage(const cv::Mat& image, const std::string& path);
 
 }  // namespace corbslam

@@ -108,11 +108,11 @@ std::string PutSetting(const RobotSetting& row, const std::string& text,
   }
   const auto unit = static_cast<double>(row.tool_unit);
   const NumberRange in = {row.in.least / unit, row.in.most / unit, row.in.zero};
-  uint64_t whole = 0;
+  uint64_t integer = 0;
   double real = 0;
-  std::string wrong = IsWhole(row) ? ReadSetting({row.tool_flag, &whole, "", {.in = in}}, text)
-                                   : ReadSetting({row.tool_flag, &real, "", {.in = in}}, text);
-  SetNumber(row, unit * (IsWhole(row) ? static_cast<double>(whole) : real), settings);
+  std::string wrong = IsInteger(row) ? ReadSetting({row.tool_flag, &integer, "", {.in = in}}, text)
+                                     : ReadSetting({row.tool_flag, &real, "", {.in = in}}, text);
+  SetNumber(row, unit * (IsInteger(row) ? static_cast<double>(integer) : real), settings);
   return wrong;
 }
 

@@ -1,6 +1,6 @@
-// Writes a file that is there under its name only once it is whole.
-#ifndef CORBSLAM_SLAM_UTIL_WHOLE_FILE_H_
-#define CORBSLAM_SLAM_UTIL_WHOLE_FILE_H_
+// Writes a file that is there under its name only once it is complete.
+#ifndef CORBSLAM_SLAM_UTIL_ATOMIC_FILE_H_
+#define CORBSLAM_SLAM_UTIL_ATOMIC_FILE_H_
 
 #include <string>
 
@@ -14,10 +14,10 @@ namespace corbslam {
 // followed and stay, devices and pipes are written to as they are. Errors name the file:
 // INVALID_ARGUMENT for a folder, a socket or a disk, RESOURCE_EXHAUSTED for a full disk,
 // FAILED_PRECONDITION where another process writes it, else UNAVAILABLE.
-class WholeFile {
+class AtomicFile {
  public:
   // What becomes of a file that is at the path already.
-  enum class Old { kKept, kReplaced };
+  enum class Old { kStays, kReplaced };
 
   // Who may read it: others, too, are asked by the process's umask. A file that takes another one's
   // place has that one's permissions, but for kOwnerAlways.
@@ -25,12 +25,12 @@ class WholeFile {
 
   // Begins a file at `path` with ".part" at its end. ALREADY_EXISTS if there is anything at `path`
   // and it is to be kept; one that is to be replaced stays until Finish.
-  static absl::StatusOr<WholeFile> Create(const std::string& path, Old old = Old::kKept,
-                                          Readers readers = Readers::kOwner);
-  WholeFile(WholeFile&& other) noexcept;
-  WholeFile& operator=(WholeFile&&) = delete;
+  static absl::StatusOr<AtomicFile> Create(const std::string& path, Old old = Old::kStays,
+                                           Readers readers = Readers::kOwner);
+  AtomicFile(AtomicFile&& other) noexcept;
+  AtomicFile& operator=(AtomicFile&&) = delete;
   // Removes the file if it was not finished.
-  ~WholeFile();
+  ~AtomicFile();
 
   absl::Status Append(absl::string_view bytes);
   // Gives the file its name, durably. The caller does so once, as the last call.
@@ -39,7 +39,7 @@ class WholeFile {
   absl::Status FinishUnsynced();
 
  private:
-  WholeFile(std::string path, int fd, bool in_place)
+  AtomicFile(std::string path, int fd, bool in_place)
       : path_(std::move(path)), fd_(fd), in_place_(in_place) {}
   std::string WrittenPath() const { return in_place_ ? path_ : path_ + ".part"; }
   absl::Status Failed(absl::string_view action) const;
@@ -49,9 +49,9 @@ class WholeFile {
   bool in_place_;  // A device or a pipe: there is no ".part" of it.
 };
 
-// Makes `bytes` the contents of the file at `path`, as WholeFile does: of a plain file all of them,
-// or it stays what it was. Not synced.
-absl::Status WriteWhole(const std::string& path, absl::string_view bytes);
+// Makes `bytes` the contents of the file at `path`, as AtomicFile does: of a plain file all of
+// them, or it stays what it was. Not synced.
+absl::Status WriteAtomically(const std::string& path, absl::string_view bytes);
 
 // Returns true if what is written to `path` makes a plain file, so that others may lie beside it;
 // false for devices and pipes, also where links lead to them.
@@ -62,4 +62,4 @@ absl::Status CheckForPlainFile(const std::string& path, absl::string_view what);
 
 }  // namespace corbslam
 
-#endif  // CORBSLAM_SLAM_UTIL_WHOLE_FILE_H_
+#endif  // CORBSLAM_SLAM_UTIL_ATOMIC_FILE_H_

@@ -1,6 +1,6 @@
 // Has a store take in its journal, for tests to which damage is a failure.
-#ifndef CORBSLAM_MAP_STORE_TESTING_RECOVER_WHOLE_H_
-#define CORBSLAM_MAP_STORE_TESTING_RECOVER_WHOLE_H_
+#ifndef CORBSLAM_MAP_STORE_TESTING_RECOVER_UNDAMAGED_H_
+#define CORBSLAM_MAP_STORE_TESTING_RECOVER_UNDAMAGED_H_
 
 #include "absl/status/status.h"
 #include "map_store/store/map_store.h"
@@ -9,7 +9,7 @@
 namespace corbslam::testing {
 
 // Returns DATA_LOSS if a mission could not be read.
-inline absl::Status RecoverWhole(map_store::MapStore& store) {
+inline absl::Status RecoverUndamaged(map_store::MapStore& store) {
   RETURN_IF_ERROR(store.Recover());
   for (const auto& [name, damage] : store.ListDamaged()) return absl::DataLossError(damage);
   return absl::OkStatus();
@@ -17,4 +17,4 @@ inline absl::Status RecoverWhole(map_store::MapStore& store) {
 
 }  // namespace corbslam::testing
 
-#endif  // CORBSLAM_MAP_STORE_TESTING_RECOVER_WHOLE_H_
+#endif  // CORBSLAM_MAP_STORE_TESTING_RECOVER_UNDAMAGED_H_

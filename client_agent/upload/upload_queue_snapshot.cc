@@ -1,4 +1,5 @@
-// Makes room in the spool: a local map is written as a whole in place of its acknowledged batches.
+// Makes room in the spool: a snapshot of a local map is written in place of its acknowledged
+// batches.
 #include <glog/logging.h>
 
 #include <chrono>
@@ -14,9 +15,8 @@ namespace {
 
 using Kind = SpoolRecord::Kind;
 
-absl::StatusOr<std::vector<MapUpdateBatch>> MakeWhole(LocalMapId local_map,
-                                                      const std::vector<SpooledBatch>& acknowledged,
-                                                      const ReadSpooled& read) {
+absl::StatusOr<std::vector<MapUpdateBatch>> MakeSnapshot(
+    LocalMapId local_map, const std::vector<SpooledBatch>& acknowledged, const ReadSpooled& read) {
   ASSIGN_OR_RETURN(const SpooledMap map, ReadSpooledMap(local_map, acknowledged, read));
   return map.ToBatches();
 }
@@ -47,8 +47,8 @@ absl::StatusOr<SpooledMap> UploadQueue::ReadLocalMap(LocalMapId local_map) {
                         });
 }
 
-void UploadQueue::BeginWhole() {
-  MakingWhole making;
+void UploadQueue::BeginSnapshot() {
+  MakingSnapshot making;
   std::vector<SpooledBatch> acknowledged;
   {
     absl::MutexLock lock(&mutex_);
@@ -60,63 +60,63 @@ void UploadQueue::BeginWhole() {
     bytes += spooled.record.bytes;
     if (spooled.record.kind == Kind::kBatch) making.number = spooled.record.number;
   }
-  if (making.number == 0 || bytes <= 2 * whole_bytes_ + options_.whole_after_bytes) return;
+  if (making.number == 0 || bytes <= 2 * snapshot_bytes_ + options_.snapshot_after_bytes) return;
   making.future = std::async(
-      options_.whole_at_once ? std::launch::deferred : std::launch::async,
+      options_.snapshot_at_once ? std::launch::deferred : std::launch::async,
       [local_map = making.local_map, acknowledged = std::move(acknowledged), spool = spool_.get()] {
-        return MakeWhole(local_map, acknowledged,
-                         [spool](const SpooledBatch& spooled) { return spool->Read(spooled); });
+        return MakeSnapshot(local_map, acknowledged,
+                            [spool](const SpooledBatch& spooled) { return spool->Read(spooled); });
       });
-  whole_ = std::move(making);
+  snapshot_ = std::move(making);
 }
 
-void UploadQueue::WriteWhole(Whole whole) {
-  if (!whole.ok()) {
+void UploadQueue::WriteSnapshot(Snapshot snapshot) {
+  if (!snapshot.ok()) {
     // The next process would find the same.
-    LOG(WARNING) << "local map " << ToString(whole_->local_map)
-                 << " can't be written as a whole: " << whole.status();
-    whole_bytes_ = spool_->bytes();
-    whole_.reset();
+    LOG(WARNING) << "local map " << ToString(snapshot_->local_map)
+                 << " can't be written as a whole: " << snapshot.status();
+    snapshot_bytes_ = spool_->bytes();
+    snapshot_.reset();
     return;
   }
-  whole_bytes_ = 0;
-  for (size_t i = 0; i < whole->size(); ++i) {
-    (*whole)[i].number = whole_->number;
-    const Kind kind = i + 1 == whole->size() ? Kind::kWholeEnd : Kind::kWholePart;
-    const absl::StatusOr<SpooledBatch> written = spool_->Append((*whole)[i], kind);
+  snapshot_bytes_ = 0;
+  for (size_t i = 0; i < snapshot->size(); ++i) {
+    (*snapshot)[i].number = snapshot_->number;
+    const Kind kind = i + 1 == snapshot->size() ? Kind::kSnapshotEnd : Kind::kSnapshotPart;
+    const absl::StatusOr<SpooledBatch> written = spool_->Append((*snapshot)[i], kind);
     if (!written.ok()) {
-      for (const SpooledBatch& part : whole_->written) spool_->Release(part);
+      for (const SpooledBatch& part : snapshot_->written) spool_->Release(part);
       NoteDurable(written.status());
-      whole_bytes_ = spool_->bytes();
-      whole_.reset();
+      snapshot_bytes_ = spool_->bytes();
+      snapshot_.reset();
       return;
     }
-    whole_->written.push_back(*written);
-    whole_bytes_ += written->record.bytes;
+    snapshot_->written.push_back(*written);
+    snapshot_bytes_ += written->record.bytes;
   }
 }
 
-void UploadQueue::KeepWhole() {
-  if (!whole_.has_value()) BeginWhole();
-  if (!whole_.has_value()) return;
-  if (whole_->future.valid()) {
+void UploadQueue::KeepSnapshot() {
+  if (!snapshot_.has_value()) BeginSnapshot();
+  if (!snapshot_.has_value()) return;
+  if (snapshot_->future.valid()) {
     const bool is_ready =
-        options_.whole_at_once ||
-        whole_->future.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
+        options_.snapshot_at_once ||
+        snapshot_->future.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
     if (!is_ready) return;
-    WriteWhole(whole_->future.get());
-    if (!whole_.has_value()) return;
+    WriteSnapshot(snapshot_->future.get());
+    if (!snapshot_.has_value()) return;
   }
   // What it stands for goes when it is on the disk for certain.
-  if (whole_->written.back().order > spool_->synced()) {
+  if (snapshot_->written.back().order > spool_->synced()) {
     spool_->HurrySync();
-    if (whole_->written.back().order > spool_->synced()) return;
+    if (snapshot_->written.back().order > spool_->synced()) return;
   }
   {
     absl::MutexLock lock(&mutex_);
-    outbox_.ReplaceAcknowledged(whole_->local_map, whole_->written);
+    outbox_.ReplaceAcknowledged(snapshot_->local_map, snapshot_->written);
   }
-  whole_.reset();
+  snapshot_.reset();
   ReleaseSpooled();
 }
 

@@ -1,4 +1,4 @@
-#include "slam/util/whole_file.h"
+#include "slam/util/atomic_file.h"
 
 #include <fcntl.h>
 #include <sys/file.h>
@@ -149,9 +149,9 @@ bool IsPlainOrNothing(const std::string& target, fs::file_type type) {
 
 }  // namespace
 
-absl::StatusOr<WholeFile> WholeFile::Create(const std::string& path, Old old, Readers readers) {
+absl::StatusOr<AtomicFile> AtomicFile::Create(const std::string& path, Old old, Readers readers) {
   std::error_code error;
-  if (old == Old::kKept && fs::exists(fs::symlink_status(path, error))) {
+  if (old == Old::kStays && fs::exists(fs::symlink_status(path, error))) {
     return absl::AlreadyExistsError(absl::StrCat("there is a file ", path, " already"));
   }
   ASSIGN_OR_RETURN(const std::string target, FollowLinks(path));
@@ -159,7 +159,7 @@ absl::StatusOr<WholeFile> WholeFile::Create(const std::string& path, Old old, Re
   RETURN_IF_ERROR(CheckKind(path, there.type()));
   if (!IsPlainOrNothing(target, there.type())) {
     ASSIGN_OR_RETURN(const int fd, OpenInPlace(target));
-    return WholeFile(target, fd, /*in_place=*/true);
+    return AtomicFile(target, fd, /*in_place=*/true);
   }
   const mode_t others = readers == Readers::kOthersToo ? S_IRGRP | S_IWGRP | S_IROTH | S_IWOTH : 0;
   ASSIGN_OR_RETURN(const int fd, OpenPart(target + ".part", S_IRUSR | S_IWUSR | others));
@@ -167,25 +167,25 @@ absl::StatusOr<WholeFile> WholeFile::Create(const std::string& path, Old old, Re
     // Best as far as the file system knows permissions.
     [[maybe_unused]] const int kept = fchmod(fd, static_cast<mode_t>(there.permissions()) & 0777);
   }
-  return WholeFile(target, fd, /*in_place=*/false);
+  return AtomicFile(target, fd, /*in_place=*/false);
 }
 
-WholeFile::WholeFile(WholeFile&& other) noexcept
+AtomicFile::AtomicFile(AtomicFile&& other) noexcept
     : path_(std::move(other.path_)),
       fd_(std::exchange(other.fd_, -1)),
       in_place_(other.in_place_) {}
 
-WholeFile::~WholeFile() {
+AtomicFile::~AtomicFile() {
   if (fd_ < 0) return;
   if (!in_place_) unlink(WrittenPath().c_str());
   close(fd_);
 }
 
-absl::Status WholeFile::Failed(absl::string_view action) const {
+absl::Status AtomicFile::Failed(absl::string_view action) const {
   return Error(action, WrittenPath());
 }
 
-absl::Status WholeFile::Append(absl::string_view bytes) {
+absl::Status AtomicFile::Append(absl::string_view bytes) {
   while (!bytes.empty()) {
     const ssize_t written = write(fd_, bytes.data(), bytes.size());
     if (written < 0 && errno == EINTR) continue;
@@ -195,22 +195,22 @@ absl::Status WholeFile::Append(absl::string_view bytes) {
   return absl::OkStatus();
 }
 
-absl::Status WholeFile::Finish() {
+absl::Status AtomicFile::Finish() {
   if (in_place_) return FinishUnsynced();
   if (fsync(fd_) != 0) return Failed("write");
   RETURN_IF_ERROR(FinishUnsynced());
   return SyncFolderOf(path_) ? absl::OkStatus() : Failed("rename");
 }
 
-absl::Status WholeFile::FinishUnsynced() {
+absl::Status AtomicFile::FinishUnsynced() {
   if (!in_place_ && rename(WrittenPath().c_str(), path_.c_str()) != 0) return Failed("rename");
   if (close(std::exchange(fd_, -1)) != 0) return Failed("write");
   return absl::OkStatus();
 }
 
-absl::Status WriteWhole(const std::string& path, absl::string_view bytes) {
-  ASSIGN_OR_RETURN(WholeFile file, WholeFile::Create(path, WholeFile::Old::kReplaced,
-                                                     WholeFile::Readers::kOthersToo));
+absl::Status WriteAtomically(const std::string& path, absl::string_view bytes) {
+  ASSIGN_OR_RETURN(AtomicFile file, AtomicFile::Create(path, AtomicFile::Old::kReplaced,
+                                                       AtomicFile::Readers::kOthersToo));
   RETURN_IF_ERROR(file.Append(bytes));
   return file.FinishUnsynced();
 }
