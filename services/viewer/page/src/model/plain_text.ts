@@ -15,7 +15,7 @@ const PREFIX = /^(?:(?:[A-Z][a-z]+){2,}|[A-Z]+(?:_[A-Z]+)*|\d{1,2}):\s*/;
 const RAW = /ipv[46]:|last error|grpc|failed to connect|\bUNKNOWN\b|errno|socket closed|rst_stream|goaway|deadline exceeded|connection re(?:fused|set)|unimplemented|handshake|stream removed|channel is in state|broken pipe/i;
 
 /** A failure as a person reads it; what is in words already stays, without the call's name before it. */
-export function plainWords(told: string): string {
+export function plainText(told: string): string {
   let words = told.trim();
   while (PREFIX.test(words)) words = words.replace(PREFIX, '');
   const raw = words === '' ? told : words;

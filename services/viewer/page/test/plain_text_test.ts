@@ -1,6 +1,6 @@
 import assert from 'node:assert/strict';
 import test from 'node:test';
-import { plainWords } from '../src/model/plain_words';
+import { plainText } from '../src/model/plain_text';
 
 test('what gRPC says becomes what it means', () => {
   const cases: [string, string][] = [
@@ -13,11 +13,11 @@ test('what gRPC says becomes what it means', () => {
     ['UNIMPLEMENTED: ', 'what answers there is another program, or an older version'],
     ['ListMissions: ', 'it does not say why'],
   ];
-  for (const [told, meant] of cases) assert.equal(plainWords(told), meant, told);
+  for (const [told, meant] of cases) assert.equal(plainText(told), meant, told);
 });
 
 test('what is in words stays', () => {
   for (const words of ['there is no mission x', 'This store wants a token.', 'another page is told a mission’s past; try again soon',
-    'Its certificate of 3 May has expired']) assert.equal(plainWords(words), words);
-  assert.equal(plainWords('GetKeyframe: there is no keyframe 7'), 'there is no keyframe 7');
+    'Its certificate of 3 May has expired']) assert.equal(plainText(words), words);
+  assert.equal(plainText('GetKeyframe: there is no keyframe 7'), 'there is no keyframe 7');
 });

@@ -28,18 +28,18 @@ export function placeOf(cameraFromIsland: Similarity | undefined): Place | undef
   };
 }
 
-export function positionWords({ centre }: Place): string {
+export function positionText({ centre }: Place): string {
   return `${centre.map((value) => number(value, 2)).join(', ')} m`;
 }
 
-export function headingWords({ headingDeg, pitchDeg }: Place): string {
+export function headingText({ headingDeg, pitchDeg }: Place): string {
   const side = Math.abs(headingDeg) < 0.05 ? 'ahead' : `${Math.abs(headingDeg).toFixed(1)}° ${headingDeg > 0 ? 'right' : 'left'}`;
   const tilt = Math.abs(pitchDeg) < 0.05 ? 'level' : `${Math.abs(pitchDeg).toFixed(1)}° ${pitchDeg > 0 ? 'up' : 'down'}`;
   return `${side}, ${tilt}`;
 }
 
 /** Between two places of the picture, y up; undefined island: of the ground alone nothing is known. */
-export function distanceWords(a: Vec3, b: Vec3): string {
+export function distanceText(a: Vec3, b: Vec3): string {
   const [dx, dy, dz] = [0, 1, 2].map((k) => b[k] - a[k]);
   const all = metres(Math.hypot(dx, dy, dz));
   return `${all}: ${metres(Math.hypot(dx, dz))} along the ground, ${metres(Math.abs(dy))} of height`;

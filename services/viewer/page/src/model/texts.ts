@@ -25,7 +25,7 @@ const VERDICTS: Record<OverlapVerdict, string> = {
     'Taken back: it was accepted once and is not believed any more.',
 };
 
-export function verdictWords(verdict: OverlapVerdict): string {
+export function verdictText(verdict: OverlapVerdict): string {
   return VERDICTS[verdict] ?? 'Refused, for a reason that this page does not know.';
 }
 
@@ -48,7 +48,7 @@ const WHY: Partial<Record<WhyNoPose, string>> = {
   [WhyNoPose.NOT_RECOGNISED]: 'the place is not recognised',
 };
 
-export function trackingWords({ state, whyNoPose, activity }: Pick<AgentStatus, 'state' | 'whyNoPose'> & { activity?: AgentActivity }): string {
+export function trackingText({ state, whyNoPose, activity }: Pick<AgentStatus, 'state' | 'whyNoPose'> & { activity?: AgentActivity }): string {
   if (activity === AgentActivity.FINISHED) return 'finished: no frame will come';
   if (activity === AgentActivity.WAITING) return 'no frames come';
   const why = state === TrackingState.TRACKING ? undefined : WHY[whyNoPose];
@@ -62,7 +62,7 @@ export function missionTrouble(mission: Mission | undefined): string {
 }
 
 /** An event as a sentence, and its kind for the list's marks. */
-export interface EventWords {
+export interface EventText {
   kind: 'robot' | 'merge' | 'loop' | 'lost' | 'other';
   text: string;
 }
@@ -72,7 +72,7 @@ const list = (names: string[]) =>
   names.length < 2 ? names.join() : `${names.slice(0, -1).join(', ')} and ${names.at(-1)}`;
 export const many = (n: number | bigint, one: string, more = `${one}s`) => `${count(n)} ${Number(n) === 1 ? one : more}`;
 
-export function eventWords({ event }: MissionEvent, names: MapNames): EventWords {
+export function eventText({ event }: MissionEvent, names: MapNames): EventText {
   const map = (name: string) => names.of(lastSegment(name));
   switch (event.case) {
     case 'agentJoined':
@@ -84,18 +84,18 @@ export function eventWords({ event }: MissionEvent, names: MapNames): EventWords
     case 'trackingLost':
       return { kind: 'lost', text: `${robot(event.value.agent)} lost tracking for ${many(event.value.frames, 'frame')}` };
     case 'overlapAccepted':
-      return { kind: 'other', text: overlapWords(event.value.localMaps.map(map)) };
+      return { kind: 'other', text: overlapText(event.value.localMaps.map(map)) };
     default:
-      return fusionWords(event, names);
+      return fusionText(event, names);
   }
 }
 
-function fusionWords(event: MissionEvent['event'], names: MapNames): EventWords {
+function fusionText(event: MissionEvent['event'], names: MapNames): EventText {
   switch (event.case) {
     case 'islandsMerged':
-      return { kind: 'merge', text: mergeWords(event.value.agents, event.value.localMaps.length, event.value.ms) };
+      return { kind: 'merge', text: mergeText(event.value.agents, event.value.localMaps.length, event.value.ms) };
     case 'loopClosed':
-      return { kind: 'loop', text: loopWords(event.value.overlaps, event.value.localMaps.map((name) => names.of(lastSegment(name)))) };
+      return { kind: 'loop', text: loopText(event.value.overlaps, event.value.localMaps.map((name) => names.of(lastSegment(name)))) };
     case 'mapAdjusted':
       return { kind: 'other', text: `Map adjusted: ${many(event.value.keyframes, 'keyframe')} in ${seconds(event.value.ms)}` };
     case 'overlapsTakenBack':
@@ -108,17 +108,17 @@ function fusionWords(event: MissionEvent['event'], names: MapNames): EventWords 
 }
 
 /** A loop that its robot closed comes without overlaps of the store. */
-function loopWords(overlaps: number, maps: string[]): string {
+function loopText(overlaps: number, maps: string[]): string {
   const where = maps.length > 0 && maps.length < 4 ? ` in ${list(maps)}` : '';
   return overlaps > 0 ? `Loop closed${where} by ${many(overlaps, 'overlap')}` : `Loop closed${where} by the robot itself`;
 }
 
-function mergeWords(agents: string[], maps: number, ms: number): string {
+function mergeText(agents: string[], maps: number, ms: number): string {
   const owners = list(agents.map(robot));
   return `Maps of ${owners} became one (${many(maps, 'local map')}, ${seconds(ms)})`;
 }
 
-function overlapWords(maps: string[]): string {
+function overlapText(maps: string[]): string {
   const [a, b] = maps;
   if (a === b) return `Overlap accepted within ${a}`;
   return `Overlap accepted between ${list(maps)}`;
@@ -129,7 +129,7 @@ function seconds(ms: number): string {
 }
 
 /** What is in the picture. */
-export function mapWords(model: { islands(): Map<string, unknown>; agents(): string[]; keyframeCount: number; pointCount: number }): string {
+export function mapText(model: { islands(): Map<string, unknown>; agents(): string[]; keyframeCount: number; pointCount: number }): string {
   if (model.keyframeCount === 0) return 'nothing yet';
   const parts = [many(model.islands().size, 'island'), many(model.keyframeCount, 'keyframe'), many(model.pointCount, 'point')];
   return `${parts.join(', ')} of ${list(model.agents()) || 'robots without a name'}`;

@@ -5,10 +5,10 @@ import { type MissionEvent, MissionEventSchema } from '@gen/corbslam/v1/events_p
 import { TrackingState, WhyNoPose } from '@gen/corbslam/v1/agent_service_pb';
 import { OverlapVerdict } from '@gen/corbslam/v1/overlap_pb';
 import { MapNames } from '../src/model/map_names';
-import { bytes, count, eventWords, mapWords, since, timeOfDay, trackingWords, verdictWords } from '../src/model/words';
+import { bytes, count, eventText, mapText, since, timeOfDay, trackingText, verdictText } from '../src/model/texts';
 
 function said(event: MissionEvent['event'] | object): string {
-  return eventWords(create(MissionEventSchema, { event: event as never }), new MapNames()).text;
+  return eventText(create(MissionEventSchema, { event: event as never }), new MapNames()).text;
 }
 
 test('events are said in words', () => {
@@ -26,9 +26,9 @@ test('events are said in words', () => {
 
 test('every verdict has words', () => {
   for (const verdict of Object.values(OverlapVerdict)) {
-    if (typeof verdict === 'number') assert.match(verdictWords(verdict), /\.$/);
+    if (typeof verdict === 'number') assert.match(verdictText(verdict), /\.$/);
   }
-  assert.match(verdictWords(99 as OverlapVerdict), /does not know/);
+  assert.match(verdictText(99 as OverlapVerdict), /does not know/);
 });
 
 test('numbers are short', () => {
@@ -40,8 +40,8 @@ test('numbers are short', () => {
 test('the picture is told to those who do not see it', () => {
   const islands = () => new Map([['a', []], ['b', []]]);
   const seen = { islands, agents: () => ['alpha', 'beta'], keyframeCount: 1, pointCount: 1200 };
-  assert.equal(mapWords(seen), '2 islands, 1 keyframe, 1\u2009200 points of alpha and beta');
-  assert.equal(mapWords({ ...seen, keyframeCount: 0 }), 'nothing yet');
+  assert.equal(mapText(seen), '2 islands, 1 keyframe, 1\u2009200 points of alpha and beta');
+  assert.equal(mapText({ ...seen, keyframeCount: 0 }), 'nothing yet');
 });
 
 test('what happened on another day has its date', () => {
@@ -53,6 +53,6 @@ test('what happened on another day has its date', () => {
 });
 
 test('a robot that has no pose says why', () => {
-  assert.equal(trackingWords({ state: TrackingState.LOST, whyNoPose: WhyNoPose.NOT_RECOGNISED }), 'lost: the place is not recognised');
-  assert.equal(trackingWords({ state: TrackingState.TRACKING, whyNoPose: WhyNoPose.UNSPECIFIED }), 'tracking');
+  assert.equal(trackingText({ state: TrackingState.LOST, whyNoPose: WhyNoPose.NOT_RECOGNISED }), 'lost: the place is not recognised');
+  assert.equal(trackingText({ state: TrackingState.TRACKING, whyNoPose: WhyNoPose.UNSPECIFIED }), 'tracking');
 });
