@@ -320,7 +320,8 @@ bool SingleAgent::Use(const PlaceAnswer& answer) {
   }
   const std::optional<Similarity3d> global_from_local = link_->GlobalFromLocal();
   if (!global_from_local.has_value()) return false;
-  // What is near there comes, though the map does not show it yet.
+  // The store is told this place, so that it shares what lies around it, though the map does not
+  // show that yet.
   link_->AddLocalised({question.frame->timestamp_ns, answer.camera_from_global});
   return current().tracker().ResumeAt(question.frame,
                                       answer.camera_from_global * global_from_local->ToRigid());

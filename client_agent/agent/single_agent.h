@@ -87,7 +87,7 @@ class SingleAgent : public Agent {
   void HandOver(const HandedFrame& handed);
   void WarnOfLateLink(uint64_t map_bytes);
   LocalMapSession& current() const { return *current_session_; }
-  // What is left of local maps that ended, once nobody reads them any more.
+  // Keeps the results of local maps that ended, once nobody reads these any more.
   struct FinishedMaps {
     OwnItems items;
     LoopCloserCounts loops;

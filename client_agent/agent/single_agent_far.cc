@@ -1,4 +1,4 @@
-// How SingleAgent, without a map store, brings far parts of its map back from the spool.
+// SingleAgent's part that, without a map store, brings far parts of its map back from the spool.
 #include <limits>
 #include <utility>
 

@@ -13,7 +13,7 @@
 namespace corbslam::client_agent {
 namespace {
 
-// What a bag takes with its postings.
+// A bag takes about so many bytes with its postings.
 constexpr uint64_t kBagBytes = 16 << 10;
 // Keyframes in an update: the map is written, and tracking waits, for some milliseconds each.
 constexpr size_t kKeyframesAnUpdate = 4;

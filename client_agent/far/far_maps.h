@@ -46,7 +46,7 @@ struct FarMapsStatus {
   uint64_t unreadable = 0;    // Local maps that could not be read.
 };
 
-// What a frame says of where the robot is.
+// A frame tells by this where the robot is.
 struct FarFrame {
   int64_t timestamp_ns = 0;
   std::optional<Eigen::Vector3d> centre;  // In the local map in use; none: the robot is lost.

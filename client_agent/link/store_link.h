@@ -105,7 +105,7 @@ class StoreLink : private UplinkListener {
   StoreLink(const StoreLink&) = delete;
   StoreLink& operator=(const StoreLink&) = delete;
 
-  // Whether the threads of the local maps before still write them.
+  // Says whether the threads of the local maps before still write them.
   enum class Earlier { kHaveEnded, kMayStillBeWritten };
 
   // Begins a local map, whose changes are recorded from now on. Those before are told to their end

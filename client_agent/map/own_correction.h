@@ -1,4 +1,4 @@
-// How the robot moved its own map as a whole.
+// Says how the robot moved its own map as a whole.
 #ifndef CORBSLAM_CLIENT_AGENT_MAP_OWN_CORRECTION_H_
 #define CORBSLAM_CLIENT_AGENT_MAP_OWN_CORRECTION_H_
 

@@ -25,7 +25,7 @@ class PinnedKeyframes {
   KeyframeId PinOf(KeyframeId id) const;
 
  private:
-  // What was last seen of a foreign keyframe and the own one that shares the most with it.
+  // Remembers how a foreign keyframe and the own one that shares the most with it stood last.
   struct Contact {
     KeyframeId own;
     int shared = 0;

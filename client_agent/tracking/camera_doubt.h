@@ -24,7 +24,7 @@ class CameraDoubt {
   // Returns whether a frame that was just found among these points may be believed: each is looked
   // at until one is. Warns in the log once, with what fits better and what to do.
   bool BelievesFound(const Frame& frame, const std::vector<PointInView>& points);
-  // The same for a frame that tracking went on to.
+  // Does the same for a frame that tracking went on to.
   bool BelievesTracked(const Frame& frame, const std::vector<PointInView>& points);
 
   bool has_warned() const { return has_warned_; }

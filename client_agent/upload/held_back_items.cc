@@ -25,7 +25,7 @@ bool IsHeldBack(const SpooledBatch& spooled) {
          spooled.record.kind == Kind::kHeldBackRest;
 }
 
-// What was found of one local map.
+// Collects what the spool found of one local map.
 struct FoundOfMap {
   uint64_t last_batch = 0;
   std::map<uint64_t, SpooledBatch> batches;
@@ -72,7 +72,7 @@ void Deal(const std::vector<Item>& items, size_t most, std::vector<Item> MapUpda
   }
 }
 
-// What batches said that came after the record of what was held back.
+// Collects what batches said that came after the record of what was held back.
 struct ToldLater {
   std::set<KeyframeId> keyframes;
   std::map<KeyframeId, KeyframeId> parents_of_removed;

@@ -28,7 +28,7 @@ class HeldBackDrive {
       : spool_(*OpenFakeSpool(&disk_, options)) {
     map_.SetObserver(&recorder_);
   }
-  // With segments of this size, and a thread that syncs when it is told to.
+  // Its spool has segments of this size, and a thread that syncs when it is told to.
   explicit HeldBackDrive(uint64_t segment_bytes) : HeldBackDrive(SyncedWhenTold(segment_bytes)) {}
 
   static SpoolOptions SyncedWhenTold(uint64_t segment_bytes) {
@@ -75,7 +75,7 @@ class HeldBackDrive {
     const absl::Status written = writer_.Write(recorder_.CopyHeldBack(map_), last_, *spool_);
     ASSERT_TRUE(written.ok()) << written;
   }
-  // What the next process has of the local map.
+  // Returns the keyframes of the local map that the next process has.
   static std::set<uint32_t> KeyframesAfter(FakeDisk disk) {
     const auto spool = *OpenFakeSpool(&disk);
     EXPECT_TRUE(TellHeldBack(*spool).ok());

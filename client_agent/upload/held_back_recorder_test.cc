@@ -16,7 +16,7 @@ class HeldBackRecorderTest : public ::testing::Test {
  protected:
   HeldBackRecorderTest() { map_.SetObserver(&recorder_); }
 
-  // One a tenth of a second; frames come as fast.
+  // Adds keyframes, one a tenth of a second; frames come as fast.
   void AddKeyframe(uint32_t index) {
     Keyframe keyframe =
         MakeKeyframe({kOwn, index}, index == 0 ? KeyframeId() : KeyframeId{kOwn, 0});

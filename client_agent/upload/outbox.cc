@@ -36,7 +36,7 @@ absl::Status Outbox::AddFound(const SpooledBatch& spooled) {
     numbers.last = numbers.acknowledged;
   }
   if (is_of_snapshot) {
-    // It stands for what was acknowledged.
+    // A snapshot stands for what was acknowledged.
     numbers.acknowledged = std::max(numbers.acknowledged, record.number);
     numbers.last = std::max(numbers.last, record.number);
     numbers.acknowledged_batches.push_back(spooled);

@@ -11,7 +11,8 @@
 namespace corbslam::client_agent {
 namespace {
 
-// What a keyframe's picture doesn't tell: an observation's noise is a pixel at its finest.
+// A keyframe's picture doesn't tell so small a shift: an observation's noise is a pixel at its
+// finest.
 constexpr double kSameLook_px = 0.5;
 // Of what travels as 32-bit numbers, relative to its size.
 constexpr double kRounding = 1e-6;

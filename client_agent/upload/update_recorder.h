@@ -122,8 +122,8 @@ class UpdateRecorder : public MapObserver {
   // more. To be called before anything else.
   void GoOnFrom(const SpooledMap& spooled_map);
 
-  // What is new and in no batch yet, for a disk that is to outlive the process (held_items.h). A
-  // keyframe's payload is in it the first time only.
+  // Copies what is new and in no batch yet, for a disk that is to outlive the process
+  // (held_back_items.h). A keyframe's payload is in it the first time only.
   HeldBackItems CopyHeldBack(const Map& map);
   // The copies are of no use any more: the next one has every payload.
   void CopyHeldBackAnew();

@@ -30,7 +30,7 @@ struct Store {
   bool root_stays = false;
 };
 
-// What a map store does with a batch.
+// Does what a map store does with a batch.
 void Apply(const MapUpdateBatch& batch, const Store& store, Map& replica) {
   std::vector<std::pair<KeyframeId, KeyframeId>> parked;
   for (const FullKeyframe& full : batch.full_keyframes) {
@@ -73,7 +73,7 @@ void Apply(const MapUpdateBatch& batch, const Store& store, Map& replica) {
   }
   for (const MapPointId& id : batch.removed_points) EXPECT_TRUE(replica.RemovePoint(id));
   for (const KeyframeRemoval& removal : batch.removed_keyframes) replica.RemoveKeyframe(removal.id);
-  // Those that would have made a cycle with what was there before.
+  // These would have made a cycle with what was there before.
   for (const auto& [id, parent] : parked) EXPECT_TRUE(replica.SetParent(id, parent));
 }
 
@@ -130,7 +130,7 @@ class Scenario {
     keeps_ = keeps_ && !is_old;
   }
   void OpenSession() { recorder_->SetPointsFollow(!store_.is_old); }
-  // With so many bytes; returns what was told.
+  // Takes a batch of so many bytes at most; returns what was told.
   MapUpdateBatch FlushBytes(double bytes) {
     const MapUpdateBatch batch = recorder_->TakeBatch(map_, BatchAllowance(1000, bytes, 1));
     Apply(batch, store_, replica_);
@@ -186,7 +186,7 @@ class Scenario {
     }
   }
 
-  // Where nobody can tell the difference from the pictures.
+  // Expects that points lie where nobody can tell the difference from the pictures.
   void ExpectPlacesThatLookTheSame() const {
     for (const auto& [id, point] : map_.points()) {
       const MapPoint* told = replica_.FindPoint(id);
@@ -457,7 +457,7 @@ TEST(UpdateRecorderTest, WhatIsHeldBackIsAllToldAtTheEnd) {
     for (int step = 0; step < 400; ++step) {
       scenario.Step();
       if (random() % 15 != 0) continue;
-      // As who sends does it: until there is nothing to tell.
+      // Flushes as the link does, until there is nothing to tell.
       int batches = 0;
       while (!client_agent::IsEmpty(scenario.Flush(1 + random() % 10))) ASSERT_LT(++batches, 100);
     }

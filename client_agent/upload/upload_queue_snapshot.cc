@@ -107,7 +107,7 @@ void UploadQueue::KeepSnapshot() {
     WriteSnapshot(snapshot_->future.get());
     if (!snapshot_.has_value()) return;
   }
-  // What it stands for goes when it is on the disk for certain.
+  // The batches that it stands for go when it is on the disk for certain.
   if (snapshot_->written.back().order > spool_->synced()) {
     spool_->HurrySync();
     if (snapshot_->written.back().order > spool_->synced()) return;

@@ -1,4 +1,4 @@
-// How batches, and what is in none yet, get to the disk, and how room comes back there.
+// Moves batches, and what is in none yet, to the disk, and gives room back there.
 #include <glog/logging.h>
 
 #include <memory>

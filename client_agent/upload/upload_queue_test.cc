@@ -273,7 +273,7 @@ TEST_F(UploadQueueTest, WhatTheStoreRefusesTwiceOfThisProcessIsGivenUp) {
   EXPECT_TRUE(queue_->IsEmpty());
 }
 
-// With a disk that is to have everything.
+// Tests a queue with a disk that is to have everything.
 class DurableQueueTest : public UploadQueueTest {
  protected:
   void OpenDurable(bool keep = false, LocalMapId goes_on = {}) {

@@ -284,7 +284,7 @@ absl::Status Prepare(const RevisionPlan& plan, const MapStoreOptions& options,
   return absl::OkStatus();
 }
 
-// What owners have changed since layers were prepared.
+// Collects what owners have changed since layers were prepared.
 struct Since {
   absl::flat_hash_set<KeyframeId> gone;
   absl::flat_hash_set<MapPointId> points;  // Points that went, or stand for others.

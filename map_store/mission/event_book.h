@@ -30,7 +30,7 @@ class EventBook {
   explicit EventBook(std::function<absl::Time()> clock, std::string mission = "")
       : clock_(std::move(clock)), mission_(std::move(mission)) {}
 
-  // What is kept of a book whose mission is asleep.
+  // Remembers the end of a book whose mission is asleep.
   struct Past {
     uint64_t last_number = 0;
     std::deque<MissionEvent> events;

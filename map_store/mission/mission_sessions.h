@@ -57,8 +57,8 @@ class MissionSessions {
 
  private:
   void DescribeTold(AgentInfo& agent) const ABSL_SHARED_LOCKS_REQUIRED(strand_.mutex());
-  // What one agent was told. Its lock is taken before the state's lock; who tells the agent more
-  // lets go of the state's lock now and then.
+  // Remembers what one agent was told. Its lock is taken before the state's lock; who tells the
+  // agent more lets go of the state's lock now and then.
   struct Told {
     absl::Mutex mutex;
     ShareState share ABSL_GUARDED_BY(mutex);

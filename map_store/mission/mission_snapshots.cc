@@ -93,7 +93,7 @@ absl::Status MissionSnapshots::Write(Beginning& beginning, const std::function<b
 }
 
 absl::StatusOr<bool> MissionSnapshots::Keep(const std::function<bool()>& goes_on) {
-  // Whoever only asks is in nobody's way.
+  // This is asked without the lock first: most calls find nothing to do.
   if (!strand_.environment().journal->WantsSnapshot(strand_.name())) return false;
   absl::MutexLock one(&mutex_);
   if (strand_.IsDeleted()) return false;

@@ -80,7 +80,7 @@ class MissionDirectory {
   // one that is asleep, wakes or falls asleep.
   absl::StatusOr<Lease> UseLoaded(absl::string_view name) ABSL_LOCKS_EXCLUDED(mutex_);
 
-  // Those who only look: what they get may leave memory, and they are no users.
+  // These calls only look: what they return may leave memory, and their callers are no users.
 
   // Returns NOT_FOUND where there is none, or one that is being made.
   absl::StatusOr<KnownMission> Peek(absl::string_view name) const ABSL_LOCKS_EXCLUDED(mutex_);

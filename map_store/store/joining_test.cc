@@ -72,8 +72,8 @@ void Follow(const MapStore& store, MapWatcher watcher, testing::MapMirror& mirro
   while (const auto changes = *store.NextChanges("m", 1000, watcher)) mirror.Apply(*changes);
 }
 
-// Who comes back knows only up to which version it was told. Islands that it saw may have become
-// one, and their local maps parts of others, meanwhile.
+// A robot that comes back knows only up to which version it was told. Islands that it saw may have
+// become one, and their local maps parts of others, meanwhile.
 TEST(JoiningTest, WhoComesBackIsToldWhichIslandsAreNoMore) {
   OneRobotsStore joined(true);
   joined.Drive(0);

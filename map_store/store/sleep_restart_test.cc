@@ -83,7 +83,7 @@ TEST_F(SleepRestartTest, ADamagedSummaryHasTheMissionRead) {
   EXPECT_EQ(OpenAgain(), 1);
 }
 
-// As a store would find it that was killed, or another program has used the folder.
+// The folder is as a store would find it that was killed, or after another program has used it.
 TEST_F(SleepRestartTest, AnOldSummaryIsNotBelieved) {
   Fill(kMission, map_a_);
   store_.reset();

@@ -22,7 +22,7 @@
 
 namespace corbslam::testing {
 
-// What passes through a CountingJournal; it outlives the journal.
+// Counts what passes through a CountingJournal; it outlives the journal.
 struct JournalCounts {
   std::atomic<int> snapshots = 0;
   std::atomic<int> reads_with_features = 0;  // With features, as a store reads a mission.

@@ -155,7 +155,7 @@ TEST_F(MissionProfileServiceTest, SaysWhatIsWrongWithIt) {
   EXPECT_EQ(store_->ListMissions({})->items.size(), 0u);
 }
 
-// What a client makes of -1.
+// A client makes this of -1.
 TEST_F(MissionProfileServiceTest, NoLimitIsBeyondAllThatThereIs) {
   using Code = grpc::StatusCode;
   constexpr uint64_t kMinusOne = std::numeric_limits<uint64_t>::max();

@@ -19,7 +19,7 @@ namespace corbslam::services {
 namespace {
 
 constexpr absl::Duration kAskFor = absl::Seconds(10);
-// Of refusals that the statistics name.
+// The statistics name so many refusals.
 constexpr size_t kMostRefusals = 20;
 
 absl::StatusOr<v1::RobotSettingsList> AskStore(const std::shared_ptr<grpc::Channel>& channel,

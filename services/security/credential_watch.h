@@ -70,7 +70,7 @@ class CredentialWatch {
   // Does the same, but one that is bad is said in the log and watched all the same: nothing is in
   // force until it is good.
   void AddOrWait(Source source);
-  // Begins to look. Called once.
+  // Begins to poll. Called once.
   void Start();
   // Reads all sources now.
   void Poll() ABSL_LOCKS_EXCLUDED(mutex_);

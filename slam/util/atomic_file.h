@@ -35,7 +35,7 @@ class AtomicFile {
   absl::Status Append(absl::string_view bytes);
   // Gives the file its name, durably. The caller does so once, as the last call.
   absl::Status Finish();
-  // The same for what can be made again: a power loss may take it.
+  // Does the same for a file that can be made again: a power loss may take it.
   absl::Status FinishUnsynced();
 
  private:

@@ -20,7 +20,7 @@ uint64_t FreeHeapBytes();
 // Gives memory that the process has freed back to the system, if it is much: the allocator would
 // keep it, for ever where something small lies above it.
 void ReturnFreeMemory();
-// Does so if it is more than `least_bytes`, for a thread that nobody waits for.
+// Returns it if it is more than `least_bytes`, for a thread that nobody waits for.
 void ReturnFreeMemoryAbove(uint64_t least_bytes);
 
 // Gives back what the allocator keeps whenever that has grown by `least_bytes`: what is left each
@@ -37,7 +37,7 @@ class HeapTrimmer {
   uint64_t left_bytes_ = 0;
 };
 
-// Does so at the end of its scope, when what is declared after it is gone.
+// Returns free memory at the end of its scope, when what is declared after it is gone.
 class ReturnsFreeMemory {
  public:
   ReturnsFreeMemory() = default;

@@ -76,7 +76,7 @@ std::string DescribePipeline(const GstCameraOptions& options) {
                                          : GreySink(options.second, LiveSide::kSecond));
 }
 
-// Where Debian has the elements that cameras want.
+// Debian has the elements that cameras want in these packages.
 constexpr std::pair<absl::string_view, absl::string_view> kPackages[] = {
     {"aravissrc", "libaravis-0.8-0"},         {"bayer2rgb", "gstreamer1.0-plugins-bad"},
     {"v4l2src", "gstreamer1.0-plugins-good"}, {"jpegdec", "gstreamer1.0-plugins-good"},

@@ -248,7 +248,7 @@ TEST(GstSourceTest, ACameraThatWentAwayIsWaitedFor) {
   EXPECT_LT(longest_ns, 10'000'000'000);
 }
 
-// Those of the machine's monotonic clock, as the times that other pictures have.
+// Such times are those of the machine's monotonic clock, as the times that other pictures have.
 TEST(GstSourceTest, PicturesWithoutTimesHaveThoseAtWhichTheyCameAndItIsSaidOnce) {
   const Listener listener("gives no times");
   const auto stream =
@@ -436,7 +436,7 @@ TEST(GstSourceTest, APlaybackThatNobodyHoldsBackIsSaid) {
   EXPECT_EQ(listener.told(), 1);
 }
 
-// As a recording's: the numbers of pictures of another size.
+// The rig has the numbers of pictures of another size, as a recording's may.
 TEST(GstSourceTest, AnImprobableRigMustBeTrusted) {
   const std::string askew = absl::StrReplaceAll(kSmallStereoRig, {{"[80, 60]", "[120, 60]"}});
   const std::string source =

@@ -61,10 +61,10 @@ class WatchReactor : public grpc::ServerWriteReactor<Response>, private StreamTa
   }
 
  protected:
-  // What one look has found.
+  // One poll finds this.
   struct Found {
     std::vector<Response> messages;
-    bool more = false;  // There is more already: look again once these are written.
+    bool more = false;  // There is more already: poll again once these are written.
   };
 
   // These are called by one thread at a time, without locks. Subscribe comes first, until it is OK;
@@ -126,7 +126,7 @@ class WatchReactor : public grpc::ServerWriteReactor<Response>, private StreamTa
     return absl::OkStatus();
   }
 
-  // Looks again once what was not there is; returns the error if it never will be.
+  // Polls again once what was not there is; returns the error if it never will be.
   absl::Status PollAgain(const absl::Status& error) {
     return pool().Defer(error, link_.Guard([this](const auto& ready) {
       Note([this, &ready]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
@@ -165,7 +165,7 @@ class WatchReactor : public grpc::ServerWriteReactor<Response>, private StreamTa
   bool cancelled_ ABSL_GUARDED_BY(mutex_) = false;
   std::optional<absl::Status> end_ ABSL_GUARDED_BY(mutex_);
   std::deque<Response> messages_ ABSL_GUARDED_BY(mutex_);
-  // What the next look needs.
+  // The next poll needs this in memory.
   std::shared_ptr<const void> held_ ABSL_GUARDED_BY(mutex_);
 };
 

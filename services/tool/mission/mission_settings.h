@@ -15,7 +15,7 @@
 
 namespace corbslam::services {
 
-// What was given; nullopt and empty lists: nothing was.
+// Has what was given; nullopt and empty lists: nothing was.
 struct MissionSettings {
   std::optional<std::string> description = std::nullopt;
   std::vector<std::string> labels = {};         // KEY=VALUE

@@ -65,7 +65,7 @@ absl::StatusOr<v1::RobotSettings> BeginFrom(const v1::SignedRobotSettings& now,
   v1::RobotSettings before;
   if (replace) {
     v1::RobotSettings said;
-    // What can't be read has no version that counts.
+    // Settings that can't be read count as version 0.
     if (said.ParseFromString(now.settings())) before.set_version(said.version());
     return before;
   }

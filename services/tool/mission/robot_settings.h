@@ -15,7 +15,7 @@
 
 namespace corbslam::services {
 
-// What was given on the command line.
+// Has what was given on the command line.
 struct RobotSettingsFlags {
   // Values as texts, by their rows' tool_flag (services/convert/robot_setting_table.h).
   std::map<std::string, std::string> given = {};
