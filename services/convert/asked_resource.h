@@ -1,4 +1,5 @@
-// Finds what a call is about, by what stands at the call in the contract (corbslam/v1/access.proto).
+// Finds what a call is about, by what stands at the call in the contract
+// (corbslam/v1/access.proto).
 #ifndef CORBSLAM_SERVICES_CONVERT_ASKED_RESOURCE_H_
 #define CORBSLAM_SERVICES_CONVERT_ASKED_RESOURCE_H_
 
