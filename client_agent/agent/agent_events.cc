@@ -91,7 +91,7 @@ void AgentEvents::Add(Kind kind, LocalMapId local_map) {
                      .local_map = local_map,
                      .epoch = newest_.epoch,
                      .global_epoch = global_epoch_});
-  if (events_.size() > kMostKept) events_.pop_front();
+  if (events_.size() > kMaxEvents) events_.pop_front();
 }
 
 std::optional<AgentEvent> AgentEvents::After(uint64_t number) const {

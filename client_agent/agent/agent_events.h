@@ -48,7 +48,7 @@ struct AgentEvent {
 // return at once and may call After.
 class AgentEvents {
  public:
-  static constexpr size_t kMostKept = 1000;
+  static constexpr size_t kMaxEvents = 1000;
 
   explicit AgentEvents(std::function<absl::Time()> clock = &absl::Now) : clock_(std::move(clock)) {}
 

@@ -87,13 +87,13 @@ TEST_F(AgentEventsTest, TheGlobalFrameMovesWhilePosesGoOn) {
 
 TEST_F(AgentEventsTest, KeepsTheNewestThousandAndASlowReaderSkips) {
   Frame(TrackingState::kTracking, 1);
-  for (size_t i = 1; i < AgentEvents::kMostKept + 20; ++i) {
+  for (size_t i = 1; i < AgentEvents::kMaxEvents + 20; ++i) {
     events_.NoteLink(LinkEvent::kMerged, kMap);
   }
   const std::vector<AgentEvent> all = All();
-  ASSERT_EQ(all.size(), AgentEvents::kMostKept);
+  ASSERT_EQ(all.size(), AgentEvents::kMaxEvents);
   EXPECT_EQ(all.front().number, 21u);
-  EXPECT_EQ(all.back().number, AgentEvents::kMostKept + 20);
+  EXPECT_EQ(all.back().number, AgentEvents::kMaxEvents + 20);
   EXPECT_EQ(events_.After(5)->number, 21u);
   EXPECT_EQ(events_.After(500)->number, 501u);
   EXPECT_FALSE(events_.After(all.back().number).has_value());

@@ -23,12 +23,12 @@ LocalMapSession::LocalMapSession(const LocalMapSessionOptions& options,
           options.follow_correction),
       mapper_(options.mapper, MakeMapperParts(options.local_ba_ms)),
       tracker_(options.tracker, std::move(camera),
-               {&map_, &queue_, &statistics_, vocabulary_.get(), &find_places_, &looks_}) {}
+               {&map_, &queue_, &statistics_, vocabulary_.get(), &find_places_, &measurements_}) {}
 
 LocalMapSession::~LocalMapSession() { Stop(); }
 
 MapperParts LocalMapSession::MakeMapperParts(SampleLog* local_ba_ms) {
-  MapperParts parts{&map_, &queue_, &statistics_, nullptr, nullptr, &looks_, local_ba_ms};
+  MapperParts parts{&map_, &queue_, &statistics_, nullptr, nullptr, &measurements_, local_ba_ms};
   parts.on_mapped = [this](KeyframeId id) { OnMapped(id); };
   parts.on_removed = [this](KeyframeId id) { places_.Remove(id); };
   return parts;
@@ -45,10 +45,10 @@ void LocalMapSession::OnMapped(KeyframeId id) {
   loop_closer_.Enqueue(id);
 }
 
-void LocalMapSession::GoOnFrom(const KeptMap& kept) {
-  map_.GoOnFrom(kept.next_keyframe(), kept.next_point());
+void LocalMapSession::GoOnFrom(const SpooledMap& spooled_map) {
+  map_.GoOnFrom(spooled_map.next_keyframe(), spooled_map.next_point());
   map_.Write([&](Map& map) {
-    kept.Fill(
+    spooled_map.Fill(
         [this](const std::vector<Descriptor>& descriptors) {
           return std::make_shared<const Words>(vocabulary_->Transform(descriptors));
         },

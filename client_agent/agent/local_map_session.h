@@ -20,7 +20,7 @@
 #include "client_agent/mapping/point_statistics.h"
 #include "client_agent/shared/shared_map.h"
 #include "client_agent/tracking/tracker.h"
-#include "client_agent/upload/kept_map.h"
+#include "client_agent/upload/spooled_map.h"
 
 namespace corbslam::client_agent {
 
@@ -43,9 +43,9 @@ class LocalMapSession : public MapJobs {
   LocalMapSession(const LocalMapSession&) = delete;
   LocalMapSession& operator=(const LocalMapSession&) = delete;
 
-  // Goes on with what an earlier process kept of this local map: the tracker is lost in it until it
-  // recognises a place. To be called before all else.
-  void GoOnFrom(const KeptMap& kept);
+  // Goes on with what an earlier process spooled of this local map: the tracker is lost in it until
+  // it recognises a place. To be called before all else.
+  void GoOnFrom(const SpooledMap& spooled_map);
 
   void Start();
   // Steps mapping, then loop closing, until both are idle.
@@ -82,7 +82,7 @@ class LocalMapSession : public MapJobs {
   std::atomic<uint64_t> map_bytes_ = 0;
   MappingQueue queue_;
   PointStatistics statistics_;
-  LookBook looks_;
+  MeasurementBook measurements_;
   PlaceIndex places_;
   const PlaceFinder find_places_;
   LoopCloser loop_closer_;

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "client_agent/upload/kept_map_reading.h"
+#include "client_agent/upload/spooled_map_reading.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::client_agent {
@@ -36,18 +36,18 @@ bool AreAlike(const RecordedCamera& a, const RecordedCamera& b) {
 
 }  // namespace
 
-absl::Status CheckSameRig(const KeptMap& kept, const Camera& camera,
+absl::Status CheckSameRig(const SpooledMap& spooled_map, const Camera& camera,
                           const RecordedCamera& recorded) {
-  for (size_t i = 0; i < kept.cameras().size(); ++i) {
-    if (!(*kept.cameras()[i] == camera)) {
-      return absl::FailedPreconditionError(
-          absl::StrCat("local map ", ToString(kept.local_map()), " was made with another camera (",
-                       Describe(*kept.cameras()[i]), "; now ", Describe(camera), ")"));
+  for (size_t i = 0; i < spooled_map.cameras().size(); ++i) {
+    if (!(*spooled_map.cameras()[i] == camera)) {
+      return absl::FailedPreconditionError(absl::StrCat(
+          "local map ", ToString(spooled_map.local_map()), " was made with another camera (",
+          Describe(*spooled_map.cameras()[i]), "; now ", Describe(camera), ")"));
     }
-    const std::optional<RecordedCamera>& before = kept.recorded_cameras()[i];
+    const std::optional<RecordedCamera>& before = spooled_map.recorded_cameras()[i];
     if (before.has_value() && !AreAlike(*before, recorded)) {
       return absl::FailedPreconditionError(
-          absl::StrCat("local map ", ToString(kept.local_map()),
+          absl::StrCat("local map ", ToString(spooled_map.local_map()),
                        " was made with another rig: the lens, or how the camera is mounted or "
                        "rectified, is not as it was"));
     }
@@ -55,11 +55,11 @@ absl::Status CheckSameRig(const KeptMap& kept, const Camera& camera,
   return absl::OkStatus();
 }
 
-absl::StatusOr<KeptMap> FindMapToResume(Spool& spool, const Camera& camera,
-                                        const RecordedCamera& recorded) {
-  ASSIGN_OR_RETURN(KeptMap kept, ReadNewestKeptMap(spool));
-  RETURN_IF_ERROR(CheckSameRig(kept, camera, recorded));
-  return kept;
+absl::StatusOr<SpooledMap> FindMapToResume(Spool& spool, const Camera& camera,
+                                           const RecordedCamera& recorded) {
+  ASSIGN_OR_RETURN(SpooledMap spooled_map, ReadNewestSpooledMap(spool));
+  RETURN_IF_ERROR(CheckSameRig(spooled_map, camera, recorded));
+  return spooled_map;
 }
 
 }  // namespace corbslam::client_agent

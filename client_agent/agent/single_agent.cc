@@ -8,10 +8,10 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
-#include "client_agent/agent/others_words.h"
+#include "client_agent/agent/contradiction_text.h"
 #include "client_agent/agent/resuming.h"
 #include "client_agent/agent/trajectory_log.h"
-#include "client_agent/upload/held_items.h"
+#include "client_agent/upload/held_back_items.h"
 #include "slam/util/resident_memory.h"
 #include "slam/util/status_macros.h"
 
@@ -102,10 +102,10 @@ absl::Status CheckParts(const AgentOptions& options, const Vocabulary* vocabular
 }
 
 // What an earlier process left: NOT_FOUND if there is nothing, or nothing is wanted of it.
-absl::StatusOr<KeptMap> TakeOverSpool(const AgentOptions& options, Spool* spool,
-                                      const Camera& camera, const RecordedCamera& recorded) {
+absl::StatusOr<SpooledMap> TakeOverSpool(const AgentOptions& options, Spool* spool,
+                                         const Camera& camera, const RecordedCamera& recorded) {
   if (spool == nullptr) return absl::NotFoundError("there is no spool");
-  if (const absl::Status told = TellHeld(*spool); !told.ok()) {
+  if (const absl::Status told = TellHeldBack(*spool); !told.ok()) {
     LOG(ERROR) << "what an earlier process held back when it ended is lost: " << told;
   }
   if (!options.resume) return absl::NotFoundError("it is not wanted");
@@ -119,18 +119,18 @@ absl::StatusOr<std::unique_ptr<Agent>> Agent::Create(const AgentOptions& options
   RETURN_IF_ERROR(CheckParts(options, vocabulary.get(), uplink, spool.get()));
   ASSIGN_OR_RETURN(std::unique_ptr<Sensor> sensor, MakeSensor(calibration, options.sensor));
   ASSIGN_OR_RETURN(const RecordedCamera recorded_camera, RecordedCameraOf(calibration));
-  absl::StatusOr<KeptMap> kept =
+  absl::StatusOr<SpooledMap> spooled_map =
       TakeOverSpool(options, spool.get(), sensor->camera(), recorded_camera);
   return std::make_unique<SingleAgent>(options, std::move(sensor), calibration, recorded_camera,
                                        std::move(vocabulary), uplink, std::move(spool),
-                                       std::move(kept));
+                                       std::move(spooled_map));
 }
 
 SingleAgent::SingleAgent(const AgentOptions& options, std::unique_ptr<Sensor> sensor,
                          const SensorCalibration& calibration,
                          const RecordedCamera& recorded_camera,
                          std::shared_ptr<const Vocabulary> vocabulary, Uplink* uplink,
-                         std::unique_ptr<Spool> spool, absl::StatusOr<KeptMap> kept)
+                         std::unique_ptr<Spool> spool, absl::StatusOr<SpooledMap> spooled_map)
     : options_(options),
       is_stereo_(std::holds_alternative<StereoCalibration>(calibration)),
       created_(absl::Now()),
@@ -148,15 +148,15 @@ SingleAgent::SingleAgent(const AgentOptions& options, std::unique_ptr<Sensor> se
           [vocabulary = vocabulary_](const std::vector<Descriptor>& descriptors) {
             return std::make_shared<const Words>(vocabulary->Transform(descriptors));
           },
-          std::move(spool), kept.ok() ? kept->local_map() : LocalMapId())),
+          std::move(spool), spooled_map.ok() ? spooled_map->local_map() : LocalMapId())),
       far_(MakeFarMaps(uplink != nullptr)),
       pictures_(uplink != nullptr ? MakePictureMaker(calibration) : nullptr),
       after_work_(/*threaded=*/!options.deterministic) {
   if (options_.orders != nullptr) options_.orders->SetCamera(*camera_);
-  if (kept.ok()) resuming_ = Resuming{kept->newest_ns(), std::nullopt};
-  OpenLocalMap(std::nullopt, kept.ok() ? &*kept : nullptr);
-  if (!kept.ok() && options_.resume && !absl::IsNotFound(kept.status())) {
-    NoteNotResumed(std::string(kept.status().message()));
+  if (spooled_map.ok()) resuming_ = Resuming{spooled_map->newest_ns(), std::nullopt};
+  OpenLocalMap(std::nullopt, spooled_map.ok() ? &*spooled_map : nullptr);
+  if (!spooled_map.ok() && options_.resume && !absl::IsNotFound(spooled_map.status())) {
+    NoteNotResumed(std::string(spooled_map.status().message()));
   }
   if (options_.deterministic) return;
   link_->Start();
@@ -178,9 +178,9 @@ std::unique_ptr<PictureMaker> SingleAgent::MakePictureMaker(const SensorCalibrat
 }
 
 void SingleAgent::OpenLocalMap(const std::optional<Similarity3d>& global_from_local,
-                               const KeptMap* kept, bool goes_on) {
+                               const SpooledMap* spooled_map, bool goes_on) {
   LocalMapSessionOptions options;
-  if (kept != nullptr) options.local_map = kept->local_map();
+  if (spooled_map != nullptr) options.local_map = spooled_map->local_map();
   while (!options.local_map.IsValid()) options.local_map.value = random_();
   options.tracker.seed = options_.seed;
   // Depths of RGB-D cameras are coarser than disparities.
@@ -202,8 +202,9 @@ void SingleAgent::OpenLocalMap(const std::optional<Similarity3d>& global_from_lo
     absl::MutexLock lock(&mutex_);
     presumed_global_from_local_ = global_from_local;
   }
-  if (kept != nullptr) current().GoOnFrom(*kept);
-  link_->BeginLocalMap(current().map(), current(), kept, StoreLink::Earlier::kMayStillBeWritten);
+  if (spooled_map != nullptr) current().GoOnFrom(*spooled_map);
+  link_->BeginLocalMap(current().map(), current(), spooled_map,
+                       StoreLink::Earlier::kMayStillBeWritten);
   inquiry_.BeginLocalMap();
   if (far_ != nullptr) far_->BeginLocalMap(options.local_map, goes_on);
   if (!options_.deterministic) current().Start();
@@ -320,7 +321,8 @@ bool SingleAgent::Use(const PlaceAnswer& answer) {
   }
   const std::optional<Similarity3d> global_from_local = link_->GlobalFromLocal();
   if (!global_from_local.has_value()) return false;
-  // What is near there comes, though the map does not show it yet.
+  // The store is told this place, so that it shares what lies around it, though the map does not
+  // show that yet.
   link_->AddLocalised({question.frame->timestamp_ns, answer.camera_from_global});
   return current().tracker().ResumeAt(question.frame,
                                       answer.camera_from_global * global_from_local->ToRigid());

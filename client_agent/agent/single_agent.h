@@ -21,7 +21,7 @@
 #include "client_agent/link/store_link.h"
 #include "client_agent/map/map_history.h"
 #include "client_agent/source_checks/input_watch.h"
-#include "client_agent/upload/kept_map.h"
+#include "client_agent/upload/spooled_map.h"
 #include "slam/util/bounded_sample.h"
 
 namespace corbslam::client_agent {
@@ -31,7 +31,7 @@ class SingleAgent : public Agent {
   SingleAgent(const AgentOptions& options, std::unique_ptr<Sensor> sensor,
               const SensorCalibration& calibration, const RecordedCamera& recorded_camera,
               std::shared_ptr<const Vocabulary> vocabulary, Uplink* uplink,
-              std::unique_ptr<Spool> spool, absl::StatusOr<KeptMap> kept);
+              std::unique_ptr<Spool> spool, absl::StatusOr<SpooledMap> spooled_map);
   ~SingleAgent() override;
 
   absl::StatusOr<TrackingResult> Track(const SensorImages& images) override;
@@ -47,10 +47,10 @@ class SingleAgent : public Agent {
 
  private:
   // `global_from_local` is where the new local map lies until the map store says it.
-  // `kept`: what the local map is made of, where an earlier process began it.
+  // `spooled_map`: what the local map is made of, where an earlier process began it.
   // `goes_on`: it lies in the frame of the one before.
   void OpenLocalMap(const std::optional<Similarity3d>& global_from_local = std::nullopt,
-                    const KeptMap* kept = nullptr, bool goes_on = false);
+                    const SpooledMap* spooled_map = nullptr, bool goes_on = false);
   // Before the first frame: begins a new local map where the frames' time goes back to before what
   // is resumed.
   void CheckTimeGoesOn(int64_t timestamp_ns);
@@ -87,7 +87,7 @@ class SingleAgent : public Agent {
   void HandOver(const HandedFrame& handed);
   void WarnOfLateLink(uint64_t map_bytes);
   LocalMapSession& current() const { return *current_session_; }
-  // What is left of local maps that ended, once nobody reads them any more.
+  // Keeps the results of local maps that ended, once nobody reads these any more.
   struct FinishedMaps {
     OwnItems items;
     LoopCloserCounts loops;

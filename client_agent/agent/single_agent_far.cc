@@ -1,4 +1,4 @@
-// How SingleAgent, without a map store, brings far parts of its map back from the spool.
+// SingleAgent's part that, without a map store, brings far parts of its map back from the spool.
 #include <limits>
 #include <utility>
 
@@ -10,7 +10,7 @@ namespace {
 // Shares of AgentOptions::max_map_bytes: what comes back is a part of the map that is bounded, what
 // far places look like comes to it.
 constexpr uint64_t kForWhatComesBack = 4;
-constexpr uint64_t kForLooks = 8;
+constexpr uint64_t kForBags = 8;
 
 }  // namespace
 
@@ -19,7 +19,7 @@ std::unique_ptr<FarMaps> SingleAgent::MakeFarMaps(bool has_uplink) {
   if (options_.max_map_bytes == 0 || has_uplink) return nullptr;
   FarMapsOptions options;
   options.max_bytes = options_.max_map_bytes / kForWhatComesBack;
-  options.max_look_bytes = options_.max_map_bytes / kForLooks;
+  options.max_bag_bytes = options_.max_map_bytes / kForBags;
   // Without a scale there are no metres, and the number of keyframes alone is the bound.
   options.radius =
       camera_->IsMetric() ? options_.share.radius_m : std::numeric_limits<double>::infinity();
@@ -40,12 +40,12 @@ void SingleAgent::KeepForReturn(const LocalMapSession& session) const {
 
 void SingleAgent::LookForFar(const TrackingResult& result) const {
   if (far_ == nullptr) return;
-  FarLook look;
-  look.timestamp_ns = result.timestamp_ns;
+  FarFrame frame;
+  frame.timestamp_ns = result.timestamp_ns;
   if (result.state == TrackingState::kTracking)
-    look.centre = CameraCentre(result.camera_from_local);
-  look.payload = current().tracker().last_payload();
-  far_->Note(look);
+    frame.centre = CameraCentre(result.camera_from_local);
+  frame.payload = current().tracker().last_payload();
+  far_->Note(frame);
 }
 
 }  // namespace corbslam::client_agent

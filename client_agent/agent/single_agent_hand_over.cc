@@ -56,7 +56,7 @@ bool SingleAgent::ShedOthers(const TrackingResult& result, uint64_t map_bytes) {
 
 void SingleAgent::HandOver(const HandedFrame& handed) {
   EndLocalMap();
-  OpenLocalMap(GlobalFromLocal(), /*kept=*/nullptr, /*goes_on=*/true);
+  OpenLocalMap(GlobalFromLocal(), /*spooled_map=*/nullptr, /*goes_on=*/true);
   warned_of_late_link_ = false;
   // The queue of a new local map has room.
   CHECK(current().tracker().TakeOver(handed));

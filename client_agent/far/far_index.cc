@@ -9,37 +9,37 @@ void FarIndex::Add(const std::vector<FarPlace>& places) {
   for (const FarPlace& place : places) {
     centres_[place.id] = place.centre;
     if (place.words == nullptr || added_++ % stride_ != 0) continue;
-    auto look = std::make_shared<Words>();
-    look->bag = place.words->bag;
-    looks_.Add(place.id, std::move(look));
-    in_looks_.push_back(place.id);
-    if (in_looks_.size() > max_bags_) Thin();
+    auto words = std::make_shared<Words>();
+    words->bag = place.words->bag;
+    bags_.Add(place.id, std::move(words));
+    with_bag_.push_back(place.id);
+    if (with_bag_.size() > max_bags_) Thin();
   }
 }
 
 void FarIndex::Thin() {
   std::vector<KeyframeId> kept;
-  for (size_t i = 0; i < in_looks_.size(); ++i) {
+  for (size_t i = 0; i < with_bag_.size(); ++i) {
     if (i % 2 == 0) {
-      kept.push_back(in_looks_[i]);
+      kept.push_back(with_bag_[i]);
     } else {
-      looks_.Remove(in_looks_[i]);
+      bags_.Remove(with_bag_[i]);
     }
   }
-  in_looks_ = std::move(kept);
+  with_bag_ = std::move(kept);
   stride_ *= 2;
 }
 
 void FarIndex::Remove(LocalMapId local_map) {
   const auto is_of_it = [local_map](KeyframeId id) { return id.local_map == local_map; };
   std::erase_if(centres_, [&](const auto& item) { return is_of_it(item.first); });
-  std::erase_if(in_looks_, [&](KeyframeId id) { return is_of_it(id) && looks_.Remove(id); });
+  std::erase_if(with_bag_, [&](KeyframeId id) { return is_of_it(id) && bags_.Remove(id); });
 }
 
 void FarIndex::Clear() {
   centres_.clear();
-  in_looks_.clear();
-  looks_ = KeyframeDatabase();
+  with_bag_.clear();
+  bags_ = KeyframeDatabase();
   stride_ = kFirstStride;
   added_ = 0;
 }
@@ -69,7 +69,7 @@ std::optional<Eigen::Vector3d> FarIndex::Recognise(const BagOfWords& bag,
   QueryOptions options;
   options.min_score = least_score;
   options.max_results = 1;
-  const std::vector<PlaceCandidate> found = looks_.Query(bag, options);
+  const std::vector<PlaceCandidate> found = bags_.Query(bag, options);
   if (found.empty()) return std::nullopt;
   return centres_.at(found.front().id);
 }

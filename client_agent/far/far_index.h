@@ -51,18 +51,18 @@ class FarIndex {
   std::optional<Eigen::Vector3d> Recognise(const BagOfWords& bag, double least_score) const;
 
   size_t keyframes() const { return centres_.size(); }
-  size_t bags() const { return looks_.size(); }
+  size_t bags() const { return bags_.size(); }
 
  private:
-  // Forgets what every second of the keyframes looks like.
+  // Drops the bag of every second of the keyframes.
   void Thin();
 
   const size_t max_bags_;
   size_t stride_ = kFirstStride;
   size_t added_ = 0;
   std::map<KeyframeId, Eigen::Vector3d> centres_;
-  KeyframeDatabase looks_;
-  std::vector<KeyframeId> in_looks_;  // In the order in which they were added.
+  KeyframeDatabase bags_;
+  std::vector<KeyframeId> with_bag_;  // In the order in which they were added.
 };
 
 }  // namespace corbslam::client_agent

@@ -13,7 +13,7 @@
 namespace corbslam::client_agent {
 namespace {
 
-// What a bag takes with its postings.
+// A bag takes about so many bytes with its postings.
 constexpr uint64_t kBagBytes = 16 << 10;
 // Keyframes in an update: the map is written, and tracking waits, for some milliseconds each.
 constexpr size_t kKeyframesAnUpdate = 4;
@@ -37,7 +37,7 @@ FarMaps::FarMaps(const FarMapsOptions& options, ReadLocalMap read, Share share,
       read_(std::move(read)),
       share_(std::move(share)),
       compute_words_(std::move(compute_words)),
-      index_(std::max<size_t>(options.max_look_bytes / kBagBytes, 16)),
+      index_(std::max<size_t>(options.max_bag_bytes / kBagBytes, 16)),
       chooser_(MakeReach(options)) {}
 
 FarMaps::~FarMaps() { Stop(); }
@@ -59,7 +59,7 @@ void FarMaps::BeginLocalMap(LocalMapId local_map, bool goes_on) {
   }
   in_frame_.insert(local_map);
   news_.begun = local_map;
-  news_.look.reset();
+  news_.frame.reset();
   has_news_ = true;
 }
 
@@ -78,9 +78,9 @@ void FarMaps::Keep(LocalMapId local_map, const Map& map) {
   has_news_ = true;
 }
 
-void FarMaps::Note(const FarLook& look) {
+void FarMaps::Note(const FarFrame& frame) {
   absl::MutexLock lock(&mutex_);
-  news_.look = look;
+  news_.frame = frame;
   has_news_ = true;
 }
 
@@ -117,7 +117,7 @@ bool FarMaps::Work() {
   }
   Take(news);
   // What was chosen comes bit by bit, with the frames, before anything else is chosen.
-  if (to_send_.empty() && news.look.has_value()) Choose(*news.look);
+  if (to_send_.empty() && news.frame.has_value()) Choose(*news.frame);
   SendNext();
   absl::MutexLock lock(&mutex_);
   status_.keyframes = index_.keyframes();
@@ -147,10 +147,10 @@ void FarMaps::Take(News& news) {
   }
 }
 
-void FarMaps::Choose(const FarLook& look) {
-  if (look.centre.has_value()) centre_ = look.centre;
+void FarMaps::Choose(const FarFrame& frame) {
+  if (frame.centre.has_value()) centre_ = frame.centre;
   if (index_.keyframes() == 0) return;
-  const std::optional<Eigen::Vector3d> recognised = Recognise(look);
+  const std::optional<Eigen::Vector3d> recognised = Recognise(frame);
   if (recognised.has_value()) recognised_ = recognised;
   if (!centre_.has_value()) return;
   const bool anew = std::exchange(choose_anew_, false) || recognised.has_value();
@@ -162,14 +162,14 @@ void FarMaps::Choose(const FarLook& look) {
   for (const auto& [local_map, ids] : choice.bring) Bring(local_map, ids);
 }
 
-std::optional<Eigen::Vector3d> FarMaps::Recognise(const FarLook& look) {
-  if (look.payload == nullptr) return std::nullopt;
-  if (compared_ns_.has_value() && look.timestamp_ns >= *compared_ns_ &&
-      look.timestamp_ns - *compared_ns_ < options_.recognise_every_ns) {
+std::optional<Eigen::Vector3d> FarMaps::Recognise(const FarFrame& frame) {
+  if (frame.payload == nullptr) return std::nullopt;
+  if (compared_ns_.has_value() && frame.timestamp_ns >= *compared_ns_ &&
+      frame.timestamp_ns - *compared_ns_ < options_.recognise_every_ns) {
     return std::nullopt;
   }
-  compared_ns_ = look.timestamp_ns;
-  const auto words = compute_words_(look.payload->features.descriptors);
+  compared_ns_ = frame.timestamp_ns;
+  const auto words = compute_words_(frame.payload->features.descriptors);
   const auto before = std::exchange(compared_, words);
   if (recognised_.has_value() && --recognised_for_ <= 0) recognised_.reset();
   const double usual = before == nullptr ? 0 : Similarity(before->bag, words->bag);
@@ -190,11 +190,12 @@ std::optional<Eigen::Vector3d> FarMaps::Recognise(const FarLook& look) {
 }
 
 void FarMaps::Bring(LocalMapId local_map, const std::vector<KeyframeId>& ids) {
-  const absl::StatusOr<KeptMap> kept = read_(local_map);
-  if (!kept.ok()) return NoteUnreadable(local_map, kept.status());
+  const absl::StatusOr<SpooledMap> spooled_map = read_(local_map);
+  if (!spooled_map.ok()) return NoteUnreadable(local_map, spooled_map.status());
   Map map;
   // Who takes the updates computes the words of those that come.
-  kept->Fill([](const std::vector<Descriptor>&) { return std::shared_ptr<const Words>(); }, map);
+  spooled_map->Fill([](const std::vector<Descriptor>&) { return std::shared_ptr<const Words>(); },
+                    map);
   uint64_t brought = 0;
   for (size_t i = 0; i < ids.size(); i += kKeyframesAnUpdate) {
     const size_t count = std::min(kKeyframesAnUpdate, ids.size() - i);

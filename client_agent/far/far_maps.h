@@ -20,7 +20,7 @@
 #include "client_agent/far/far_choice.h"
 #include "client_agent/far/far_index.h"
 #include "client_agent/far/far_share.h"
-#include "client_agent/upload/kept_map.h"
+#include "client_agent/upload/spooled_map.h"
 #include "slam/exchange/shared_update.h"
 #include "slam/map/map.h"
 
@@ -29,8 +29,8 @@ namespace corbslam::client_agent {
 struct FarMapsOptions {
   // Bytes that what was brought back may take, as EstimateBytes has it.
   uint64_t max_bytes = 0;
-  // Bytes that may be taken by what the places that are not in memory look like.
-  uint64_t max_look_bytes = 0;
+  // Bytes that may be taken by the bags of words of places that are not in memory.
+  uint64_t max_bag_bytes = 0;
   // How far from the robot keyframes come back, in the local map's units.
   double radius = 50;
   // How long after a frame that was compared with the far places the next one is, in frames' time.
@@ -46,8 +46,8 @@ struct FarMapsStatus {
   uint64_t unreadable = 0;    // Local maps that could not be read.
 };
 
-// What a frame says of where the robot is.
-struct FarLook {
+// A frame tells by this where the robot is.
+struct FarFrame {
   int64_t timestamp_ns = 0;
   std::optional<Eigen::Vector3d> centre;  // In the local map in use; none: the robot is lost.
   std::shared_ptr<const KeyframePayload> payload;
@@ -58,7 +58,7 @@ struct FarLook {
 class FarMaps {
  public:
   // Reads all that there is of a local map. Called by the work alone.
-  using ReadLocalMap = std::function<absl::StatusOr<KeptMap>(LocalMapId)>;
+  using ReadLocalMap = std::function<absl::StatusOr<SpooledMap>(LocalMapId)>;
   // Takes an update for the local map; called by the work alone.
   using Share = std::function<void(LocalMapId for_local_map, SharedUpdate)>;
   using ComputeWords =
@@ -76,7 +76,7 @@ class FarMaps {
   // Notes that a local map, which has ended, leaves memory: `map` is as it is on the disk.
   void Keep(LocalMapId local_map, const Map& map);
   // Notes where the robot is. Costs next to nothing.
-  void Note(const FarLook& look);
+  void Note(const FarFrame& frame);
 
   void Start();
   // Ends the thread: nothing is read or shared any more.
@@ -95,16 +95,16 @@ class FarMaps {
     std::optional<LocalMapId> begun;
     bool forget = false;
     std::vector<Ended> ended;
-    std::optional<FarLook> look;
+    std::optional<FarFrame> frame;
   };
 
   void Run();
   // Takes the news, if there is any or work is left, else returns false.
   bool Work();
   void Take(News& news);
-  void Choose(const FarLook& look);
+  void Choose(const FarFrame& frame);
   // Returns a place that is not near, but looks like the frame's.
-  std::optional<Eigen::Vector3d> Recognise(const FarLook& look);
+  std::optional<Eigen::Vector3d> Recognise(const FarFrame& frame);
   void Bring(LocalMapId local_map, const std::vector<KeyframeId>& ids);
   void NoteUnreadable(LocalMapId local_map, const absl::Status& why);
   void SendNext();

@@ -6,7 +6,7 @@
 
 #include "absl/status/status.h"
 #include "absl/synchronization/notification.h"
-#include "client_agent/far/testing/kept_row.h"
+#include "client_agent/far/testing/spooled_row.h"
 #include "client_agent/map/map_bytes.h"
 
 namespace corbslam::client_agent {
@@ -39,14 +39,14 @@ class FarMapsTest : public ::testing::Test {
   static FarMapsOptions Options() {
     FarMapsOptions options;
     options.max_bytes = 1 << 20;
-    options.max_look_bytes = 4 << 20;
+    options.max_bag_bytes = 4 << 20;
     options.radius = 10;
     return options;
   }
 
   static Map MapOf(LocalMapId local_map, uint32_t begin_m) {
     Map map;
-    KeptRow(local_map, kKeyframes, begin_m).Fill(&LooksOf, map);
+    SpooledRow(local_map, kKeyframes, begin_m).Fill(&LooksOf, map);
     return map;
   }
   void Keep(LocalMapId local_map, uint32_t begin_m) {
@@ -55,13 +55,13 @@ class FarMapsTest : public ::testing::Test {
 
   // The frame looks like the keyframe there.
   void At(double x, std::optional<uint32_t> looks_like = {}) {
-    FarLook look;
-    look.timestamp_ns = (time_ns_ += 1'000'000'000);
-    look.centre = Eigen::Vector3d(x, 0, 0);
+    FarFrame frame;
+    frame.timestamp_ns = (time_ns_ += 1'000'000'000);
+    frame.centre = Eigen::Vector3d(x, 0, 0);
     if (looks_like.has_value()) {
-      look.payload = KeptRow({99}, 1, *looks_like).keyframes().begin()->second.payload;
+      frame.payload = SpooledRow({99}, 1, *looks_like).keyframes().begin()->second.payload;
     }
-    far_.Note(look);
+    far_.Note(frame);
     far_.Step();
   }
   void Take(LocalMapId for_local_map, const SharedUpdate& update) {
@@ -70,10 +70,10 @@ class FarMapsTest : public ::testing::Test {
     for (const SharedKeyframe& keyframe : update.keyframes) held_.insert(keyframe.payload->id);
     for (const KeyframeId id : update.removed_keyframes) held_.erase(id);
   }
-  absl::StatusOr<KeptMap> Read(LocalMapId local_map) {
+  absl::StatusOr<SpooledMap> Read(LocalMapId local_map) {
     ++reads_;
     if (damaged_) return absl::DataLossError("file 000007.spool: record at byte 4711");
-    return KeptRow(local_map, kKeyframes, local_map == kPassed ? 0 : kKeyframes);
+    return SpooledRow(local_map, kKeyframes, local_map == kPassed ? 0 : kKeyframes);
   }
 
   LocalMapId wanted_for_ = kInUse;
@@ -119,9 +119,9 @@ TEST_F(FarMapsTest, WhatComesBackIsBounded) {
   far.BeginLocalMap(kPassed, false);
   far.BeginLocalMap(kInUse, true);
   far.Keep(kPassed, map);
-  FarLook look;
-  look.centre = Eigen::Vector3d(50, 0, 0);
-  far.Note(look);
+  FarFrame frame;
+  frame.centre = Eigen::Vector3d(50, 0, 0);
+  far.Note(frame);
   far.Step();
   EXPECT_EQ(held_.size(), 6u);
 }
@@ -180,9 +180,9 @@ TEST_F(FarMapsTest, TheThreadDoesTheSame) {
   far.BeginLocalMap(kInUse, true);
   far.Keep(kPassed, MapOf(kPassed, 0));
   far.Start();
-  FarLook look;
-  look.centre = Eigen::Vector3d(50, 0, 0);
-  far.Note(look);
+  FarFrame frame;
+  frame.centre = Eigen::Vector3d(50, 0, 0);
+  far.Note(frame);
   came.WaitForNotification();
   far.Stop();
 }

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "client_agent/far/testing/kept_row.h"
+#include "client_agent/far/testing/spooled_row.h"
 
 namespace corbslam::client_agent {
 namespace {
@@ -12,7 +12,7 @@ constexpr LocalMapId kMap{21};
 class FarShareTest : public ::testing::Test {
  protected:
   FarShareTest() {
-    KeptRow(kMap, 6).Fill(
+    SpooledRow(kMap, 6).Fill(
         [](const std::vector<Descriptor>&) { return std::shared_ptr<const Words>(); }, map_);
   }
   static std::vector<KeyframeId> Ids(uint32_t first, uint32_t last) {

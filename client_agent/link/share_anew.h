@@ -31,31 +31,31 @@ class ShareAnew {
   // Takes the next update. Returns what is to be taken over now, all at once: nothing yet, or all
   // that was held, the first of which takes out what was told before.
   std::vector<ArrivedUpdate> Add(ArrivedUpdate arrived, absl::Time now) {
-    if (held_.empty()) {
+    if (waiting_.empty()) {
       arrived.update.restart = true;
       first_ = now;
     }
     keyframes_ += arrived.update.keyframes.size();
-    held_.push_back(std::move(arrived));
+    waiting_.push_back(std::move(arrived));
     return keyframes_ >= enough_ ? Take() : TakeDue(now);
   }
   // Returns what has been waited for long enough.
   std::vector<ArrivedUpdate> TakeDue(absl::Time now) {
-    if (held_.empty() || now - first_ < kMaxWait) return {};
+    if (waiting_.empty() || now - first_ < kMaxWait) return {};
     return Take();
   }
 
  private:
   std::vector<ArrivedUpdate> Take() {
     is_waiting_ = false;
-    return std::exchange(held_, {});
+    return std::exchange(waiting_, {});
   }
 
   bool is_waiting_ = false;
   size_t enough_ = 0;
   size_t keyframes_ = 0;
   absl::Time first_;
-  std::vector<ArrivedUpdate> held_;
+  std::vector<ArrivedUpdate> waiting_;
 };
 
 }  // namespace corbslam::client_agent

@@ -55,10 +55,10 @@ StoreLink::~StoreLink() {
     for (auto& recording : recordings_) recording->recorder->StopHoldingBack();
   }
   TakeBatches(/*all=*/true);
-  if (!queue_.SpillAll()) WriteHeld(/*now=*/true);
+  if (!queue_.SpillAll()) WriteHeldBack(/*now=*/true);
 }
 
-void StoreLink::BeginLocalMap(GuardedMap& map, MapJobs& jobs, const KeptMap* kept,
+void StoreLink::BeginLocalMap(GuardedMap& map, MapJobs& jobs, const SpooledMap* spooled_map,
                               Earlier earlier) {
   if (uplink_ == nullptr) return;
   RecorderOptions recorder_options;
@@ -69,7 +69,7 @@ void StoreLink::BeginLocalMap(GuardedMap& map, MapJobs& jobs, const KeptMap* kep
   recording->map = &map;
   recording->recorder = std::make_unique<UpdateRecorder>(map.local_map(), recorder_options);
   UpdateRecorder* const recorder = recording->recorder.get();
-  if (kept != nullptr) recorder->GoOnFrom(*kept);
+  if (spooled_map != nullptr) recorder->GoOnFrom(*spooled_map);
   auto inbox = std::make_shared<SharedInbox>(map.local_map(), jobs, *uplink_, options_.inbox);
   {
     absl::MutexLock lock(&mutex_);
@@ -118,7 +118,7 @@ void StoreLink::LetGoOfClosed() {
   if (closed.empty()) return;
   for (GuardedMap* map : closed) {
     map->SetObserver(nullptr);
-    queue_.ReleaseHeld(map->local_map());
+    queue_.ReleaseHeldBack(map->local_map());
   }
   absl::MutexLock lock(&mutex_);
   std::erase_if(recordings_, [&](const auto& recording) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {

@@ -26,8 +26,8 @@
 #include "client_agent/spool/spool.h"
 #include "client_agent/upload/frame_inbox.h"
 #include "client_agent/upload/held_back.h"
-#include "client_agent/upload/kept_map.h"
 #include "client_agent/upload/link_budget.h"
+#include "client_agent/upload/spooled_map.h"
 #include "client_agent/upload/update_recorder.h"
 #include "client_agent/upload/upload_queue.h"
 #include "slam/exchange/uplink.h"
@@ -105,14 +105,14 @@ class StoreLink : private UplinkListener {
   StoreLink(const StoreLink&) = delete;
   StoreLink& operator=(const StoreLink&) = delete;
 
-  // Whether the threads of the local maps before still write them.
+  // Says whether the threads of the local maps before still write them.
   enum class Earlier { kHaveEnded, kMayStillBeWritten };
 
   // Begins a local map, whose changes are recorded from now on. Those before are told to their end
   // and closed: at once, or each after EndLocalMap. `map` is read while Reads says so, `jobs` are
-  // used until the next local map begins; neither is owned. `kept` is what `map` was made of where
-  // it is the one that goes on, else null.
-  void BeginLocalMap(GuardedMap& map, MapJobs& jobs, const KeptMap* kept = nullptr,
+  // used until the next local map begins; neither is owned. `spooled_map` is what `map` was made of
+  // where it is the one that goes on, else null.
+  void BeginLocalMap(GuardedMap& map, MapJobs& jobs, const SpooledMap* spooled_map = nullptr,
                      Earlier earlier = Earlier::kHaveEnded);
   // Says that the local map is written no more.
   void EndLocalMap(LocalMapId local_map);
@@ -133,7 +133,9 @@ class StoreLink : private UplinkListener {
   // session stands, or while it waits for that.
   void AskAnew(double radius_m);
   // Does what UploadQueue::ReadLocalMap does, for a local map that Reads says is told.
-  absl::StatusOr<KeptMap> ReadTold(LocalMapId local_map) { return queue_.ReadLocalMap(local_map); }
+  absl::StatusOr<SpooledMap> ReadTold(LocalMapId local_map) {
+    return queue_.ReadLocalMap(local_map);
+  }
   // Takes where a frame was of a robot that localises only; what AddTrackedFrame and AddLostFrame
   // take is its trajectory.
   void AddLocalised(const LocalisedFrame& frame);
@@ -182,12 +184,12 @@ class StoreLink : private UplinkListener {
     bool asked_for_exact_places = false;
     bool closed = false;      // True: its last batch is in the outbox.
     bool stays_open = false;  // True: its last batch does not close it.
-    // UpdateRecorder::held_changes of what the spool has; nullopt: of nothing.
-    std::optional<uint64_t> held;
+    // UpdateRecorder::held_back_changes of what the spool has; nullopt: of nothing.
+    std::optional<uint64_t> held_back;
   };
   void OnSessionOpened(const SessionGrant& grant) override;
   void OnAcknowledged(const Acknowledgement& acknowledgement) override;
-  void OnLocalisedKept(const LocalisedKept& kept) override;
+  void OnLocalisedKept(const LocalisedKept& spooled_map) override;
   void OnShared(SharedUpdate update) override;
   void OnExactPlacesWanted() override;
   void OnSessionClosed(const absl::Status& reason) override;
@@ -208,8 +210,8 @@ class StoreLink : private UplinkListener {
   bool TakeBatchOf(Recording& recording);
   // Writes what is in no batch yet to the spool, where all is to outlive the process: now, or when
   // it is due.
-  void WriteHeld(bool now);
-  void WriteHeldOf(Recording& recording, bool anew);
+  void WriteHeldBack(bool now);
+  void WriteHeldBackOf(Recording& recording, bool anew);
   bool WritesAll() const {
     return queue_.has_spool() && options_.spool_within > absl::ZeroDuration();
   }
@@ -301,7 +303,7 @@ class StoreLink : private UplinkListener {
   bool stop_ ABSL_GUARDED_BY(mutex_) = false;
   std::optional<absl::Time> first_acknowledged_ ABSL_GUARDED_BY(mutex_);
   // Used by the thread that makes batches alone.
-  absl::Time next_held_ = absl::InfinitePast();
+  absl::Time next_held_back_ = absl::InfinitePast();
   std::thread thread_;
 };
 

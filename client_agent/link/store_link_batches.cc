@@ -121,7 +121,7 @@ bool StoreLink::TakeBatchOf(Recording& recording) {
   const bool last = IsEmpty(batch);
   if (last && !closing) return false;
   // What is held back is to be written for what was told now.
-  next_held_ = absl::InfinitePast();
+  next_held_back_ = absl::InfinitePast();
   absl::MutexLock lock(&mutex_);
   if (recording.closed) return false;
   batch.local_map = recording.map->local_map();

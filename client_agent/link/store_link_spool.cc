@@ -9,7 +9,7 @@ namespace corbslam::client_agent {
 namespace {
 
 // What is held back and written again and again takes no more of the disk than this.
-constexpr double kHeldBytesPerSecond = 4 << 20;
+constexpr double kHeldBackBytesPerSecond = 4 << 20;
 
 }  // namespace
 
@@ -19,11 +19,11 @@ void StoreLink::SpillDue(bool now) {
   } else {
     queue_.Spill();
   }
-  WriteHeld(now);
+  WriteHeldBack(now);
 }
 
-void StoreLink::WriteHeld(bool now) {
-  if (!WritesAll() || (!now && options_.clock() < next_held_)) return;
+void StoreLink::WriteHeldBack(bool now) {
+  if (!WritesAll() || (!now && options_.clock() < next_held_back_)) return;
   std::vector<Recording*> open;
   {
     absl::MutexLock lock(&mutex_);
@@ -32,27 +32,27 @@ void StoreLink::WriteHeld(bool now) {
       if (!recording->closed) open.push_back(recording.get());
     }
   }
-  const bool anew = queue_.TakeHeldLost();
-  for (Recording* recording : open) WriteHeldOf(*recording, anew);
+  const bool anew = queue_.TakeHeldBackLost();
+  for (Recording* recording : open) WriteHeldBackOf(*recording, anew);
 }
 
 // Only this thread takes batches, so that none comes between the copy and its record.
-void StoreLink::WriteHeldOf(Recording& recording, bool anew) {
-  if (anew) recording.recorder->CopyHeldAnew();
-  const uint64_t changes = recording.recorder->held_changes();
-  if (recording.held == changes) return;
-  const HeldItems held =
-      recording.map->Read([&](const Map& map) { return recording.recorder->CopyHeld(map); });
-  const std::optional<uint64_t> bytes = queue_.WriteHeld(held);
+void StoreLink::WriteHeldBackOf(Recording& recording, bool anew) {
+  if (anew) recording.recorder->CopyHeldBackAnew();
+  const uint64_t changes = recording.recorder->held_back_changes();
+  if (recording.held_back == changes) return;
+  const HeldBackItems held_back =
+      recording.map->Read([&](const Map& map) { return recording.recorder->CopyHeldBack(map); });
+  const std::optional<uint64_t> bytes = queue_.WriteHeldBack(held_back);
   if (!bytes.has_value()) {
-    recording.recorder->CopyHeldAnew();
-    recording.held.reset();
+    recording.recorder->CopyHeldBackAnew();
+    recording.held_back.reset();
     return;
   }
-  recording.held = changes;
-  next_held_ =
-      options_.clock() + std::max(options_.spool_within / 4,
-                                  absl::Seconds(static_cast<double>(*bytes) / kHeldBytesPerSecond));
+  recording.held_back = changes;
+  next_held_back_ = options_.clock() +
+                    std::max(options_.spool_within / 4,
+                             absl::Seconds(static_cast<double>(*bytes) / kHeldBackBytesPerSecond));
 }
 
 }  // namespace corbslam::client_agent

@@ -11,8 +11,8 @@
 #include "client_agent/link/testing/fake_uplink.h"
 #include "client_agent/link/testing/test_payload.h"
 #include "client_agent/spool/testing/fake_spool.h"
-#include "client_agent/upload/held_items.h"
-#include "client_agent/upload/kept_map_reading.h"
+#include "client_agent/upload/held_back_items.h"
+#include "client_agent/upload/spooled_map_reading.h"
 
 namespace corbslam::client_agent {
 namespace {
@@ -302,17 +302,17 @@ class DurableLinkTest : public StoreLinkSpoolTest {
     options_.resumable = resumable;
     options_.clock = [this] { return now_; };
     auto spool = *OpenFakeSpool(&disk_);
-    ASSERT_TRUE(TellHeld(*spool).ok());
-    if (goes_on) kept_.emplace(*ReadNewestKeptMap(*spool));
+    ASSERT_TRUE(TellHeldBack(*spool).ok());
+    if (goes_on) spooled_map_.emplace(*ReadNewestSpooledMap(*spool));
     manager_ = std::make_unique<StoreLink>(
         options_, uplink, [](const auto&) { return std::make_shared<Words>(); }, std::move(spool),
-        goes_on ? kept_->local_map() : LocalMapId());
+        goes_on ? spooled_map_->local_map() : LocalMapId());
     if (!goes_on) return Begin(kOwn);
-    map_ = maps_.emplace_back(std::make_unique<GuardedMap>(kept_->local_map())).get();
+    map_ = maps_.emplace_back(std::make_unique<GuardedMap>(spooled_map_->local_map())).get();
     map_->Write([&](Map& map) {
-      kept_->Fill([](const auto&) { return std::make_shared<const Words>(); }, map);
+      spooled_map_->Fill([](const auto&) { return std::make_shared<const Words>(); }, map);
     });
-    manager_->BeginLocalMap(*map_, jobs_, &*kept_);
+    manager_->BeginLocalMap(*map_, jobs_, &*spooled_map_);
   }
   void AddMapped(uint32_t index) {
     Keyframe keyframe;
@@ -341,7 +341,7 @@ class DurableLinkTest : public StoreLinkSpoolTest {
     return {stored.begin(), stored.end()};
   }
 
-  std::optional<KeptMap> kept_;
+  std::optional<SpooledMap> spooled_map_;
 };
 
 TEST_F(DurableLinkTest, AKilledRobotLosesNothingWithoutALink) {

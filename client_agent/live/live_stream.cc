@@ -70,7 +70,7 @@ absl::StatusOr<std::unique_ptr<FrameStream>> LiveStream::Open(const Rig& rig,
                                                               const LiveOptions& options) {
   ASSIGN_OR_RETURN(SensorCalibration calibration, CalibrationOf(rig));
   ASSIGN_OR_RETURN(DepthPreparation depth, DepthOf(rig, options));
-  if (depth.registers()) LOG(INFO) << options.name << ": depth is " << depth.in_words();
+  if (depth.registers()) LOG(INFO) << options.name << ": depth is " << depth.description();
   std::unique_ptr<LiveStream> stream(
       new LiveStream(rig, std::move(calibration), std::move(depth), std::move(camera), options));
   RETURN_IF_ERROR(stream->camera_->Start(stream->pairing_));

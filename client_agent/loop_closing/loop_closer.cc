@@ -172,7 +172,7 @@ bool LoopCloser::CloseLoop(const Overlap& loop) {
 
 void LoopCloser::Apply(const MapCorrection& correction) {
   OwnCorrection moved;
-  moved.held = correction.held;
+  moved.fixed = correction.fixed;
   map_.Write([&](Map& map) {
     moved.motions = ApplyCorrection(correction, map_.local_map(), map);
     map_.CountCorrection();

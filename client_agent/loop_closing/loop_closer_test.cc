@@ -239,8 +239,8 @@ TEST_F(LoopCloserTest, OthersKeyframesCloseALoopAndStay) {
   EXPECT_GT(seen_by_own, 50u);
   ASSERT_EQ(corrections_.size(), 2U) << "the loop and the adjustment";
   for (const OwnCorrection& correction : corrections_) {
-    EXPECT_GE(correction.held.size(), 5U);
-    for (const KeyframeId& id : correction.held) EXPECT_EQ(id.local_map, kOther);
+    EXPECT_GE(correction.fixed.size(), 5U);
+    for (const KeyframeId& id : correction.fixed) EXPECT_EQ(id.local_map, kOther);
   }
 }
 
@@ -251,7 +251,7 @@ TEST_F(LoopCloserTest, SaysHowItMovedTheOwnMap) {
   closer->Enqueue({kOwn, 87});
   StepUntilIdle(*closer);
   ASSERT_EQ(corrections_.size(), 2U) << "the loop and the adjustment";
-  EXPECT_TRUE(corrections_[0].held.empty());
+  EXPECT_TRUE(corrections_[0].fixed.empty());
   const auto& closed = corrections_[0].motions.at({kOwn, 87});
   const auto& adjusted = corrections_[1].motions.at({kOwn, 87});
   EXPECT_EQ(closed.camera_from_map_before.translation,

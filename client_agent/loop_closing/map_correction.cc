@@ -10,7 +10,7 @@ MapCorrection Unmoved(const Map& map, LocalMapId own) {
   MapCorrection correction;
   for (const auto& [id, keyframe] : map.keyframes()) {
     if (id.local_map != own) {
-      correction.held.insert(id);
+      correction.fixed.insert(id);
       continue;
     }
     correction.keyframes[id] = {keyframe.camera_from_map,

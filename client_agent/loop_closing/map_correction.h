@@ -28,8 +28,8 @@ struct MapCorrection {
   // All own keyframes that were in the copy, moved or not.
   std::map<KeyframeId, MovedKeyframe> keyframes;
   std::map<MapPointId, MovedPoint> points;
-  // Others' keyframes that were in the copy, to which it was fitted.
-  absl::btree_set<KeyframeId> held;
+  // Others' keyframes that were in the copy, held fixed, to which it was fitted.
+  absl::btree_set<KeyframeId> fixed;
   std::vector<FuseMapsResult::Merge> merges;
   std::vector<RejectedObservation> rejected;
   // The loop that called for it.

@@ -9,7 +9,7 @@ namespace corbslam::client_agent {
 namespace {
 
 // Points or keyframes that are looked at while writers wait: some 0.2 ms.
-constexpr size_t kLooksInAPiece = 2000;
+constexpr size_t kStepsInAPiece = 2000;
 // After so many corrections meanwhile the map is read in one piece.
 constexpr int kMaxTries = 3;
 
@@ -26,18 +26,18 @@ struct FoundPoint {
 template <typename Item>
 using AllFound = std::vector<Found<Item>>;
 
-// Goes through `items(map)`, an ordered container of the map, `piece` at a time; `look` adds what
+// Goes through `items(map)`, an ordered container of the map, `piece` at a time; `visit` adds what
 // is near.
-template <typename Id, typename Items, typename Look>
-void ReadInPieces(const GuardedMap& map, size_t piece, const Items& items, const Look& look) {
+template <typename Id, typename Items, typename Visit>
+void ReadInPieces(const GuardedMap& map, size_t piece, const Items& items, const Visit& visit) {
   std::optional<Id> last;
   bool goes_on = true;
   while (goes_on) {
     goes_on = map.Read([&](const Map& now) {
       const auto& all = items(now);
       auto it = last.has_value() ? all.upper_bound(*last) : all.begin();
-      for (size_t looks = 0; it != all.end() && looks < piece; ++it, ++looks) {
-        look(it->second);
+      for (size_t steps = 0; it != all.end() && steps < piece; ++it, ++steps) {
+        visit(it->second);
         last = it->first;
       }
       return it != all.end();
@@ -75,7 +75,7 @@ Near ReadNear(const GuardedMap& map, const Eigen::Vector3d& centre, double radiu
 Near ReadConsistently(const GuardedMap& map, const Eigen::Vector3d& centre, double radius_m) {
   for (int tries = 0; tries < kMaxTries; ++tries) {
     const uint64_t corrections = map.corrections();
-    Near near = ReadNear(map, centre, radius_m, kLooksInAPiece);
+    Near near = ReadNear(map, centre, radius_m, kStepsInAPiece);
     if (map.corrections() == corrections) return near;
   }
   return ReadNear(map, centre, radius_m, std::numeric_limits<size_t>::max());

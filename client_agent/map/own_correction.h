@@ -1,4 +1,4 @@
-// How the robot moved its own map as a whole.
+// Says how the robot moved its own map as a whole.
 #ifndef CORBSLAM_CLIENT_AGENT_MAP_OWN_CORRECTION_H_
 #define CORBSLAM_CLIENT_AGENT_MAP_OWN_CORRECTION_H_
 
@@ -22,8 +22,8 @@ struct OwnCorrection {
   };
   // Own keyframes that moved.
   std::map<KeyframeId, Motion> motions;
-  // Others' keyframes that the own map was fitted to.
-  absl::btree_set<KeyframeId> held;
+  // Others' keyframes, held fixed, that the own map was fitted to.
+  absl::btree_set<KeyframeId> fixed;
 };
 
 }  // namespace corbslam::client_agent

@@ -122,7 +122,7 @@ void Mapper::MapKeyframe(KeyframeId id) {
   AdjustLocalBundle(id);
   CullKeyframes(id);
   JudgeKeyframes();
-  ApplyLooks();
+  ApplyMeasurements();
 }
 
 void Mapper::AdjustLocalBundle(KeyframeId centre) {
@@ -183,19 +183,19 @@ void Mapper::JudgeKeyframes() {
   }
 }
 
-// Applies looks to keyframes that are not provisional any more, because others are told of them
-// soon.
-void Mapper::ApplyLooks() {
-  if (parts_.looks == nullptr) return;
+// Applies measurements to keyframes that are not provisional any more, because others are told of
+// them soon.
+void Mapper::ApplyMeasurements() {
+  if (parts_.measurements == nullptr) return;
   const KeyframeId last = parts_.map->Read([&](const Map& map) {
     return NewestBut(map, parts_.map->local_map(), kProvisionalKeyframes);
   });
   if (!last.IsValid()) return;
-  for (const auto& [id, looks] : parts_.looks->TakeUpTo(last)) {
-    parts_.map->Write([&, id = id, &looks = looks](Map& map) {
+  for (const auto& [id, measurements] : parts_.measurements->TakeUpTo(last)) {
+    parts_.map->Write([&, id = id, &measurements = measurements](Map& map) {
       const Keyframe* keyframe = map.FindKeyframe(id);
       if (keyframe == nullptr) return;
-      map.SetKeypoints(id, Averaged(keyframe->keypoints(), looks));
+      map.SetKeypoints(id, Averaged(keyframe->keypoints(), measurements));
     });
   }
 }

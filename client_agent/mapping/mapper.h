@@ -9,8 +9,8 @@
 #include "client_agent/map/guarded_map.h"
 #include "client_agent/mapping/culling.h"
 #include "client_agent/mapping/keyframe_judgement.h"
-#include "client_agent/mapping/look_book.h"
 #include "client_agent/mapping/mapping_queue.h"
+#include "client_agent/mapping/measurement_book.h"
 #include "client_agent/mapping/point_statistics.h"
 #include "slam/optimisation/bundle_adjustment.h"
 #include "slam/util/bounded_sample.h"
@@ -31,7 +31,7 @@ struct MapperParts {
   // Called in the same way when a keyframe was culled; may be null.
   std::function<void(KeyframeId)> on_removed;
   // What tracking adds to keyframes' measurements; may be null.
-  LookBook* looks = nullptr;
+  MeasurementBook* measurements = nullptr;
   // Hears how long each local bundle adjustment took, in milliseconds; may be null.
   SampleLog* local_ba_ms = nullptr;
 };
@@ -58,7 +58,7 @@ class Mapper {
   void CommitBundle(const BundleResult& result, const Map& before);
   void CullKeyframes(KeyframeId centre);
   void JudgeKeyframes();
-  void ApplyLooks();
+  void ApplyMeasurements();
 
   const MapperOptions options_;
   const MapperParts parts_;

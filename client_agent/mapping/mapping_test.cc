@@ -184,17 +184,17 @@ TEST_F(MappingTest, MapperBuildsTheSceneAndAdjustsItsPoses) {
 }
 
 TEST_F(MappingTest, LooksMoveKeypointsOnceTheirKeyframeIsSettled) {
-  LookBook looks;
+  MeasurementBook measurements;
   MapperParts parts{&map_, &queue_, &statistics_, nullptr, nullptr};
-  parts.looks = &looks;
+  parts.measurements = &measurements;
   Mapper mapper({}, parts);
   for (uint32_t k = 0; k < 8; ++k) {
-    Look look;
-    look.keyframe = {kOwn, k};
-    look.shift_px = {1, 0};
-    // The look is so sure that the keypoint goes all the way.
-    look.variance_px2 = 1e-6;
-    looks.Add({look});
+    KeypointMeasurement measurement;
+    measurement.keyframe = {kOwn, k};
+    measurement.shift_px = {1, 0};
+    // The measurement is so sure that the keypoint goes all the way.
+    measurement.variance_px2 = 1e-6;
+    measurements.Add({measurement});
     NewKeyframe keyframe = Handed(k);
     SeeMapPoints(keyframe);
     ASSERT_TRUE(queue_.PushKeyframe(std::move(keyframe)));

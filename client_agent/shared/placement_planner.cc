@@ -29,7 +29,7 @@ void PlacementPlanner::Move(KeyframeId id, const Rigid3d& after_from_before) {
 PlacementPlan PlacementPlanner::Plan(const Map& map, const SharedContent& content,
                                      const std::optional<Rigid3d>& local_from_global) {
   PlacementPlan plan;
-  held_.Update(map);
+  pinned_.Update(map);
   anchors_ = ChooseAnchors(map, content, local_from_global);
   PlanPoints(PlanKeyframes(map, content, plan), map, content, plan);
   return plan;
@@ -43,7 +43,7 @@ PlacingAnchors PlacementPlanner::ChooseAnchors(
   PlacingAnchors anchors;
   absl::btree_set<KeyframeId> superseded;
   for (const auto& [id, shared] : content.keyframes()) {
-    if (!held_.Contains(id)) continue;
+    if (!pinned_.Contains(id)) continue;
     anchors.Add(shared.camera_from_global.ToRigid(), LocalFromGlobal(id, shared, map));
     for (const CovisibleKeyframe& sharing : map.Covisible(id)) {
       if (sharing.id.local_map == own_) superseded.insert(sharing.id);
@@ -62,7 +62,7 @@ PlacingAnchors PlacementPlanner::ChooseAnchors(
 Rigid3d PlacementPlanner::LocalFromGlobal(KeyframeId id, const ForeignKeyframe& shared,
                                           const Map& map) const {
   const Rigid3d camera_from_global = shared.camera_from_global.ToRigid();
-  if (!held_.Contains(id)) return anchors_.LocalFromGlobalAt(CameraCentre(camera_from_global));
+  if (!pinned_.Contains(id)) return anchors_.LocalFromGlobalAt(CameraCentre(camera_from_global));
   return map.FindKeyframe(id)->camera_from_map.Inverse() * camera_from_global;
 }
 
@@ -101,7 +101,8 @@ void PlacementPlanner::PlanPoints(const std::vector<KeyframeId>& moved, const Ma
   for (const KeyframeId id : moved) {
     for (const MapPointId& point : content.FindKeyframe(id)->points) {
       const SharedMapPoint* shared = content.FindPoint(point);
-      if (shared == nullptr || content.HolderOf(*shared) != id || due.contains(point)) continue;
+      if (shared == nullptr || content.PlacingKeyframeOf(*shared) != id || due.contains(point))
+        continue;
       PlanPoint(*shared, map, content, plan);
     }
   }
@@ -116,7 +117,7 @@ void PlacementPlanner::PlanPoint(const SharedMapPoint& shared, const Map& map,
 }
 
 Rigid3d PlacementPlanner::PlacingOf(const SharedMapPoint& point, const SharedContent& content) {
-  const auto placing = placings_.find(content.HolderOf(point));
+  const auto placing = placings_.find(content.PlacingKeyframeOf(point));
   if (placing != placings_.end()) {
     points_alone_.erase(point.id);
     return placing->second;

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "absl/container/btree_set.h"
-#include "client_agent/shared/held_keyframes.h"
+#include "client_agent/shared/pinned_keyframes.h"
 #include "client_agent/shared/placing_anchors.h"
 #include "client_agent/shared/shared_content.h"
 #include "slam/map/map.h"
@@ -36,10 +36,10 @@ struct PlacementPlan {
 // Plans the placing of foreign items in one local map. Not thread-safe.
 class PlacementPlanner {
  public:
-  explicit PlacementPlanner(LocalMapId own) : own_(own), held_(own) {}
+  explicit PlacementPlanner(LocalMapId own) : own_(own), pinned_(own) {}
 
   // Makes a plan for content with own keyframes that fusion has placed. A foreign keyframe that the
-  // robot's own sight holds stays; every other one is placed by the nearest anchor: an own keyframe
+  // robot's own sight pins stays; every other one is placed by the nearest anchor: an own keyframe
   // that fusion has placed, or a foreign one that stays. Points go with the keyframe that they
   // refer to. The plan is to be carried out. Where fusion has placed no own keyframe,
   // `local_from_global` says where all of the robot's frame lies.
@@ -48,8 +48,8 @@ class PlacementPlanner {
 
   // Returns local_from_global of each foreign keyframe that was planned.
   const std::map<KeyframeId, Rigid3d>& placings() const { return placings_; }
-  // Returns which of others' keyframes own ones held when the last plan was made.
-  const HeldKeyframes& held() const { return held_; }
+  // Returns which of others' keyframes own ones pinned when the last plan was made.
+  const PinnedKeyframes& pinned() const { return pinned_; }
   // Notes that the keyframe went along with own ones.
   void Move(KeyframeId id, const Rigid3d& after_from_before);
   void Forget(KeyframeId id) { placings_.erase(id); }
@@ -69,7 +69,7 @@ class PlacementPlanner {
   Rigid3d PlacingOf(const SharedMapPoint& point, const SharedContent& content);
 
   const LocalMapId own_;
-  HeldKeyframes held_;
+  PinnedKeyframes pinned_;
   PlacingAnchors anchors_;
   std::map<KeyframeId, Rigid3d> placings_;
   // Foreign points that no foreign keyframe places.

@@ -189,7 +189,7 @@ MapPointId SharedContent::SurvivorOf(MapPointId id) const {
   return it == survivor_of_.end() ? id : it->second;
 }
 
-KeyframeId SharedContent::HolderOf(const SharedMapPoint& point) const {
+KeyframeId SharedContent::PlacingKeyframeOf(const SharedMapPoint& point) const {
   if (FindKeyframe(point.reference) != nullptr) return point.reference;
   const auto it = viewers_of_.find(point.id);
   return it == viewers_of_.end() ? KeyframeId() : it->second.front();

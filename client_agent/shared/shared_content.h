@@ -61,7 +61,7 @@ class SharedContent {
   OwnPlaces& own_places() { return own_places_; }
   // Returns the keyframe that the point is placed with: its reference, else one that sees it, if
   // that is here. Invalid where there is none.
-  KeyframeId HolderOf(const SharedMapPoint& point) const;
+  KeyframeId PlacingKeyframeOf(const SharedMapPoint& point) const;
   // Returns the point that stands for `id` in the robot's map: an own one of its landmark that the
   // map holds, else the landmark's survivor.
   MapPointId Representative(const Map& map, MapPointId id) const;

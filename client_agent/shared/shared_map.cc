@@ -25,8 +25,8 @@ std::optional<Similarity3d> SharedMap::GlobalFromLocal() const {
 void SharedMap::Correct(const OwnCorrection& correction, Map& map) {
   content_.own_places().Correct(correction);
   for (const auto& [id, placing] : planner_.placings()) {
-    if (map.FindKeyframe(id) == nullptr || correction.held.contains(id)) continue;
-    const auto motion = correction.motions.find(planner_.held().HolderOf(id));
+    if (map.FindKeyframe(id) == nullptr || correction.fixed.contains(id)) continue;
+    const auto motion = correction.motions.find(planner_.pinned().PinOf(id));
     if (motion == correction.motions.end()) continue;
     const Rigid3d after_from_before = motion->second.AfterFromBefore();
     planner_.Move(id, after_from_before);
@@ -77,7 +77,7 @@ void SharedMap::MoveWithPoints(KeyframeId id, const Rigid3d& after_from_before, 
     const MapPoint* point = seen.IsValid() ? map.FindPoint(seen) : nullptr;
     if (point == nullptr || seen.local_map == own_) continue;
     const SharedMapPoint* shared = content_.FindPoint(seen);
-    if (shared == nullptr || content_.HolderOf(*shared) != id) continue;
+    if (shared == nullptr || content_.PlacingKeyframeOf(*shared) != id) continue;
     positions.emplace_back(seen, after_from_before * point->position_in_map);
   }
   map.SetPose(id, keyframe.camera_from_map * after_from_before.Inverse());

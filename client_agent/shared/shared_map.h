@@ -33,7 +33,7 @@ class SharedMap {
   void Apply(const ArrivedUpdate& arrived);
 
   // Follows a correction by which the robot moved its own map as a whole, as `map` shows: foreign
-  // keyframes that own ones held before go with them, but for those that the own map was fitted to.
+  // keyframes that own ones pinned before go along, but for those that the own map was fitted to.
   // (What they see in common only since then, in the very loop that was closed, is no reason to
   // go.) The caller calls Plan and Place afterwards.
   void Correct(const OwnCorrection& correction, Map& map);

@@ -100,9 +100,9 @@ class SharedMapContactTest : public ::testing::Test {
   }
 
   // Moves the robot's whole map so far along x.
-  void Correct(double shift, absl::btree_set<KeyframeId> held) {
+  void Correct(double shift, absl::btree_set<KeyframeId> fixed) {
     OwnCorrection correction;
-    correction.held = std::move(held);
+    correction.fixed = std::move(fixed);
     for (uint32_t k = 0; k < kOwnKeyframes; ++k) {
       const Rigid3d before = map_.FindKeyframe({kOwn, k})->camera_from_map;
       const Rigid3d after = {before.rotation, before.translation - Eigen::Vector3d(shift, 0, 0)};
@@ -130,7 +130,7 @@ TEST_F(SharedMapContactTest, WhatTheRobotsSightHoldsStaysWhateverTheStoreSaysOfI
   // Fusion has placed both by their odometry for now.
   Share(ForeignMoves(1));
   EXPECT_NEAR(XOf({kForeign, 0}), 3, 1e-9);
-  EXPECT_NEAR(XOf({kForeign, 1}), 4, 1e-9) << "keeps its place beside the one that is held";
+  EXPECT_NEAR(XOf({kForeign, 1}), 4, 1e-9) << "keeps its place beside the one that is pinned";
 }
 
 TEST_F(SharedMapContactTest, WhatDoesNotFitTheRobotsSightIsNotHeld) {

@@ -84,9 +84,9 @@ class SharedMapTest : public ::testing::Test {
   }
 
   // Moves the robot's own keyframes by so much along x.
-  void Correct(double shift, absl::btree_set<KeyframeId> held = {}) {
+  void Correct(double shift, absl::btree_set<KeyframeId> fixed = {}) {
     OwnCorrection correction;
-    correction.held = std::move(held);
+    correction.fixed = std::move(fixed);
     for (uint32_t k = 0; k < 3; ++k) {
       const Rigid3d before = map_.FindKeyframe({kOwn, k})->camera_from_map;
       const Rigid3d after = {before.rotation,

@@ -10,8 +10,8 @@ namespace corbslam::client_agent {
 namespace {
 
 struct ForeignKind {
-  // Endings of such files without the dot, and words that people put before a colon.
-  std::vector<absl::string_view> words;
+  // Endings of such files without the dot, and names that people put before a colon.
+  std::vector<absl::string_view> names;
   const char* what;
   const char* advice;
 };
@@ -49,7 +49,7 @@ std::string DescribeForeignFile(absl::string_view name) {
   const size_t dot = lower.rfind('.');
   const std::string word = dot == std::string::npos ? lower : lower.substr(dot + 1);
   for (const ForeignKind& kind : Kinds()) {
-    if (std::ranges::find(kind.words, word) == kind.words.end()) continue;
+    if (std::ranges::find(kind.names, word) == kind.names.end()) continue;
     return absl::StrCat(kind.what, ", which is not played as it is: ", kind.advice);
   }
   return "";

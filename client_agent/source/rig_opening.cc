@@ -88,7 +88,7 @@ absl::Status TakeRig(const SourceSpec& spec, RigKind kind, ListedSequence& seque
     if (!depth.ok()) {
       return absl::InvalidArgumentError(absl::StrCat(path, ": ", depth.status().message()));
     }
-    sequence.description.depth_registration = depth->in_words();
+    sequence.description.depth_registration = depth->description();
     sequence.depth = *std::move(depth);
   }
   sequence.description.remarks.Add(std::move(findings));

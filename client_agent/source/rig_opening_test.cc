@@ -127,7 +127,7 @@ TEST(RigOpeningTest, SaysHowMuchAMaskLeavesOut) {
   };
   const auto quarter = open(30);
   ASSERT_TRUE(quarter.ok()) << quarter.status();
-  EXPECT_THAT(DescribeInWords((*quarter)->description()),
+  EXPECT_THAT(DescribeInLines((*quarter)->description()),
               ::testing::Contains(
                   std::pair<std::string, std::string>("mask", "leaves out 25.0 % of the picture")));
   EXPECT_TRUE((*quarter)->description().remarks.findings.empty());

@@ -10,7 +10,7 @@
 namespace corbslam::client_agent {
 namespace {
 
-std::string Words(const LensModel& lens) {
+std::string CameraModelOf(const LensModel& lens) {
   const bool is_pinhole = std::holds_alternative<RadialTangential>(lens);
   return is_pinhole ? "pinhole, " + DescribeLens(lens) : DescribeLens(lens);
 }
@@ -43,14 +43,14 @@ void Describe(const StereoCalibration& calibration, SourceDescription& descripti
     return;
   }
   const RawStereo& raw = *calibration.raw;
-  description.camera_model =
-      absl::StrCat("raw stereo pair, rectified while it is played; left: ", Words(raw.left.lens),
-                   "; right: ", Words(raw.right.lens));
+  description.camera_model = absl::StrCat(
+      "raw stereo pair, rectified while it is played; left: ", CameraModelOf(raw.left.lens),
+      "; right: ", CameraModelOf(raw.right.lens));
   description.baseline_m = raw.right_from_left.translation.norm();
 }
 
 void Describe(const RgbdCalibration& calibration, SourceDescription& description) {
-  description.camera_model = absl::StrCat("RGB-D, ", Words(calibration.lens));
+  description.camera_model = absl::StrCat("RGB-D, ", CameraModelOf(calibration.lens));
   description.depth_units_per_m = calibration.depth_units_per_m;
 }
 
@@ -80,7 +80,7 @@ void DescribeCamera(const SensorCalibration& calibration, SourceDescription& des
   description.masked_percent = MaskedPercent(calibration);
 }
 
-std::vector<std::pair<std::string, std::string>> DescribeInWords(
+std::vector<std::pair<std::string, std::string>> DescribeInLines(
     const SourceDescription& description) {
   const Intrinsics& k = description.intrinsics;
   std::vector<std::pair<std::string, std::string>> lines = {

@@ -37,7 +37,7 @@ struct SourceDescription {
 
 // Returns a name and a value for each line, in the order in which people read them: "layout",
 // "KITTI odometry".
-std::vector<std::pair<std::string, std::string>> DescribeInWords(
+std::vector<std::pair<std::string, std::string>> DescribeInLines(
     const SourceDescription& description);
 
 // Returns intrinsics and size of the (left) pictures as they are recorded.

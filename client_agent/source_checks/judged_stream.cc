@@ -26,27 +26,27 @@ bool IsHopeless(const SourceFinding& finding) {
 }  // namespace
 
 void LateWatch::Offer(const StreamFrame& frame, absl::Time now) {
-  if (looks_ == kMostLooks || look_.valid() || now < next_) return;
+  if (judgements_ == kMostJudgements || judging_.valid() || now < next_) return;
   if (!row_.empty() && row_.back().number + 1 != frame.frame.number) row_.clear();
   row_.push_back({frame.frame.number, frame.images});
   if (row_.size() < kFrames) return;
-  ++looks_;
-  look_ = StartAsync("late watch", [this, row = std::exchange(row_, {})] {
+  ++judgements_;
+  judging_ = StartAsync("late watch", [this, row = std::exchange(row_, {})] {
     return JudgeSample(calibration_, row);
   });
 }
 
 std::optional<SourceFinding> LateWatch::Take(bool waits, absl::Time now) {
-  if (!look_.valid()) return std::nullopt;
-  if (!waits && look_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) {
+  if (!judging_.valid()) return std::nullopt;
+  if (!waits && judging_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) {
     return std::nullopt;
   }
-  StereoJudgement judgement = look_.get();
-  next_ = now + kBetweenLooks;
+  StereoJudgement judgement = judging_.get();
+  next_ = now + kBetweenJudgements;
   const auto late = std::find_if(judgement.findings.begin(), judgement.findings.end(),
                                  [](const auto& found) { return found.code == "pair-late"; });
   if (late == judgement.findings.end()) return std::nullopt;
-  looks_ = kMostLooks;
+  judgements_ = kMostJudgements;
   return std::move(*late);
 }
 
@@ -65,7 +65,7 @@ absl::StatusOr<NextFrame> JudgedStream::Next(absl::Time deadline) {
     return Watch(std::move(next));
   }
   if (!judges_) return Watch(stream_->Next(deadline));
-  const absl::Time until = held_.has_value() ? std::min(deadline, held_until_) : deadline;
+  const absl::Time until = waiting_.has_value() ? std::min(deadline, waiting_until_) : deadline;
   return Hold(stream_->Next(until), absl::Now());
 }
 
@@ -87,25 +87,25 @@ absl::StatusOr<NextFrame> JudgedStream::Watch(absl::StatusOr<NextFrame> next) {
 absl::StatusOr<NextFrame> JudgedStream::Hold(absl::StatusOr<NextFrame> next, absl::Time now) {
   if (!next.ok() || std::holds_alternative<StreamEnd>(*next)) {
     judges_ = false;
-    if (!held_.has_value()) return next;
+    if (!waiting_.has_value()) return next;
     behind_ = std::move(next);
     return Release();
   }
   if (auto* frame = std::get_if<StreamFrame>(&*next)) {
-    if (held_until_ == absl::InfiniteFuture()) held_until_ = now + kMostHeld;
+    if (waiting_until_ == absl::InfiniteFuture()) waiting_until_ = now + kMaxWait;
     sample_.push_back({frame->frame.number, frame->images});
-    if (held_.has_value()) ++skipped_;
-    held_ = std::move(*frame);
+    if (waiting_.has_value()) ++skipped_;
+    waiting_ = std::move(*frame);
     if (sample_.size() == wanted_) {
       if (absl::Status wrong = Judge(); !wrong.ok()) {
         ended_ = true;
         return wrong;
       }
       if (wanted_ == kFrames || !judges_) return Release();
-      held_until_ = absl::Now() + kMostHeld;
+      waiting_until_ = absl::Now() + kMaxWait;
     }
   }
-  if (!held_.has_value() || now < held_until_) return NoFrameYet();
+  if (!waiting_.has_value() || now < waiting_until_) return NoFrameYet();
   return Release();
 }
 
@@ -117,7 +117,7 @@ absl::Status JudgedStream::Judge() {
   judges_ = !is_hopeless && judgement.pairs.size() < kFrames && ++tries_ < kMostTries;
   if (judges_) return absl::OkStatus();
   if (wanted_ == kFrames && MayBeLate(judgement)) {
-    wanted_ = kFramesOfSecondLook;
+    wanted_ = kFramesOfSecondTry;
     judges_ = true;
     return absl::OkStatus();
   }
@@ -141,8 +141,8 @@ absl::Status JudgedStream::Tell(SourceFinding finding) {
 }
 
 absl::StatusOr<NextFrame> JudgedStream::Release() {
-  StreamFrame frame = *std::move(held_);
-  held_.reset();
+  StreamFrame frame = *std::move(waiting_);
+  waiting_.reset();
   if (behind_.has_value()) return frame;
   absl::StatusOr<NextFrame> newest = stream_->Next(absl::InfinitePast());
   if (!newest.ok() || std::holds_alternative<StreamEnd>(*newest)) {

@@ -20,22 +20,22 @@ namespace corbslam::client_agent {
 class LateWatch {
  public:
   static constexpr size_t kFrames = 8;
-  static constexpr int kMostLooks = 5;
-  static constexpr absl::Duration kBetweenLooks = absl::Seconds(2);
+  static constexpr int kMostJudgements = 5;
+  static constexpr absl::Duration kBetweenJudgements = absl::Seconds(2);
 
   explicit LateWatch(const SensorCalibration& calibration) : calibration_(calibration) {}
 
   // Notes a frame that passes. Its pictures are kept for a while: nobody may change them.
   void Offer(const StreamFrame& frame, absl::Time now);
-  // Returns what a look found since the last call, once; `waits` for one that is under way.
+  // Returns what a judgement found since the last call, once; `waits` for one that is under way.
   std::optional<SourceFinding> Take(bool waits, absl::Time now);
 
  private:
   const SensorCalibration calibration_;
   Sample row_;
-  int looks_ = 0;
+  int judgements_ = 0;
   absl::Time next_ = absl::InfinitePast();
-  std::future<StereoJudgement> look_;
+  std::future<StereoJudgement> judging_;
 };
 
 struct JudgedStreamOptions {
@@ -47,9 +47,9 @@ struct JudgedStreamOptions {
 
 // Gives the frames of a camera once three of them that could be judged were: those before are
 // counted as overtaken, for the newest one wins. A camera that gives a frame only when the one
-// before was used is not kept waiting for longer than kMostHeld; its frames are judged in passing.
+// before was used is not kept waiting for longer than kMaxWait; its frames are judged in passing.
 // Where nothing can be judged (a dark start) the next frames are, kMostTries times; and where a
-// late camera may be what is wrong, which three frames do not show, the next kFramesOfSecondLook.
+// late camera may be what is wrong, which three frames do not show, the next kFramesOfSecondTry.
 // In passing LateWatch looks on.
 //
 // What is found is logged. A pair that is exchanged, a frame late or twice the same picture ends
@@ -57,9 +57,9 @@ struct JudgedStreamOptions {
 // of a camera shows less than a recording does.
 class JudgedStream : public FrameStream {
  public:
-  static constexpr absl::Duration kMostHeld = absl::Seconds(1);
+  static constexpr absl::Duration kMaxWait = absl::Seconds(1);
   static constexpr size_t kFrames = 3;
-  static constexpr size_t kFramesOfSecondLook = 8;
+  static constexpr size_t kFramesOfSecondTry = 8;
   static constexpr size_t kMostTries = 10;
 
   JudgedStream(std::unique_ptr<FrameStream> stream, const JudgedStreamOptions& options);
@@ -93,9 +93,9 @@ class JudgedStream : public FrameStream {
   size_t wanted_ = kFrames;  // Of the sample.
   uint64_t skipped_ = 0;
   Sample sample_;
-  std::optional<StreamFrame> held_;
-  absl::Time held_until_ = absl::InfiniteFuture();
-  // What came behind the last frame that was held.
+  std::optional<StreamFrame> waiting_;
+  absl::Time waiting_until_ = absl::InfiniteFuture();
+  // What came behind the last frame that waited.
   std::optional<absl::StatusOr<NextFrame>> behind_;
   bool ended_ = false;
   SourceFindings findings_;

@@ -21,10 +21,10 @@ constexpr char kVersion = '3';
 constexpr size_t kFixedHeaderBytes = 16;
 constexpr size_t kMaxOwnerBytes = 1024;
 constexpr uint32_t kClosesFlag = 1;
-constexpr uint32_t kWholePartFlag = 2;
-constexpr uint32_t kWholeEndFlag = 4;
-constexpr uint32_t kHeldKeyframeFlag = 8;
-constexpr uint32_t kHeldRestFlag = 16;
+constexpr uint32_t kSnapshotPartFlag = 2;
+constexpr uint32_t kSnapshotEndFlag = 4;
+constexpr uint32_t kHeldBackKeyframeFlag = 8;
+constexpr uint32_t kHeldBackRestFlag = 16;
 constexpr size_t kCrcBytes = 4;
 constexpr size_t kRecordHeaderBytes = 28;
 
@@ -46,14 +46,14 @@ uint32_t FlagOf(SpoolRecord::Kind kind) {
   switch (kind) {
     case SpoolRecord::Kind::kBatch:
       return 0;
-    case SpoolRecord::Kind::kWholePart:
-      return kWholePartFlag;
-    case SpoolRecord::Kind::kWholeEnd:
-      return kWholePartFlag | kWholeEndFlag;
-    case SpoolRecord::Kind::kHeldKeyframe:
-      return kHeldKeyframeFlag;
-    case SpoolRecord::Kind::kHeldRest:
-      return kHeldRestFlag;
+    case SpoolRecord::Kind::kSnapshotPart:
+      return kSnapshotPartFlag;
+    case SpoolRecord::Kind::kSnapshotEnd:
+      return kSnapshotPartFlag | kSnapshotEndFlag;
+    case SpoolRecord::Kind::kHeldBackKeyframe:
+      return kHeldBackKeyframeFlag;
+    case SpoolRecord::Kind::kHeldBackRest:
+      return kHeldBackRestFlag;
   }
   return 0;
 }
@@ -66,7 +66,7 @@ void TakeFlags(uint32_t flags, SpoolRecord& record) {
   using Kind = SpoolRecord::Kind;
   record.closes_local_map = (flags & kClosesFlag) != 0;
   for (const Kind kind :
-       {Kind::kWholeEnd, Kind::kWholePart, Kind::kHeldKeyframe, Kind::kHeldRest}) {
+       {Kind::kSnapshotEnd, Kind::kSnapshotPart, Kind::kHeldBackKeyframe, Kind::kHeldBackRest}) {
     if ((flags & ~kClosesFlag) == FlagOf(kind)) record.kind = kind;
   }
 }
@@ -103,7 +103,7 @@ absl::StatusOr<std::optional<uint64_t>> CheckHeader(SpoolFiles& files, const std
   return kFixedHeaderBytes + owner_bytes;
 }
 
-bool IsWhole(absl::string_view bytes, const SpoolRecord& record) {
+bool IsIntact(absl::string_view bytes, const SpoolRecord& record) {
   return bytes.size() == record.bytes && bytes.size() >= kRecordHeaderBytes &&
          ExtendCrc32c(0, bytes.substr(kCrcBytes)) == ReadNumber<uint32_t>(bytes, 0);
 }
@@ -126,7 +126,7 @@ absl::StatusOr<std::optional<SpoolRecord>> ReadRecord(SpoolFiles& files, const s
   record.bytes = static_cast<uint32_t>(kRecordHeaderBytes) + payload_bytes;
   // A record that can't be read now is no torn tail.
   ASSIGN_OR_RETURN(const std::string bytes, files.Read(name, offset, record.bytes));
-  if (!IsWhole(bytes, record)) return std::nullopt;
+  if (!IsIntact(bytes, record)) return std::nullopt;
   if (!record.local_map.IsValid() || record.number == 0) return std::nullopt;
   return record;
 }
@@ -175,7 +175,7 @@ absl::StatusOr<SegmentContents> ScanSegment(SpoolFiles& files, const std::string
 absl::StatusOr<std::string> ReadSpoolPayload(SpoolFiles& files, const std::string& name,
                                              const SpoolRecord& record) {
   ASSIGN_OR_RETURN(const std::string bytes, files.Read(name, record.offset, record.bytes));
-  if (!IsWhole(bytes, record)) {
+  if (!IsIntact(bytes, record)) {
     return absl::DataLossError(absl::StrCat("spool file ", name, ": batch ", record.number,
                                             " of local map ", ToString(record.local_map),
                                             " is not as it was written"));

@@ -28,11 +28,11 @@ namespace corbslam::client_agent {
 inline constexpr uint32_t kMaxSpoolPayloadBytes = 128u << 20;
 
 struct SpoolRecord {
-  // A local map that is kept may be told anew as a whole, in place of all its batches up to
-  // `number`: in one or more parts, one after the other. What is in no batch yet after batch
-  // `number` (HeldItems) lies in a record of its own, its keyframes in others, whose `number` is
-  // the keyframe's index and 1.
-  enum class Kind { kBatch, kWholePart, kWholeEnd, kHeldKeyframe, kHeldRest };
+  // A snapshot of a local map stands in place of all its batches up to `number`: in one or more
+  // parts, one after the other. What is in no batch yet after batch
+  // `number` (HeldBackItems) lies in a record of its own, its keyframes in others, whose `number`
+  // is the keyframe's index and 1.
+  enum class Kind { kBatch, kSnapshotPart, kSnapshotEnd, kHeldBackKeyframe, kHeldBackRest };
   Kind kind = Kind::kBatch;
   LocalMapId local_map;
   uint64_t number = 0;

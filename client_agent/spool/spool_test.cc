@@ -188,8 +188,8 @@ TEST_F(SpoolTest, AnOlderVersionIsRead) {
 
 TEST_F(SpoolTest, TheKindOfARecordIsKept) {
   using Kind = SpoolRecord::Kind;
-  const std::vector<Kind> kinds = {Kind::kBatch, Kind::kWholePart, Kind::kWholeEnd,
-                                   Kind::kHeldKeyframe, Kind::kHeldRest};
+  const std::vector<Kind> kinds = {Kind::kBatch, Kind::kSnapshotPart, Kind::kSnapshotEnd,
+                                   Kind::kHeldBackKeyframe, Kind::kHeldBackRest};
   {
     const auto spool = Open();
     for (const Kind kind : kinds) ASSERT_TRUE(spool->Append(BatchOf(7, 1), kind).ok());

@@ -21,15 +21,15 @@ std::string Describe(const Camera& camera) {
 
 bool CameraDoubt::BelievesFound(const Frame& frame, const std::vector<PointInView>& points) {
   frames_ = 0;
-  return Look(frame, points);
+  return HasExpectedCamera(frame, points);
 }
 
 bool CameraDoubt::BelievesTracked(const Frame& frame, const std::vector<PointInView>& points) {
   if (++frames_ % kEachFrames != 0) return true;
-  return Look(frame, points) || in_a_row_ < kEnough;
+  return HasExpectedCamera(frame, points) || in_a_row_ < kEnough;
 }
 
-bool CameraDoubt::Look(const Frame& frame, const std::vector<PointInView>& points) {
+bool CameraDoubt::HasExpectedCamera(const Frame& frame, const std::vector<PointInView>& points) {
   const FrameEvidence evidence(frame, points);
   const CameraCheck check = evidence.CheckCamera();
   if (check.verdict != CameraCheck::Verdict::kAnother && !check.gains) {

@@ -24,17 +24,17 @@ class CameraDoubt {
   // Returns whether a frame that was just found among these points may be believed: each is looked
   // at until one is. Warns in the log once, with what fits better and what to do.
   bool BelievesFound(const Frame& frame, const std::vector<PointInView>& points);
-  // The same for a frame that tracking went on to.
+  // Does the same for a frame that tracking went on to.
   bool BelievesTracked(const Frame& frame, const std::vector<PointInView>& points);
 
   bool has_warned() const { return has_warned_; }
 
  private:
-  bool Look(const Frame& frame, const std::vector<PointInView>& points);
+  bool HasExpectedCamera(const Frame& frame, const std::vector<PointInView>& points);
   void Warn(const Camera& said, const CameraFit& fit);
 
   int frames_ = 0;
-  int in_a_row_ = 0;  // Looks that found another camera.
+  int in_a_row_ = 0;  // Checks that found another camera.
   bool has_warned_ = false;
 };
 

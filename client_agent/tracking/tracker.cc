@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "client_agent/tracking/frame_evidence.h"
-#include "client_agent/tracking/frame_looks.h"
+#include "client_agent/tracking/frame_measurements.h"
 
 namespace corbslam::client_agent {
 
@@ -205,10 +205,10 @@ void Tracker::EnsureWords(Frame& frame) const {
   frame.words = std::make_shared<const Words>(parts_.vocabulary->Transform(frame.descriptors()));
 }
 
-void Tracker::KeepLooks(const Frame& frame) const {
-  if (parts_.looks == nullptr || frame.keyframe.IsValid()) return;
-  parts_.looks->Add(parts_.map->Read(
-      [&](const Map& map) { return FindLooks(map, parts_.map->local_map(), frame); }));
+void Tracker::KeepMeasurements(const Frame& frame) const {
+  if (parts_.measurements == nullptr || frame.keyframe.IsValid()) return;
+  parts_.measurements->Add(parts_.map->Read(
+      [&](const Map& map) { return FindMeasurements(map, parts_.map->local_map(), frame); }));
 }
 
 std::optional<CameraMotion> Tracker::MotionTo(const Frame& frame) const {
@@ -249,7 +249,7 @@ void Tracker::ConcludeTracked(Frame frame, TrackingResult& result) {
       options_.localise_only ? AnyCamerasCovariance(frame) : FramePoseCovariance(frame);
   result.motion = MotionTo(frame);
   DropTemporaryPoints(frame);
-  KeepLooks(frame);
+  KeepMeasurements(frame);
   state_ = TrackingState::kTracking;
   begins_lost_ = false;
   lost_frames_ = 0;

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "client_agent/map/guarded_map.h"
-#include "client_agent/mapping/look_book.h"
 #include "client_agent/mapping/mapping_queue.h"
+#include "client_agent/mapping/measurement_book.h"
 #include "client_agent/mapping/point_statistics.h"
 #include "client_agent/tracking/camera_doubt.h"
 #include "client_agent/tracking/frame.h"
@@ -65,7 +65,7 @@ struct TrackerParts {
   // May be null: then a lost frame is not sought in the map.
   const PlaceFinder* places = nullptr;
   // May be null: then the measurements of frames that become no keyframe are not kept.
-  LookBook* looks = nullptr;
+  MeasurementBook* measurements = nullptr;
 };
 
 // What tracking in one local map passes on to that in the next: a frame, with its pose in the old
@@ -166,7 +166,7 @@ class Tracker {
   void ConsiderKeyframe(Frame& frame);
   void MakeKeyframe(Frame& frame);
   void EnsureWords(Frame& frame) const;
-  void KeepLooks(const Frame& frame) const;
+  void KeepMeasurements(const Frame& frame) const;
   // Returns what the camera moved since the previous frame, by the map as it is now.
   std::optional<CameraMotion> MotionTo(const Frame& frame) const;
   TrackingResult Conclude(Frame frame, WhyNoPose why_no_pose);

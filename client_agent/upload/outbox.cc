@@ -26,20 +26,20 @@ uint64_t Outbox::SpooledBytes() const {
 
 absl::Status Outbox::AddFound(const SpooledBatch& spooled) {
   const SpoolRecord& record = spooled.record;
-  const bool is_whole = record.kind != SpoolRecord::Kind::kBatch;
+  const bool is_of_snapshot = record.kind != SpoolRecord::Kind::kBatch;
   const auto [it, is_new] = local_maps_.try_emplace(record.local_map);
   LocalMapNumbers& numbers = it->second;
   if (is_new) {
     numbers.of_earlier_process = true;
     // Batches that are not in the spool any more were acknowledged.
-    numbers.acknowledged = record.number - (is_whole ? 0 : 1);
+    numbers.acknowledged = record.number - (is_of_snapshot ? 0 : 1);
     numbers.last = numbers.acknowledged;
   }
-  if (is_whole) {
-    // It stands for what was acknowledged.
+  if (is_of_snapshot) {
+    // A snapshot stands for what was acknowledged.
     numbers.acknowledged = std::max(numbers.acknowledged, record.number);
     numbers.last = std::max(numbers.last, record.number);
-    numbers.kept.push_back(spooled);
+    numbers.acknowledged_batches.push_back(spooled);
     return absl::OkStatus();
   }
   if (record.number != numbers.last + 1) {
@@ -71,7 +71,7 @@ void Outbox::Keep(LocalMapId local_map) { local_maps_[local_map].keeps = true; }
 void Outbox::StopKeeping(LocalMapId local_map) {
   const auto it = local_maps_.find(local_map);
   if (it == local_maps_.end() || !std::exchange(it->second.keeps, false)) return;
-  std::vector<SpooledBatch> kept = std::exchange(it->second.kept, {});
+  std::vector<SpooledBatch> kept = std::exchange(it->second.acknowledged_batches, {});
   for (const SpooledBatch& spooled : kept) KeepOrRelease(it->second, spooled);
 }
 
@@ -80,18 +80,19 @@ void Outbox::KeepOrRelease(LocalMapNumbers& numbers, const SpooledBatch& spooled
     released_.push_back(spooled);
     return;
   }
-  if (!numbers.keeps) ReleaseKept(numbers);
-  numbers.kept.push_back(spooled);
+  if (!numbers.keeps) ReleaseAcknowledged(numbers);
+  numbers.acknowledged_batches.push_back(spooled);
 }
 
-void Outbox::ReleaseKept(LocalMapNumbers& numbers) {
-  released_.insert(released_.end(), numbers.kept.begin(), numbers.kept.end());
-  numbers.kept.clear();
+void Outbox::ReleaseAcknowledged(LocalMapNumbers& numbers) {
+  released_.insert(released_.end(), numbers.acknowledged_batches.begin(),
+                   numbers.acknowledged_batches.end());
+  numbers.acknowledged_batches.clear();
 }
 
-std::vector<SpooledBatch> Outbox::Kept(LocalMapId local_map) const {
+std::vector<SpooledBatch> Outbox::AcknowledgedBatches(LocalMapId local_map) const {
   const auto it = local_maps_.find(local_map);
-  return it == local_maps_.end() ? std::vector<SpooledBatch>() : it->second.kept;
+  return it == local_maps_.end() ? std::vector<SpooledBatch>() : it->second.acknowledged_batches;
 }
 
 std::vector<Outbox::Entry> Outbox::EntriesOf(LocalMapId local_map) const {
@@ -102,17 +103,17 @@ std::vector<Outbox::Entry> Outbox::EntriesOf(LocalMapId local_map) const {
   return entries;
 }
 
-void Outbox::ReplaceKept(LocalMapId local_map, const std::vector<SpooledBatch>& whole) {
+void Outbox::ReplaceAcknowledged(LocalMapId local_map, const std::vector<SpooledBatch>& snapshot) {
   const auto it = local_maps_.find(local_map);
-  if (it == local_maps_.end() || whole.empty() || !it->second.keeps) {
-    released_.insert(released_.end(), whole.begin(), whole.end());
+  if (it == local_maps_.end() || snapshot.empty() || !it->second.keeps) {
+    released_.insert(released_.end(), snapshot.begin(), snapshot.end());
     return;
   }
-  std::vector<SpooledBatch> before = std::exchange(it->second.kept, whole);
+  std::vector<SpooledBatch> before = std::exchange(it->second.acknowledged_batches, snapshot);
   for (const SpooledBatch& spooled : before) {
     const bool is_later = spooled.record.kind == SpoolRecord::Kind::kBatch &&
-                          spooled.record.number > whole.back().record.number;
-    (is_later ? it->second.kept : released_).push_back(spooled);
+                          spooled.record.number > snapshot.back().record.number;
+    (is_later ? it->second.acknowledged_batches : released_).push_back(spooled);
   }
 }
 
@@ -191,7 +192,7 @@ void Outbox::Acknowledge(const Acknowledgement& acknowledgement) {
     DropAcknowledged(acknowledgement.local_map, number, numbers);
   }
   if (!numbers.closed || numbers.acknowledged < numbers.last) return;
-  ReleaseKept(numbers);
+  ReleaseAcknowledged(numbers);
   local_maps_.erase(it);
 }
 
@@ -248,7 +249,7 @@ std::vector<LostLocalMap> Outbox::Resume(const SessionGrant& grant) {
 void Outbox::Drop(LocalMapId local_map) {
   DropEntries([local_map](const Entry& entry) { return entry.local_map == local_map; });
   LocalMapNumbers& numbers = local_maps_[local_map];
-  ReleaseKept(numbers);
+  ReleaseAcknowledged(numbers);
   numbers.lost = true;
 }
 

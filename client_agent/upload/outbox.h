@@ -54,13 +54,13 @@ class Outbox {
 
   // Notes that the agent begins a local map. Returns false if the id is taken.
   bool Begin(LocalMapId local_map) { return local_maps_.try_emplace(local_map).second; }
-  // Adds a batch that an earlier process left, or a part of a local map that is kept as a whole;
-  // the latter come first. To be called before anything else. Returns DATA_LOSS
-  // where an earlier batch of the local map is missing, so that this one can't be applied; it is
-  // left out.
+  // Adds a batch that an earlier process left, or a part of a local map's snapshot; the latter
+  // come first. To be called before anything else. Returns DATA_LOSS where an
+  // earlier batch of the local map is missing, so that this one can't be applied; it is left out.
   absl::Status AddFound(const SpooledBatch& spooled);
   // Goes on with a local map that an earlier process left: its batches stay in the spool when they
-  // are acknowledged (Kept). Returns false if there is no such local map, or it can't go on.
+  // are acknowledged (AcknowledgedBatches). Returns false if there is no such local map, or it
+  // can't go on.
   bool GoOnWith(LocalMapId local_map);
   // Has the batches of a local map that Begin began stay in the spool, too.
   void Keep(LocalMapId local_map);
@@ -100,11 +100,11 @@ class Outbox {
   // The disk may not have kept what the spool took after `order`: only memory has it.
   void MarkUnwritten(uint64_t order);
   // Returns the acknowledged batches of a local map that stay in the spool, in order.
-  std::vector<SpooledBatch> Kept(LocalMapId local_map) const;
+  std::vector<SpooledBatch> AcknowledgedBatches(LocalMapId local_map) const;
   // Returns those of it that are not acknowledged, in order.
   std::vector<Entry> EntriesOf(LocalMapId local_map) const;
-  // Has `whole` stand for those up to its number.
-  void ReplaceKept(LocalMapId local_map, const std::vector<SpooledBatch>& whole);
+  // Has `snapshot` stand for the acknowledged batches up to its number.
+  void ReplaceAcknowledged(LocalMapId local_map, const std::vector<SpooledBatch>& snapshot);
   // Returns the places in the spool that came to be needed no more since the last call.
   std::vector<SpooledBatch> TakeReleased() { return std::exchange(released_, {}); }
 
@@ -129,7 +129,7 @@ class Outbox {
     bool goes_on = false;
     uint64_t found = 0;  // Where it goes on: the last number that the spool had.
     // In the spool and acknowledged.
-    std::vector<SpooledBatch> kept;
+    std::vector<SpooledBatch> acknowledged_batches;
   };
 
   absl::Status CheckState(LocalMapId id, const LocalMapNumbers& numbers, uint64_t stored) const;
@@ -142,7 +142,7 @@ class Outbox {
   // Looks at `likely` first, which may be null: a search goes through all that waits.
   Entry* Find(LocalMapId local_map, uint64_t number, const Entry* likely);
   void KeepOrRelease(LocalMapNumbers& numbers, const SpooledBatch& spooled);
-  void ReleaseKept(LocalMapNumbers& numbers);
+  void ReleaseAcknowledged(LocalMapNumbers& numbers);
 
   const size_t max_bytes_;
   const bool marks_open_;

@@ -11,7 +11,8 @@
 namespace corbslam::client_agent {
 namespace {
 
-// What a keyframe's picture doesn't tell: an observation's noise is a pixel at its finest.
+// A keyframe's picture doesn't tell so small a shift: an observation's noise is a pixel at its
+// finest.
 constexpr double kSameLook_px = 0.5;
 // Of what travels as 32-bit numbers, relative to its size.
 constexpr double kRounding = 1e-6;
@@ -39,7 +40,7 @@ KeyframeId UpdateRecorder::KnownAncestor(const Map& map, KeyframeId id) const {
   return KeyframeId();
 }
 
-KeyframeId UpdateRecorder::FirstHeld(const Map& map) const {
+KeyframeId UpdateRecorder::FirstHeldBack(const Map& map) const {
   if (options_.hold_newest == 0 || !holds_back_ || exactly_) return KeyframeId();
   const KeyframeId last_free = NewestBut(map, local_map_, options_.hold_newest);
   if (last_free.IsValid()) return {local_map_, last_free.index + 1};
@@ -71,11 +72,11 @@ void UpdateRecorder::SpendPoses(const Map& map, BatchAllowance& allowance) const
 
 void UpdateRecorder::TakeFullKeyframes(const Map& map, BatchAllowance& allowance,
                                        MapUpdateBatch& batch) {
-  const KeyframeId first_held = FirstHeld(map);
+  const KeyframeId first_held_back = FirstHeldBack(map);
   while (!added_keyframes_.empty() && batch.full_keyframes.size() < allowance.max_keyframes() &&
          (batch.full_keyframes.empty() || !allowance.is_spent())) {
     const KeyframeId id = *added_keyframes_.begin();
-    if (first_held.IsValid() && id >= first_held && !IsOverdue(map, id)) break;
+    if (first_held_back.IsValid() && id >= first_held_back && !IsOverdue(map, id)) break;
     added_keyframes_.erase(added_keyframes_.begin());
     const Keyframe* keyframe = map.FindKeyframe(id);
     if (keyframe == nullptr) continue;

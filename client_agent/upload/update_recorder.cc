@@ -10,7 +10,7 @@ void UpdateRecorder::OnKeyframeAdded(KeyframeId id) {
   if (!IsOwn(id)) return;
   absl::MutexLock lock(&mutex_);
   added_keyframes_.insert(id);
-  ++held_changes_;
+  ++held_back_changes_;
 }
 
 void UpdateRecorder::OnKeyframeMoved(KeyframeId id) {
@@ -45,7 +45,7 @@ void UpdateRecorder::OnPointAdded(MapPointId id) {
   replaced_points_.erase(id);
   if (!IsOwn(id)) return;
   added_points_.insert(id);
-  ++held_changes_;
+  ++held_back_changes_;
 }
 
 void UpdateRecorder::OnPointMoved(MapPointId id) {
@@ -96,7 +96,7 @@ void UpdateRecorder::AddTrackedFrame(const TrackedFrame& frame) {
   absl::MutexLock lock(&mutex_);
   tracked_frames_.push_back(frame);
   newest_frame_ns_ = frame.timestamp_ns;
-  ++held_changes_;
+  ++held_back_changes_;
   holds_back_ = true;
 }
 
@@ -104,7 +104,7 @@ void UpdateRecorder::AddLostFrame(int64_t timestamp_ns) {
   absl::MutexLock lock(&mutex_);
   lost_frames_ns_.push_back(timestamp_ns);
   newest_frame_ns_ = timestamp_ns;
-  ++held_changes_;
+  ++held_back_changes_;
   holds_back_ = true;
 }
 
@@ -163,7 +163,7 @@ MapUpdateBatch UpdateRecorder::TakeBatch(const Map& map, BatchAllowance allowanc
   batch.local_map = local_map_;
   batch.points_follow = points_follow_;
   pairs_before_ = mirror_.pairs();
-  ++held_changes_;
+  ++held_back_changes_;
   SpendPoses(map, allowance);
   TakeFullKeyframes(map, allowance, batch);
   TakeFullPoints(map, allowance, batch);

@@ -16,10 +16,10 @@
 #include "client_agent/upload/believed_places.h"
 #include "client_agent/upload/feature_selection.h"
 #include "client_agent/upload/held_back.h"
-#include "client_agent/upload/held_items.h"
+#include "client_agent/upload/held_back_items.h"
 #include "client_agent/upload/item_gate.h"
-#include "client_agent/upload/kept_map.h"
 #include "client_agent/upload/observation_mirror.h"
+#include "client_agent/upload/spooled_map.h"
 #include "slam/exchange/map_update.h"
 #include "slam/map/map.h"
 
@@ -62,7 +62,7 @@ struct RecorderOptions {
 // Records one local map. Only that map's own items are recorded: what others made is theirs to
 // tell. Changes of one item between two batches coalesce to its state when the batch is made; a
 // point that the store sees where it is, as far as half a pixel tells, isn't told again. Nothing is
-// dropped while no batch is taken, and what is held is bounded by the map's size and the number of
+// dropped while no batch is taken, and what waits is bounded by the map's size and the number of
 // frames. Thread-safe.
 class UpdateRecorder : public MapObserver {
  public:
@@ -118,17 +118,17 @@ class UpdateRecorder : public MapObserver {
     return TakeBatch(map, BatchAllowance(max_keyframes));
   }
 
-  // Goes on where an earlier process ended: the store has been told what is kept, and no more. To
-  // be called before anything else.
-  void GoOnFrom(const KeptMap& kept);
+  // Goes on where an earlier process ended: the store has been told `spooled_map`, and no
+  // more. To be called before anything else.
+  void GoOnFrom(const SpooledMap& spooled_map);
 
-  // What is new and in no batch yet, for a disk that is to outlive the process (held_items.h). A
-  // keyframe's payload is in it the first time only.
-  HeldItems CopyHeld(const Map& map);
+  // Copies what is new and in no batch yet, for a disk that is to outlive the process
+  // (held_back_items.h). A keyframe's payload is in it the first time only.
+  HeldBackItems CopyHeldBack(const Map& map);
   // The copies are of no use any more: the next one has every payload.
-  void CopyHeldAnew();
+  void CopyHeldBackAnew();
   // Counts what changes in it: where it is as before, there is nothing to copy.
-  uint64_t held_changes() const;
+  uint64_t held_back_changes() const;
 
  private:
   bool IsOwn(KeyframeId id) const { return id.local_map == local_map_; }
@@ -142,7 +142,7 @@ class UpdateRecorder : public MapObserver {
       ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
   // What is held back from here on; invalid: nothing.
-  KeyframeId FirstHeld(const Map& map) const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  KeyframeId FirstHeldBack(const Map& map) const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   bool IsOverdue(const Map& map, KeyframeId id) const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void TakeCameras(const FullKeyframe& keyframe, MapUpdateBatch& batch)
       ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
@@ -179,14 +179,15 @@ class UpdateRecorder : public MapObserver {
   bool IsSeenAtStore(const MapPoint& point) const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   bool MayBeSeenLater(const Map& map, const MapPoint& point) const
       ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
-  void CopyHeldKeyframes(const Map& map, HeldItems& held) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
-  void CopyHeldPoints(const Map& map, MapUpdateBatch& rest) const
+  void CopyHeldBackKeyframes(const Map& map, HeldBackItems& held_back)
       ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
-  void CopyHeldObservations(const Map& map, MapUpdateBatch& rest) const
+  void CopyHeldBackPoints(const Map& map, MapUpdateBatch& rest) const
       ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
-  void CopyHeldFrames(MapUpdateBatch& rest) const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
-  bool IsToldOrHeld(KeyframeId id) const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
-    return sent_keyframes_.contains(id) || held_numbers_.contains(id);
+  void CopyHeldBackObservations(const Map& map, MapUpdateBatch& rest) const
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void CopyHeldBackFrames(MapUpdateBatch& rest) const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  bool IsToldOrHeldBack(KeyframeId id) const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
+    return sent_keyframes_.contains(id) || held_back_numbers_.contains(id);
   }
   // The keypoint's number at the store, or what it will be; or kLeftOut.
   uint32_t NumberOf(KeyframeId id, uint32_t keypoint) const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
@@ -230,9 +231,9 @@ class UpdateRecorder : public MapObserver {
   std::vector<std::pair<KeyframeId, KeyframeId>> loop_edges_ ABSL_GUARDED_BY(mutex_);
   std::vector<TrackedFrame> tracked_frames_ ABSL_GUARDED_BY(mutex_);
   std::vector<int64_t> lost_frames_ns_ ABSL_GUARDED_BY(mutex_);
-  // Keyframes whose payload CopyHeld has given, and SelectedFeatures::numbers of them.
-  absl::btree_map<KeyframeId, std::vector<uint32_t>> held_numbers_ ABSL_GUARDED_BY(mutex_);
-  uint64_t held_changes_ ABSL_GUARDED_BY(mutex_) = 0;
+  // Keyframes whose payload CopyHeldBack has given, and SelectedFeatures::numbers of them.
+  absl::btree_map<KeyframeId, std::vector<uint32_t>> held_back_numbers_ ABSL_GUARDED_BY(mutex_);
+  uint64_t held_back_changes_ ABSL_GUARDED_BY(mutex_) = 0;
 };
 
 }  // namespace corbslam::client_agent

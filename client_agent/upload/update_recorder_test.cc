@@ -30,7 +30,7 @@ struct Store {
   bool root_stays = false;
 };
 
-// What a map store does with a batch.
+// Does what a map store does with a batch.
 void Apply(const MapUpdateBatch& batch, const Store& store, Map& replica) {
   std::vector<std::pair<KeyframeId, KeyframeId>> parked;
   for (const FullKeyframe& full : batch.full_keyframes) {
@@ -73,7 +73,7 @@ void Apply(const MapUpdateBatch& batch, const Store& store, Map& replica) {
   }
   for (const MapPointId& id : batch.removed_points) EXPECT_TRUE(replica.RemovePoint(id));
   for (const KeyframeRemoval& removal : batch.removed_keyframes) replica.RemoveKeyframe(removal.id);
-  // Those that would have made a cycle with what was there before.
+  // These would have made a cycle with what was there before.
   for (const auto& [id, parent] : parked) EXPECT_TRUE(replica.SetParent(id, parent));
 }
 
@@ -121,7 +121,7 @@ class Scenario {
   MapUpdateBatch Flush(size_t max_keyframes) {
     const MapUpdateBatch batch = recorder_->TakeBatch(map_, max_keyframes);
     Apply(batch, store_, replica_);
-    ApplyToKept(batch);
+    ApplyToSpooledMap(batch);
     return batch;
   }
   // The robot hears of it only when a session opens.
@@ -130,63 +130,63 @@ class Scenario {
     keeps_ = keeps_ && !is_old;
   }
   void OpenSession() { recorder_->SetPointsFollow(!store_.is_old); }
-  // With so many bytes; returns what was told.
+  // Takes a batch of so many bytes at most; returns what was told.
   MapUpdateBatch FlushBytes(double bytes) {
     const MapUpdateBatch batch = recorder_->TakeBatch(map_, BatchAllowance(1000, bytes, 1));
     Apply(batch, store_, replica_);
-    ApplyToKept(batch);
+    ApplyToSpooledMap(batch);
     return batch;
   }
   UpdateCounts CountUntold() const { return recorder_->CountUntold(); }
   bool HasChanges() const { return recorder_->HasChanges(); }
 
-  // The robot's process ends after the last batch, and the next one goes on with what was kept.
+  // The robot's process ends after the last batch, and the next one goes on with what was spooled.
   void Restart() {
     map_ = Map();
-    kept_.Fill([](const auto&) { return nullptr; }, map_);
+    spooled_map_.Fill([](const auto&) { return nullptr; }, map_);
     AddForeignPoints(map_);
     recorder_ = std::make_unique<UpdateRecorder>(kOwn, options_);
-    recorder_->GoOnFrom(kept_);
+    recorder_->GoOnFrom(spooled_map_);
     map_.SetObserver(recorder_.get());
-    next_keyframe_ = std::max(next_keyframe_, kept_.next_keyframe());
+    next_keyframe_ = std::max(next_keyframe_, spooled_map_.next_keyframe());
     restarted_ = true;
   }
 
-  // What is kept is what the store has.
-  void ExpectKeptIsReplica() const {
-    ASSERT_EQ(kept_.keyframes().size(), replica_.keyframes().size());
+  // What is spooled is what the store has.
+  void ExpectSpooledMapIsReplica() const {
+    ASSERT_EQ(spooled_map_.keyframes().size(), replica_.keyframes().size());
     for (const auto& [id, keyframe] : replica_.keyframes()) {
-      EXPECT_EQ(kept_.observations().keyframes().at(id), keyframe.points) << ToString(id);
-      const FullKeyframe& kept = kept_.keyframes().at(id);
-      EXPECT_EQ(kept.camera_from_local.translation, keyframe.camera_from_map.translation);
-      EXPECT_LT(id.index, kept_.next_keyframe());
+      EXPECT_EQ(spooled_map_.observations().keyframes().at(id), keyframe.points) << ToString(id);
+      const FullKeyframe& spooled = spooled_map_.keyframes().at(id);
+      EXPECT_EQ(spooled.camera_from_local.translation, keyframe.camera_from_map.translation);
+      EXPECT_LT(id.index, spooled_map_.next_keyframe());
     }
     for (const auto& [id, point] : replica_.points()) {
       if (id.local_map != kOwn) continue;
-      ASSERT_TRUE(kept_.points().contains(id)) << ToString(id);
-      const Eigen::Vector3d& position = kept_.points().at(id).position_in_local;
+      ASSERT_TRUE(spooled_map_.points().contains(id)) << ToString(id);
+      const Eigen::Vector3d& position = spooled_map_.points().at(id).position_in_local;
       EXPECT_LT((position - point.position_in_map).norm(), 1e-6 * (1 + position.norm()));
     }
   }
 
-  // Telling it as a whole tells the same.
-  void ExpectWholeIsTheSame() const {
-    KeptMap again(kOwn);
-    for (const MapUpdateBatch& batch : kept_.ToBatches(3, 5)) {
+  // Expects that a snapshot tells the same.
+  void ExpectSnapshotIsTheSame() const {
+    SpooledMap again(kOwn);
+    for (const MapUpdateBatch& batch : spooled_map_.ToBatches(3, 5)) {
       const absl::Status applied = again.Apply(batch);
       ASSERT_TRUE(applied.ok()) << applied;
     }
-    EXPECT_EQ(again.observations().keyframes(), kept_.observations().keyframes());
-    EXPECT_EQ(again.next_keyframe(), kept_.next_keyframe());
-    EXPECT_EQ(again.next_point(), kept_.next_point());
-    EXPECT_EQ(again.newest_ns(), kept_.newest_ns());
-    EXPECT_EQ(again.points().size(), kept_.points().size());
-    for (const auto& [id, keyframe] : kept_.keyframes()) {
+    EXPECT_EQ(again.observations().keyframes(), spooled_map_.observations().keyframes());
+    EXPECT_EQ(again.next_keyframe(), spooled_map_.next_keyframe());
+    EXPECT_EQ(again.next_point(), spooled_map_.next_point());
+    EXPECT_EQ(again.newest_ns(), spooled_map_.newest_ns());
+    EXPECT_EQ(again.points().size(), spooled_map_.points().size());
+    for (const auto& [id, keyframe] : spooled_map_.keyframes()) {
       EXPECT_EQ(again.keyframes().at(id).parent, keyframe.parent);
     }
   }
 
-  // Where nobody can tell the difference from the pictures.
+  // Expects that points lie where nobody can tell the difference from the pictures.
   void ExpectPlacesThatLookTheSame() const {
     for (const auto& [id, point] : map_.points()) {
       const MapPoint* told = replica_.FindPoint(id);
@@ -249,9 +249,9 @@ class Scenario {
       map.AddPoint(point);
     }
   }
-  void ApplyToKept(const MapUpdateBatch& batch) {
+  void ApplyToSpooledMap(const MapUpdateBatch& batch) {
     if (!keeps_) return;
-    const absl::Status applied = kept_.Apply(batch);
+    const absl::Status applied = spooled_map_.Apply(batch);
     EXPECT_TRUE(applied.ok()) << applied;
   }
   // On the robot, of a keypoint at the store.
@@ -328,7 +328,7 @@ class Scenario {
   std::mt19937 random_;
   const RecorderOptions options_;
   std::unique_ptr<UpdateRecorder> recorder_;
-  KeptMap kept_{kOwn};
+  SpooledMap spooled_map_{kOwn};
   bool keeps_ = true;  // What an older store has is another map.
   bool restarted_ = false;
   Map map_;
@@ -364,11 +364,11 @@ TEST(UpdateRecorderTest, WhatIsKeptIsWhatTheStoreHas) {
       scenario.Step();
       if (random() % 15 != 0) continue;
       scenario.Flush(1000);
-      scenario.ExpectKeptIsReplica();
+      scenario.ExpectSpooledMapIsReplica();
       ASSERT_FALSE(::testing::Test::HasFailure()) << "seed " << seed << " step " << step;
     }
     scenario.Flush(1000);
-    scenario.ExpectWholeIsTheSame();
+    scenario.ExpectSnapshotIsTheSame();
     ASSERT_FALSE(::testing::Test::HasFailure()) << "seed " << seed;
   }
 }
@@ -388,7 +388,7 @@ TEST(UpdateRecorderTest, ANextProcessGoesOnWithWhatIsKept) {
       scenario.Flush(1000);
       if (random() % 4 == 0) scenario.Restart();
       scenario.ExpectEqual();
-      scenario.ExpectKeptIsReplica();
+      scenario.ExpectSpooledMapIsReplica();
       ASSERT_FALSE(::testing::Test::HasFailure()) << "seed " << seed << " step " << step;
     }
     scenario.ExpectExactPlaces();
@@ -457,7 +457,7 @@ TEST(UpdateRecorderTest, WhatIsHeldBackIsAllToldAtTheEnd) {
     for (int step = 0; step < 400; ++step) {
       scenario.Step();
       if (random() % 15 != 0) continue;
-      // As who sends does it: until there is nothing to tell.
+      // Flushes as the link does, until there is nothing to tell.
       int batches = 0;
       while (!client_agent::IsEmpty(scenario.Flush(1 + random() % 10))) ASSERT_LT(++batches, 100);
     }

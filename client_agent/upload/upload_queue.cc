@@ -20,13 +20,13 @@ UploadQueue::UploadQueue(const UploadQueueOptions& options, std::unique_ptr<Spoo
   std::vector<SpooledBatch> in_order = spool_->TakeFound();
   // What stands for earlier batches may have been written after later ones.
   std::stable_partition(in_order.begin(), in_order.end(), [](const SpooledBatch& found) {
-    return found.record.kind == SpoolRecord::Kind::kWholePart ||
-           found.record.kind == SpoolRecord::Kind::kWholeEnd;
+    return found.record.kind == SpoolRecord::Kind::kSnapshotPart ||
+           found.record.kind == SpoolRecord::Kind::kSnapshotEnd;
   });
   for (const SpooledBatch& found : in_order) {
     const SpoolRecord::Kind kind = found.record.kind;
-    // TellHeld has made batches of what is still of use.
-    if (kind == SpoolRecord::Kind::kHeldKeyframe || kind == SpoolRecord::Kind::kHeldRest) {
+    // TellHeldBack has made batches of what is still of use.
+    if (kind == SpoolRecord::Kind::kHeldBackKeyframe || kind == SpoolRecord::Kind::kHeldBackRest) {
       spool_->Release(found);
       continue;
     }

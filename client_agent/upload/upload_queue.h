@@ -18,9 +18,9 @@
 #include "absl/synchronization/mutex.h"
 #include "client_agent/spool/spool.h"
 #include "client_agent/upload/held_back.h"
-#include "client_agent/upload/held_items.h"
-#include "client_agent/upload/kept_map.h"
+#include "client_agent/upload/held_back_items.h"
 #include "client_agent/upload/outbox.h"
+#include "client_agent/upload/spooled_map.h"
 #include "slam/exchange/map_update.h"
 #include "slam/exchange/uplink.h"
 
@@ -70,11 +70,11 @@ struct UploadQueueOptions {
   bool keep = false;
   // A local map that an earlier process left and that goes on; invalid: none does.
   LocalMapId goes_on = {};
-  // With keep: when the acknowledged batches that are kept take so much more than twice what the
-  // local map as a whole took the last time, it is written as a whole in their place.
-  uint64_t whole_after_bytes = 8 << 20;
+  // With keep: when the acknowledged batches in the spool take so much more than twice what the
+  // last snapshot of the local map took, a new one is written in their place.
+  uint64_t snapshot_after_bytes = 8 << 20;
   // True: that is done by whoever calls Spill, who waits for it.
-  bool whole_at_once = false;
+  bool snapshot_at_once = false;
 };
 
 // The queue is thread-safe. The calls of the second group may wait for the disk and are to be made
@@ -113,8 +113,8 @@ class UploadQueue {
 
   void MarkUnsent();
   // Makes a local map of all its batches, which neither the store nor anybody else has taken yet.
-  // May wait for the disk, and may be called beside all else. Errors are ReadKeptMap's.
-  absl::StatusOr<KeptMap> ReadLocalMap(LocalMapId local_map);
+  // May wait for the disk, and may be called beside all else. Errors are ReadSpooledMap's.
+  absl::StatusOr<SpooledMap> ReadLocalMap(LocalMapId local_map);
 
   // Writes what is to be written to the spool, moves the oldest batches there while there are more
   // in memory than allowed, and gives back room. An error is in the status.
@@ -123,14 +123,14 @@ class UploadQueue {
   bool SpillAll();
   // Returns whether the local map has a batch.
   bool HasBegun(LocalMapId local_map) const;
-  // Has the spool keep what a local map holds back, in place of what it held before. Returns how
-  // many bytes that took; nullopt: the disk did not take it, or the batches before it, or there is
-  // no batch yet, which alone says what camera took the keyframes.
-  std::optional<uint64_t> WriteHeld(const HeldItems& held);
+  // Has the spool keep what a local map holds back, in place of what was held back before. Returns
+  // how many bytes that took; nullopt: the disk did not take it, or the batches before it, or there
+  // is no batch yet, which alone says what camera took the keyframes.
+  std::optional<uint64_t> WriteHeldBack(const HeldBackItems& held_back);
   // Nothing is held back of the local map any more.
-  void ReleaseHeld(LocalMapId local_map);
+  void ReleaseHeldBack(LocalMapId local_map);
   // Returns true, once, where the disk may have lost what was held back.
-  bool TakeHeldLost() { return std::exchange(held_lost_, false); }
+  bool TakeHeldBackLost() { return std::exchange(held_back_lost_, false); }
 
   // Returns the next batch to send, marked as sent, or null if there is none. Local maps that the
   // disk has not kept are added to `lost`.
@@ -144,13 +144,13 @@ class UploadQueue {
   absl::Status KeepOnDisk(const Outbox::Entry& entry);
   void TakeSyncError();
   // Where the disk has no room, gives up that local maps can go on after a restart.
-  bool GiveUpKept();
+  bool GiveUpAcknowledged();
   void NoteDurable(const absl::Status& durable);
-  // The kept batches of the local map in use become one whole, on a thread of its own.
-  using Whole = absl::StatusOr<std::vector<MapUpdateBatch>>;
-  void KeepWhole();
-  void BeginWhole();
-  void WriteWhole(Whole whole);
+  // Makes a snapshot of the acknowledged batches of the local map in use, on a thread of its own.
+  using Snapshot = absl::StatusOr<std::vector<MapUpdateBatch>>;
+  void KeepSnapshot();
+  void BeginSnapshot();
+  void WriteSnapshot(Snapshot snapshot);
   bool MaySend(const Outbox::Entry& entry) const;
   void ReleaseSpooled();
   // The batch that was the oldest when the store ended a session, and the reason it gave.
@@ -167,17 +167,17 @@ class UploadQueue {
   const std::unique_ptr<Spool> spool_;  // Used by the calls of the second group alone.
 
   // Used by the calls of the second group alone.
-  std::map<LocalMapId, HeldWriter> held_;
-  // What is being made a whole: of which local map, up to which batch.
-  struct MakingWhole {
+  std::map<LocalMapId, HeldBackWriter> held_back_;
+  // The snapshot that is being made: of which local map, up to which batch.
+  struct MakingSnapshot {
     LocalMapId local_map;
     uint64_t number = 0;
     std::vector<SpooledBatch> written;  // Waits until it is on the disk.
-    std::future<Whole> future;
+    std::future<Snapshot> future;
   };
-  std::optional<MakingWhole> whole_;
-  uint64_t whole_bytes_ = 0;  // What the last one took.
-  bool held_lost_ = false;
+  std::optional<MakingSnapshot> snapshot_;
+  uint64_t snapshot_bytes_ = 0;  // What the last one took.
+  bool held_back_lost_ = false;
 
   mutable absl::Mutex mutex_;
   Outbox outbox_ ABSL_GUARDED_BY(mutex_);

@@ -1,4 +1,4 @@
-// How batches, and what is in none yet, get to the disk, and how room comes back there.
+// Moves batches, and what is in none yet, to the disk, and gives room back there.
 #include <glog/logging.h>
 
 #include <memory>
@@ -49,29 +49,29 @@ void UploadQueue::TakeSyncError() {
   if (error.ok()) return;
   NoteDurable(error);
   const uint64_t synced = spool_->synced();
-  for (auto& [id, writer] : held_) writer.Release(*spool_);
-  held_lost_ = true;
-  if (whole_.has_value() && !whole_->future.valid()) {
-    for (const SpooledBatch& part : whole_->written) spool_->Release(part);
-    whole_.reset();
+  for (auto& [id, writer] : held_back_) writer.Release(*spool_);
+  held_back_lost_ = true;
+  if (snapshot_.has_value() && !snapshot_->future.valid()) {
+    for (const SpooledBatch& part : snapshot_->written) spool_->Release(part);
+    snapshot_.reset();
   }
   absl::MutexLock lock(&mutex_);
   outbox_.MarkUnwritten(synced);
 }
 
-std::optional<uint64_t> UploadQueue::WriteHeld(const HeldItems& held) {
+std::optional<uint64_t> UploadQueue::WriteHeldBack(const HeldBackItems& held_back) {
   uint64_t last = 0;
   {
     absl::MutexLock lock(&mutex_);
     if (outbox_.OldestUnwritten() != nullptr) return std::nullopt;
-    last = outbox_.LastNumber(held.rest.local_map);
+    last = outbox_.LastNumber(held_back.rest.local_map);
   }
   if (last == 0) return std::nullopt;
   const uint64_t before = spool_->appended_bytes();
-  HeldWriter& writer = held_[held.rest.local_map];
-  absl::Status written = writer.Write(held, last, *spool_);
-  if (absl::IsResourceExhausted(written) && GiveUpKept()) {
-    written = writer.Write(held, last, *spool_);
+  HeldBackWriter& writer = held_back_[held_back.rest.local_map];
+  absl::Status written = writer.Write(held_back, last, *spool_);
+  if (absl::IsResourceExhausted(written) && GiveUpAcknowledged()) {
+    written = writer.Write(held_back, last, *spool_);
   }
   if (!written.ok()) {
     writer.Release(*spool_);
@@ -81,9 +81,9 @@ std::optional<uint64_t> UploadQueue::WriteHeld(const HeldItems& held) {
   return spool_->appended_bytes() - before;
 }
 
-void UploadQueue::ReleaseHeld(LocalMapId local_map) {
-  const auto it = held_.find(local_map);
-  if (it == held_.end()) return;
+void UploadQueue::ReleaseHeldBack(LocalMapId local_map) {
+  const auto it = held_back_.find(local_map);
+  if (it == held_back_.end()) return;
   WriteAll();
   bool all_written = false;
   {
@@ -96,13 +96,13 @@ void UploadQueue::ReleaseHeld(LocalMapId local_map) {
     // The disk takes no batch: room is worth more.
     it->second.Release(*spool_);
   }
-  held_.erase(it);
+  held_back_.erase(it);
 }
 
-bool UploadQueue::GiveUpKept() {
+bool UploadQueue::GiveUpAcknowledged() {
   {
     absl::MutexLock lock(&mutex_);
-    if (outbox_.Kept(in_use_).size() <= 1) return false;
+    if (outbox_.AcknowledgedBatches(in_use_).size() <= 1) return false;
     LOG(WARNING) << "the spool has no room left: what the map store has of local map "
                  << ToString(in_use_) << " leaves it, so that the map can't be resumed";
     outbox_.StopKeeping(in_use_);
@@ -124,7 +124,7 @@ bool UploadQueue::WriteOldest() {
     return false;
   }
   const absl::StatusOr<SpooledBatch> spooled = spool_->Append(*oldest);
-  if (absl::IsResourceExhausted(spooled.status()) && GiveUpKept()) return true;
+  if (absl::IsResourceExhausted(spooled.status()) && GiveUpAcknowledged()) return true;
   if (!spooled.ok()) {
     NoteDurable(spooled.status());
     return false;
@@ -187,7 +187,7 @@ void UploadQueue::Spill() {
   if (spool_ == nullptr) return;
   ReleaseSpooled();
   WriteAll();
-  if (options_.keep) KeepWhole();
+  if (options_.keep) KeepSnapshot();
   while (SpillOldest(options_.max_memory_bytes)) {
   }
 }

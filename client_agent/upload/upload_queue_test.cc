@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "client_agent/spool/testing/fake_spool.h"
-#include "client_agent/upload/kept_map_reading.h"
+#include "client_agent/upload/spooled_map_reading.h"
 #include "slam/camera/testing/test_camera.h"
 
 namespace corbslam::client_agent {
@@ -273,7 +273,7 @@ TEST_F(UploadQueueTest, WhatTheStoreRefusesTwiceOfThisProcessIsGivenUp) {
   EXPECT_TRUE(queue_->IsEmpty());
 }
 
-// With a disk that is to have everything.
+// Tests a queue with a disk that is to have everything.
 class DurableQueueTest : public UploadQueueTest {
  protected:
   void OpenDurable(bool keep = false, LocalMapId goes_on = {}) {
@@ -282,8 +282,8 @@ class DurableQueueTest : public UploadQueueTest {
     options.write_all = true;
     options.keep = keep;
     options.goes_on = goes_on;
-    options.whole_after_bytes = 2000;
-    options.whole_at_once = true;
+    options.snapshot_after_bytes = 2000;
+    options.snapshot_at_once = true;
     SpoolOptions spool;
     spool.segment_bytes = 500;
     queue_ = std::make_unique<UploadQueue>(options, *OpenFakeSpool(&disk_, spool));
@@ -394,7 +394,7 @@ TEST_F(DurableQueueTest, AStoreThatHasMoreThanTheDiskCannotGoOn) {
   EXPECT_THAT(std::string(lost[0].reason.message()), HasSubstr("only up to batch 2"));
 }
 
-// What is kept does not grow without end, and is read as before.
+// What is spooled does not grow without end, and is read as before.
 TEST_F(DurableQueueTest, WhatIsKeptIsWrittenAsAWhole) {
   OpenDurable(/*keep=*/true);
   ASSERT_TRUE(queue_->Begin(kMap));
@@ -422,9 +422,9 @@ TEST_F(DurableQueueTest, WhatIsKeptIsWrittenAsAWhole) {
   OpenDurable();
   FakeDisk copy = disk_;
   const auto spool = *OpenFakeSpool(&copy);
-  const absl::StatusOr<KeptMap> kept = ReadNewestKeptMap(*spool);
-  ASSERT_TRUE(kept.ok()) << kept.status();
-  EXPECT_EQ(kept->keyframes().at({kMap, 0}).camera_from_local.translation.x(), 400);
+  const absl::StatusOr<SpooledMap> spooled_map = ReadNewestSpooledMap(*spool);
+  ASSERT_TRUE(spooled_map.ok()) << spooled_map.status();
+  EXPECT_EQ(spooled_map->keyframes().at({kMap, 0}).camera_from_local.translation.x(), 400);
   // Nor is it a loss for who goes on with it.
   OpenDurable(/*keep=*/true, kMap);
   EXPECT_EQ(queue_->status().lost_local_maps, 0);

@@ -141,7 +141,7 @@ absl::StatusOr<bool> MissionRestorer::TakeHeader(std::string_view& rest) {
 }
 
 absl::StatusOr<bool> MissionRestorer::TakeSection(std::string_view& rest) {
-  if (is_whole_) return Damaged("more follows its end");
+  if (is_complete_) return Damaged("more follows its end");
   if (rest.size() < kSectionHeadBytes) return false;
   ArchiveReader head(rest.substr(0, kSectionHeadBytes));
   char kind = 0;
@@ -184,12 +184,12 @@ absl::Status MissionRestorer::Take(char kind, std::string_view payload) {
   if (!reader.done() || keyframes != features_.size() || state_bytes != state_.size()) {
     return Damaged("sections are missing");
   }
-  is_whole_ = true;
+  is_complete_ = true;
   return absl::OkStatus();
 }
 
 absl::StatusOr<MissionState> MissionRestorer::Finish() {
-  if (!is_whole_) {
+  if (!is_complete_) {
     return absl::DataLossError(absl::StrCat("the backup ends too early, after byte ", received_));
   }
   return map_store::DecodeState(state_, [this](KeyframeId id) -> absl::StatusOr<Features> {

@@ -79,7 +79,7 @@ class MissionRestorer {
   uint64_t received_ = 0;
   uint64_t taken_ = 0;
   bool has_header_ = false;
-  bool is_whole_ = false;
+  bool is_complete_ = false;
   std::string pending_;  // The beginning of a part whose rest has not come yet.
   std::map<KeyframeId, Features> features_;
   std::string state_;

@@ -7,7 +7,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "map_store/coordination/scale_contradictions.h"
-#include "map_store/fusion/lookup_choice.h"
+#include "map_store/fusion/query_choice.h"
 #include "map_store/mission/pausing_read.h"
 #include "map_store/records/record_application.h"
 #include "map_store/records/retraction.h"
@@ -105,7 +105,7 @@ std::optional<FusionJob> FusionCoordinator::StartJob(FusionLane lane) {
 FusionCoordinator::Started FusionCoordinator::TryStart(FusionLane lane) {
   const std::optional<Claim> claim = ClaimLane(lane);
   if (!claim.has_value()) return {};
-  if (claim->chooses_lookups) {
+  if (claim->chooses_queried_maps) {
     const Attempt attempt = Choose(*claim);
     ReleaseLane(lane);
     return {attempt, std::nullopt};
@@ -133,9 +133,9 @@ std::optional<FusionCoordinator::Claim> FusionCoordinator::ClaimLane(FusionLane 
     lane_released_.SignalAll();
     return std::nullopt;
   }
-  const bool chooses_lookups =
+  const bool chooses_queried_maps =
       action->kind == FusionAction::Kind::kQuery && !strand_.state().queries.IsFrontChosen();
-  return Claim{*action, lanes_.Claim(*action), chooses_lookups};
+  return Claim{*action, lanes_.Claim(*action), chooses_queried_maps};
 }
 
 FusionCoordinator::Attempt FusionCoordinator::Choose(const Claim& claim) {
@@ -143,13 +143,13 @@ FusionCoordinator::Attempt FusionCoordinator::Choose(const Claim& claim) {
   if (!strand_.options().deterministic) {
     StateWriteLock lock(strand_);
     MissionState& state = strand_.mutable_state();
-    if (!claim.cancelled->load()) state.queries.BringForward(ChooseNextToLookUp(state));
+    if (!claim.cancelled->load()) state.queries.BringForward(ChooseNextToQuery(state));
   }
   absl::StatusOr<std::vector<LocalMapId>> against;
   {
     absl::ReaderMutexLock lock(&strand_.mutex());
     PausingRead read(strand_, GoesOnUntilRevised(*claim.cancelled));
-    against = ChooseLookups(strand_.state(), strand_.options(), read);
+    against = ChooseQueriedMaps(strand_.state(), strand_.options(), read);
   }
   if (!against.ok()) return Attempt::kInterrupted;
   StateWriteLock lock(strand_);
@@ -329,7 +329,7 @@ bool FusionCoordinator::RestsLocked(bool but_for_look_ups) const {
       });
 }
 
-bool FusionCoordinator::RestsButForLookUps() const {
+bool FusionCoordinator::RestsButForQueries() const {
   absl::ReaderMutexLock lock(&strand_.mutex());
   return RestsLocked(/*but_for_look_ups=*/true);
 }

@@ -69,8 +69,8 @@ class FusionCoordinator {
   void KeepApart(const std::string& agent, const std::vector<MapContradiction>& contradictions);
 
   bool IsIdle() const;
-  // Returns whether nothing runs, and nothing but look-ups waits.
-  bool RestsButForLookUps() const;
+  // Returns whether nothing runs, and nothing but queries waits.
+  bool RestsButForQueries() const;
   // Returns whether there would be something to do, had the store a worker.
   bool HasWork() const;
   bool WaitUntilIdle(absl::Time deadline) const;
@@ -93,7 +93,7 @@ class FusionCoordinator {
   struct Claim {
     FusionAction action;
     CancelFlag cancelled;
-    bool chooses_lookups = false;  // True: it is not yet said where the keyframe is looked up.
+    bool chooses_queried_maps = false;  // True: the local maps to query are not chosen yet.
   };
 
   // A result that the journal refused; its lane stays busy.
@@ -109,7 +109,7 @@ class FusionCoordinator {
   FusionSummary Summarise() const ABSL_SHARED_LOCKS_REQUIRED(strand_.mutex());
   std::optional<FusionAction> NextAction(FusionLane lane) const
       ABSL_SHARED_LOCKS_REQUIRED(strand_.mutex());
-  // Returns whether nothing runs and nothing waits, or nothing but look-ups.
+  // Returns whether nothing runs and nothing waits, or nothing but queries.
   bool RestsLocked(bool but_for_look_ups) const ABSL_SHARED_LOCKS_REQUIRED(strand_.mutex());
   bool IsIdleLocked() const ABSL_SHARED_LOCKS_REQUIRED(strand_.mutex());
   Started TryStart(FusionLane lane);
@@ -117,7 +117,7 @@ class FusionCoordinator {
   std::optional<Claim> ClaimLane(FusionLane lane);
   void ReleaseLane(FusionLane lane);
   absl::StatusOr<std::optional<FusionRequest>> Prepare(const Claim& claim);
-  // Chooses where the queue's first keyframe is looked up.
+  // Chooses which local maps the queue's first keyframe queries.
   Attempt Choose(const Claim& claim);
   // Says in the state that the action needs no worker.
   void SkipAction(const FusionAction& action) ABSL_EXCLUSIVE_LOCKS_REQUIRED(strand_.mutex());

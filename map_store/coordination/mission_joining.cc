@@ -25,11 +25,11 @@ bool MissionJoining::IsDue() const {
 
 bool MissionJoining::RunOne() {
   // IsDue looks at all local maps after each batch: it comes last.
-  if (!fusion_.RestsButForLookUps() || retiring_.IsDue() || !IsDue()) return false;
+  if (!fusion_.RestsButForQueries() || retiring_.IsDue() || !IsDue()) return false;
   {
     absl::MutexLock turn(&strand_.turn());
     // Another thread may have begun to fuse since.
-    if (strand_.IsDeleted() || !fusion_.RestsButForLookUps()) return false;
+    if (strand_.IsDeleted() || !fusion_.RestsButForQueries()) return false;
     // Sessions open without the turn, and agents come with them.
     const std::optional<LocalMapJoining> joining =
         strand_.WithState([this](const MissionState& state) { return Choose(state); });

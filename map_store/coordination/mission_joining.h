@@ -28,7 +28,7 @@ class MissionJoining {
                  const MissionRetiring& retiring, std::function<void()> notify)
       : strand_(strand), fusion_(fusion), retiring_(retiring), notify_(std::move(notify)) {}
 
-  // Makes one local map of two, if fusion rests but for look-ups and nothing is left to be looked
+  // Makes one local map of two, if fusion rests but for queries and nothing is left to be looked
   // at for retiring. Returns whether there were two, and that is done. A journal that takes nothing
   // leaves it for later.
   bool RunOne();

@@ -23,16 +23,16 @@ void MissionRetiring::NoteAllDone() {
 }
 
 bool MissionRetiring::RunOne() {
-  if (!IsDue() || !fusion_.RestsButForLookUps() || !turn_.TryLock()) return false;
+  if (!IsDue() || !fusion_.RestsButForQueries() || !turn_.TryLock()) return false;
   bool done = false;
   Retirement retirement;
-  const absl::StatusOr<Look> look = TakeNext();
-  if (look.ok()) {
+  const absl::StatusOr<Taken> taken = TakeNext();
+  if (taken.ok()) {
     StayCounts stays;
-    retirement = PlanRetirement(look->view, strand_.options(), VLOG_IS_ON(1) ? &stays : nullptr);
-    VLOG(1) << "mission " << strand_.name() << ": of " << look->view.candidates.size()
+    retirement = PlanRetirement(taken->view, strand_.options(), VLOG_IS_ON(1) ? &stays : nullptr);
+    VLOG(1) << "mission " << strand_.name() << ": of " << taken->view.candidates.size()
             << " keyframes stay " << ToString(stays);
-    done = Commit(*look, retirement);
+    done = Commit(*taken, retirement);
   }
   turn_.Unlock();
   if (!retirement.empty()) {
@@ -43,7 +43,7 @@ bool MissionRetiring::RunOne() {
   return done;
 }
 
-absl::StatusOr<MissionRetiring::Look> MissionRetiring::TakeNext() {
+absl::StatusOr<MissionRetiring::Taken> MissionRetiring::TakeNext() {
   absl::ReaderMutexLock lock(&strand_.mutex());
   const MissionState& state = strand_.state();
   const std::optional<RetiringStretch> stretch = passes_.Next(state);
@@ -56,15 +56,15 @@ absl::StatusOr<MissionRetiring::Look> MissionRetiring::TakeNext() {
   ASSIGN_OR_RETURN(RetiringView view,
                    TakeRetiringView(state, state.global.islands.at(stretch->island),
                                     stretch->keyframes, {}, read));
-  return Look{*stretch, std::move(view)};
+  return Taken{*stretch, std::move(view)};
 }
 
-bool MissionRetiring::Commit(const Look& look, const Retirement& retirement) {
+bool MissionRetiring::Commit(const Taken& taken, const Retirement& retirement) {
   for (Retirement& part : CutIntoParts(retirement)) {
-    if (!CommitPart(look.view, {std::move(part)})) return false;
+    if (!CommitPart(taken.view, {std::move(part)})) return false;
   }
   StateWriteLock lock(strand_);
-  passes_.NoteDone(look.stretch);
+  passes_.NoteDone(taken.stretch);
   return true;
 }
 

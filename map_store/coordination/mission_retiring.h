@@ -1,4 +1,4 @@
-// Lets go of what a mission can do without while nothing is fused of it. Look-ups may wait: a
+// Lets go of what a mission can do without while nothing is fused of it. Queries may wait: a
 // worker that is short of time must not keep known ground.
 #ifndef CORBSLAM_MAP_STORE_COORDINATION_MISSION_RETIRING_H_
 #define CORBSLAM_MAP_STORE_COORDINATION_MISSION_RETIRING_H_
@@ -24,7 +24,7 @@ class MissionRetiring {
                   std::function<void()> notify)
       : strand_(strand), fusion_(fusion), notify_(std::move(notify)) {}
 
-  // Looks at the next stretch, if fusion rests but for look-ups, and lets go of what it finds.
+  // Looks at the next stretch, if fusion rests but for queries, and lets go of what it finds.
   // Returns whether there was one, and it is done with. Another thread's turn, a state that changed
   // meanwhile and a journal that takes nothing leave it for later.
   bool RunOne();
@@ -36,16 +36,17 @@ class MissionRetiring {
   void NoteAllDone();
 
  private:
-  struct Look {
+  struct Taken {
     RetiringStretch stretch;
     RetiringView view;
   };
 
   bool IsWanted() const { return strand_.options().retire && strand_.environment().has_worker; }
   // Returns ABORTED if there is nothing to look at, or fusion has begun something.
-  absl::StatusOr<Look> TakeNext() ABSL_EXCLUSIVE_LOCKS_REQUIRED(turn_);
+  absl::StatusOr<Taken> TakeNext() ABSL_EXCLUSIVE_LOCKS_REQUIRED(turn_);
   // Returns false where it is to be tried later.
-  bool Commit(const Look& look, const Retirement& retirement) ABSL_EXCLUSIVE_LOCKS_REQUIRED(turn_);
+  bool Commit(const Taken& taken, const Retirement& retirement)
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(turn_);
   bool CommitPart(const RetiringView& view, const RetireRecord& record)
       ABSL_EXCLUSIVE_LOCKS_REQUIRED(turn_);
 

@@ -36,9 +36,9 @@ Ids IdsOf(const std::vector<const Keyframe*>& keyframes) {
 }
 
 // Looks at each request as VerifyPlace would, and at the whole maps beside it.
-class LookingWorker : public TruthfulWorker {
+class InspectingWorker : public TruthfulWorker {
  public:
-  explicit LookingWorker(const std::vector<const SyntheticMap*>& maps)
+  explicit InspectingWorker(const std::vector<const SyntheticMap*>& maps)
       : TruthfulWorker(maps), maps_(maps) {}
 
   absl::StatusOr<VerifyOverlapResult> VerifyOverlap(const VerifyOverlapRequest& request,
@@ -102,7 +102,7 @@ MapStoreOptions AskEverybody() {
 TEST(VerifyRequestTest, HoldsTheNeighbourhoodsThatVerificationLooksAt) {
   const SyntheticMap map_a = MakeRingMap(0xa, 0, 14);
   const SyntheticMap map_b = MakeRingMap(0xb, 32, 14);
-  LookingWorker worker({&map_a, &map_b});
+  InspectingWorker worker({&map_a, &map_b});
   worker.refuse_fusing = true;
   MapStoreOptions options = AskEverybody();
   MapStore store(options, TheWorld().vocabulary, std::make_unique<InMemoryJournal>(), &worker);
@@ -119,7 +119,7 @@ TEST(VerifyRequestTest, HoldsTheNeighbourhoodsThatVerificationLooksAt) {
 // In a loop, what stands in both neighbourhoods counts for the query alone.
 TEST(VerifyRequestTest, HoldsThemAlsoWhereTheyTouch) {
   const SyntheticMap map = MakeRingMap(0xa, 0, 20);
-  LookingWorker worker({&map});
+  InspectingWorker worker({&map});
   worker.refuse_fusing = true;
   MapStoreOptions options = AskEverybody();
   options.min_loop_gap = 2;

@@ -13,7 +13,7 @@ namespace {
 // Changing so many points in their places takes a millisecond or two.
 constexpr size_t kPointsInPlace = 5000;
 // A millisecond or two.
-constexpr size_t kLooksInAPiece = 4000;
+constexpr size_t kStepsInAPiece = 4000;
 
 // Returns the local maps of the source island; none where the plan moves no island.
 std::vector<LocalMapId> LocalMapsOfSource(const RevisionPlan& plan, const MissionState& state) {
@@ -96,13 +96,13 @@ std::optional<PlacedPoint> PlacePoint(MapPointId id, const PlannedPoint& planned
   return placed;
 }
 
-absl::Status PlacePoints(const RevisionPlan& plan, const MissionState& state, LooksInPieces& looks,
+absl::Status PlacePoints(const RevisionPlan& plan, const MissionState& state, StepsInPieces& steps,
                          RevisionLayers& layers) {
   layers.changed_points.clear();
   layers.chosen.clear();
   layers.changed_points.reserve(plan.points.size());
   for (const auto& [id, planned] : plan.points) {
-    RETURN_IF_ERROR(looks.Look());
+    RETURN_IF_ERROR(steps.Advance());
     layers.changed_points.emplace_back(id, PlacePoint(id, planned, state, layers));
   }
   return absl::OkStatus();
@@ -110,7 +110,7 @@ absl::Status PlacePoints(const RevisionPlan& plan, const MissionState& state, Lo
 
 // Returns all placed points, those that change as they will be.
 absl::StatusOr<PlacedPoints> MergePoints(const RevisionLayers& layers, const MissionState& state,
-                                         LooksInPieces& looks) {
+                                         StepsInPieces& steps) {
   const PlacedPoints& placed = state.global.points;
   PlacedPoints merged;
   auto kept = placed.begin();
@@ -130,7 +130,7 @@ absl::StatusOr<PlacedPoints> MergePoints(const RevisionLayers& layers, const Mis
     }
     if (kept != placed.end() && kept->first == id) ++kept;
     const uint64_t version = state.version;
-    RETURN_IF_ERROR(looks.Look());
+    RETURN_IF_ERROR(steps.Advance());
     // Points may have gone in the pause.
     if (state.version != version) kept = placed.upper_bound(id);
   }
@@ -140,11 +140,11 @@ absl::StatusOr<PlacedPoints> MergePoints(const RevisionLayers& layers, const Mis
 // Notes the displaced keyframes of one of the local map's names: what the owner moved while the
 // worker was busy counts from here on.
 absl::Status NoteMotionSince(const RevisionPlan& plan, double threshold_px, LocalMapId name,
-                             const LocalMapState& local_map, LooksInPieces& looks,
+                             const LocalMapState& local_map, StepsInPieces& steps,
                              RevisionLayers& layers) {
   for (auto it = plan.keyframes.lower_bound(KeyframeId{name, 0});
        it != plan.keyframes.end() && it->first.local_map == name; ++it) {
-    RETURN_IF_ERROR(looks.Look());
+    RETURN_IF_ERROR(steps.Advance());
     const KeyframeId id = it->first;
     if (IsDisplaced(id, threshold_px, local_map, layers.keyframes).value_or(false)) {
       layers.displaced.insert(id);
@@ -243,7 +243,7 @@ void DecideAnew(const RevisionPlan& plan, const MissionState& state, RejectedObs
 
 // Computes what DecideAnew makes of a copy of all that is rejected.
 absl::Status CopyDecidedAnew(const RevisionPlan& plan, const MissionState& state,
-                             LooksInPieces& looks, RevisionLayers& layers) {
+                             StepsInPieces& steps, RevisionLayers& layers) {
   const RejectedObservations& all = state.global.rejected;
   RejectedObservations& rejected = layers.rejected.emplace();
   for (auto it = all.begin(); it != all.end();) {
@@ -254,7 +254,7 @@ absl::Status CopyDecidedAnew(const RevisionPlan& plan, const MissionState& state
       layers.taken_back.push_back(observation.first);
     }
     const uint64_t version = state.version;
-    RETURN_IF_ERROR(looks.Look());
+    RETURN_IF_ERROR(steps.Advance());
     // A keyframe may have gone in the pause, with all that was rejected of it.
     if (state.version != version) it = all.upper_bound(observation);
   }
@@ -264,17 +264,17 @@ absl::Status CopyDecidedAnew(const RevisionPlan& plan, const MissionState& state
 
 // Fills in the rest of `layers`, which has the keyframes as they were.
 absl::Status Prepare(const RevisionPlan& plan, const MapStoreOptions& options,
-                     const MissionState& state, LooksInPieces& looks, RevisionLayers& layers) {
+                     const MissionState& state, StepsInPieces& steps, RevisionLayers& layers) {
   PlaceKeyframes(plan, state, layers);
-  RETURN_IF_ERROR(PlacePoints(plan, state, looks, layers));
+  RETURN_IF_ERROR(PlacePoints(plan, state, steps, layers));
   std::set<LocalMapId> planned;
   for (const auto& [id, keyframe] : plan.keyframes) planned.insert(planned.end(), id.local_map);
   for (const LocalMapId& id : planned) {
     RETURN_IF_ERROR(
-        NoteMotionSince(plan, options.local_motion_px, id, *state.FindLocalMap(id), looks, layers));
+        NoteMotionSince(plan, options.local_motion_px, id, *state.FindLocalMap(id), steps, layers));
   }
   for (const LocalMapId& id : state.global.islands.at(plan.target).local_maps) {
-    RETURN_IF_ERROR(looks.Look());
+    RETURN_IF_ERROR(steps.Advance());
     RememberTargetFrame(id, state, layers);
   }
   for (const LocalMapId& id : LocalMapsOfSource(plan, state)) {
@@ -284,7 +284,7 @@ absl::Status Prepare(const RevisionPlan& plan, const MapStoreOptions& options,
   return absl::OkStatus();
 }
 
-// What owners have changed since layers were prepared.
+// Collects what owners have changed since layers were prepared.
 struct Since {
   absl::flat_hash_set<KeyframeId> gone;
   absl::flat_hash_set<MapPointId> points;  // Points that went, or stand for others.
@@ -341,16 +341,16 @@ void RefreshPoints(const RevisionPlan& plan, const MissionState& state, Since si
 absl::StatusOr<RevisionLayers> PrepareLayers(const RevisionPlan& plan,
                                              const MapStoreOptions& options,
                                              const MissionState& state, LongRead& read) {
-  LooksInPieces looks(read, kLooksInAPiece);
+  StepsInPieces steps(read, kStepsInAPiece);
   RevisionLayers layers;
   layers.version = state.version;
   if (plan.IsWelding()) layers.moved = FindMoved(plan, options.loop_residual_px, state);
   layers.keyframes = state.global.keyframes;
-  RETURN_IF_ERROR(Prepare(plan, options, state, looks, layers));
+  RETURN_IF_ERROR(Prepare(plan, options, state, steps, layers));
   if (layers.changed_points.size() > kPointsInPlace) {
-    ASSIGN_OR_RETURN(layers.points, MergePoints(layers, state, looks));
+    ASSIGN_OR_RETURN(layers.points, MergePoints(layers, state, steps));
   }
-  if (plan.IsAdjustment()) RETURN_IF_ERROR(CopyDecidedAnew(plan, state, looks, layers));
+  if (plan.IsAdjustment()) RETURN_IF_ERROR(CopyDecidedAnew(plan, state, steps, layers));
   return layers;
 }
 
@@ -364,12 +364,12 @@ RevisionLayers PrepareLayers(const RevisionPlan& plan, const MapStoreOptions& op
 RevisionLayers TakeLayers(const RevisionPlan& plan, const MapStoreOptions& options,
                           MissionState& state) {
   UnbrokenRead read;
-  LooksInPieces looks(read, kLooksInAPiece);
+  StepsInPieces steps(read, kStepsInAPiece);
   RevisionLayers layers;
   if (plan.IsWelding()) layers.moved = FindMoved(plan, options.loop_residual_px, state);
   layers.keyframes = std::move(state.global.keyframes);
   // A read in one piece has no errors.
-  Prepare(plan, options, state, looks, layers).IgnoreError();
+  Prepare(plan, options, state, steps, layers).IgnoreError();
   if (plan.IsAdjustment()) DecideAnew(plan, state, state.global.rejected, layers);
   return layers;
 }
@@ -386,18 +386,18 @@ bool RefreshLayers(const RevisionPlan& plan, const MapStoreOptions& options,
     layers.rejected->erase(rejected.begin(), rejected.end());
   }
   UnbrokenRead read;
-  LooksInPieces looks(read, kLooksInAPiece);
+  StepsInPieces steps(read, kStepsInAPiece);
   if (layers.points.has_value()) {
     RefreshPoints(plan, state, *since, layers);
   } else {
-    PlacePoints(plan, state, looks, layers).IgnoreError();
+    PlacePoints(plan, state, steps, layers).IgnoreError();
   }
   const Island& island = state.global.islands.at(plan.target);
   for (const LocalMapId& id : since->local_maps) {
     if (state.global.island_of.at(id) != island.id) continue;
     const LocalMapState& local_map = *state.FindLocalMap(id);
     for (const LocalMapId& name : local_map.Names()) {
-      NoteMotionSince(plan, options.local_motion_px, name, local_map, looks, layers).IgnoreError();
+      NoteMotionSince(plan, options.local_motion_px, name, local_map, steps, layers).IgnoreError();
     }
     RememberTargetFrame(id, state, layers);
   }

@@ -15,7 +15,7 @@ namespace corbslam::map_store {
 namespace {
 
 // A millisecond or two.
-constexpr size_t kLooksInAPiece = 2000;
+constexpr size_t kStepsInAPiece = 2000;
 
 using NewPoses = std::map<KeyframeId, Similarity3d>;
 
@@ -68,14 +68,14 @@ class Planner {
   // The plan has its revision and what it culls.
   Planner(const MissionState& state, LongRead& read, RevisionPlan& plan)
       : state_(state),
-        looks_(read, kLooksInAPiece),
+        steps_(read, kStepsInAPiece),
         plan_(plan),
         culled_(plan.culled.begin(), plan.culled.end()) {}
 
   absl::Status AddKeyframes(const IslandSnapshot& snapshot, const NewPoses& new_poses,
                             const Similarity3d& snapshot_from_target) {
     for (const auto& [id, pose] : snapshot.poses) {
-      RETURN_IF_ERROR(looks_.Look());
+      RETURN_IF_ERROR(steps_.Advance());
       if (!IsToBePlaced(id)) continue;
       const auto moved = new_poses.find(id);
       const Similarity3d placed = moved == new_poses.end() ? pose * snapshot_from_target
@@ -89,7 +89,7 @@ class Planner {
 
   absl::Status AddPositions(const std::vector<PointPosition>& positions) {
     for (const auto& [id, position] : positions) {
-      RETURN_IF_ERROR(looks_.Look());
+      RETURN_IF_ERROR(steps_.Advance());
       if (const MapPoint* own = FindPlaceable(id)) Place(*own, position);
     }
     return absl::OkStatus();
@@ -99,7 +99,7 @@ class Planner {
   absl::Status AddPointsOfView(const IslandSnapshot& snapshot, const Map& view) {
     absl::flat_hash_map<KeyframeId, Similarity3d> motions;
     for (const auto& [id, point] : view.points()) {
-      RETURN_IF_ERROR(looks_.Look());
+      RETURN_IF_ERROR(steps_.Advance());
       if (plan_.points.contains(id)) continue;
       const MapPoint* own = FindPlaceable(id);
       if (own == nullptr) continue;
@@ -126,7 +126,7 @@ class Planner {
                            const std::vector<RejectedObservation>& rejected) {
     const MergedPoints merged = GroupBySurvivor(plan_.merges);
     for (const RejectedObservation& observation : rejected) {
-      RETURN_IF_ERROR(looks_.Look());
+      RETURN_IF_ERROR(steps_.Advance());
       const LocalMapState* local_map = state_.FindLocalMap(observation.keyframe.local_map);
       if (local_map == nullptr) continue;
       const std::optional<uint32_t> keypoint = FindKeypoint(views, merged, observation);
@@ -188,7 +188,7 @@ class Planner {
   }
 
   const MissionState& state_;
-  LooksInPieces looks_;
+  StepsInPieces steps_;
   RevisionPlan& plan_;
   const absl::flat_hash_set<KeyframeId> culled_;
 };

@@ -47,10 +47,10 @@ TEST(PictureValidationTest, WhatIsNoGreyJpegIsRefusedWithTheReason) {
       {MakeGreyJpeg(65535, 65535, 50), "65535x65535 pixels, must be 1 to 4096"},
       {"\x89PNG\r\n\x1a\n", "does not begin as one"},
   };
-  for (const auto& [jpeg, words] : cases) {
+  for (const auto& [jpeg, text] : cases) {
     const absl::Status status = ValidatePicture({kKeyframe, jpeg, 2});
-    EXPECT_TRUE(absl::IsInvalidArgument(status)) << words << ": " << status;
-    EXPECT_THAT(std::string(status.message()), HasSubstr(words));
+    EXPECT_TRUE(absl::IsInvalidArgument(status)) << text << ": " << status;
+    EXPECT_THAT(std::string(status.message()), HasSubstr(text));
     EXPECT_THAT(std::string(status.message()), HasSubstr(ToString(kKeyframe)));
   }
 }

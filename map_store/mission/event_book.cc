@@ -12,7 +12,7 @@ namespace corbslam::map_store {
 
 EventBook::Past EventBook::GetPast() const {
   absl::MutexLock lock(&mutex_);
-  const size_t kept = std::min(events_.size(), kKeptAsleep);
+  const size_t kept = std::min(events_.size(), kMaxEventsAsleep);
   return {last_number_, {events_.end() - static_cast<std::ptrdiff_t>(kept), events_.end()}};
 }
 
@@ -32,7 +32,7 @@ void EventBook::Note(uint64_t revision, MissionEvent::What what) {
     absl::MutexLock lock(&mutex_);
     event.number = ++last_number_;
     events_.push_back(std::move(event));
-    if (events_.size() > kKept) events_.pop_front();
+    if (events_.size() > kMaxEvents) events_.pop_front();
     if (line.has_value()) unlogged_.push_back(*std::move(line));
   }
   untold_ = true;

@@ -25,18 +25,18 @@ namespace corbslam::map_store {
 class EventBook {
  public:
   // How many events are remembered.
-  static constexpr size_t kKept = 1000;
+  static constexpr size_t kMaxEvents = 1000;
 
   explicit EventBook(std::function<absl::Time()> clock, std::string mission = "")
       : clock_(std::move(clock)), mission_(std::move(mission)) {}
 
-  // What is kept of a book whose mission is asleep.
+  // Remembers the end of a book whose mission is asleep.
   struct Past {
     uint64_t last_number = 0;
     std::deque<MissionEvent> events;
   };
   // How many events that are.
-  static constexpr size_t kKeptAsleep = 100;
+  static constexpr size_t kMaxEventsAsleep = 100;
 
   Past GetPast() const;
   // Goes on from there; called before all else.

@@ -38,7 +38,7 @@ TEST(EventBookTest, TellsOneEventAfterTheOther) {
 
 TEST(EventBookTest, GoesOnFromItsPast) {
   EventBook book(&absl::Now);
-  const uint64_t all = EventBook::kKeptAsleep + 5;
+  const uint64_t all = EventBook::kMaxEventsAsleep + 5;
   for (uint64_t i = 1; i <= all; ++i) {
     book.Note(0, MissionEvent::AgentJoined{std::to_string(i)});
   }
@@ -56,7 +56,7 @@ TEST(EventBookTest, GoesOnFromItsPast) {
 
 TEST(EventBookTest, SaysHowManyItHasForgotten) {
   EventBook book(&absl::Now);
-  const uint64_t all = EventBook::kKept + 5;
+  const uint64_t all = EventBook::kMaxEvents + 5;
   for (uint64_t i = 1; i <= all; ++i) {
     book.Note(0, MissionEvent::AgentJoined{std::to_string(i)});
   }

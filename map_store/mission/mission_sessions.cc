@@ -180,7 +180,7 @@ absl::StatusOr<std::optional<SharedUpdate>> MissionSessions::NextShared(uint64_t
   absl::MutexLock telling(&told->mutex);
   absl::StatusOr<std::optional<SharedUpdate>> update;
   do {
-    update = Look(session_id, agent, byte_budget, told->share);
+    update = PollUpdate(session_id, agent, byte_budget, told->share);
   } while (update.ok() && !update->has_value() && told->share.unfinished);
   if (!update.ok()) ForgetLastUpdate(told->share);
   told->complete_at_version = told->share.complete_at_version;
@@ -241,10 +241,10 @@ void MissionSessions::DescribeTold(AgentInfo& agent) const {
                      told->second.complete_at_version == island->shared_version;
 }
 
-absl::StatusOr<std::optional<SharedUpdate>> MissionSessions::Look(uint64_t session_id,
-                                                                  const std::string& agent,
-                                                                  size_t byte_budget,
-                                                                  ShareState& share) const {
+absl::StatusOr<std::optional<SharedUpdate>> MissionSessions::PollUpdate(uint64_t session_id,
+                                                                        const std::string& agent,
+                                                                        size_t byte_budget,
+                                                                        ShareState& share) const {
   absl::ReaderMutexLock lock(&strand_.mutex());
   const auto check = [&]() ABSL_SHARED_LOCKS_REQUIRED(strand_.mutex()) {
     return CheckSession(strand_, session_id, agent);

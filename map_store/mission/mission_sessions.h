@@ -57,8 +57,8 @@ class MissionSessions {
 
  private:
   void DescribeTold(AgentInfo& agent) const ABSL_SHARED_LOCKS_REQUIRED(strand_.mutex());
-  // What one agent was told. Its lock is taken before the state's lock; who tells the agent more
-  // lets go of the state's lock now and then.
+  // Remembers what one agent was told. Its lock is taken before the state's lock; who tells the
+  // agent more lets go of the state's lock now and then.
   struct Told {
     absl::Mutex mutex;
     ShareState share ABSL_GUARDED_BY(mutex);
@@ -97,8 +97,10 @@ class MissionSessions {
   Told* FindTold(const std::string& agent);
   // Returns the next update after one look at the state; nullopt: share.unfinished says whether to
   // look again.
-  absl::StatusOr<std::optional<SharedUpdate>> Look(uint64_t session_id, const std::string& agent,
-                                                   size_t byte_budget, ShareState& share) const;
+  absl::StatusOr<std::optional<SharedUpdate>> PollUpdate(uint64_t session_id,
+                                                         const std::string& agent,
+                                                         size_t byte_budget,
+                                                         ShareState& share) const;
 
   MissionStrand& strand_;
   EventBook& events_;

@@ -93,7 +93,7 @@ absl::Status MissionSnapshots::Write(Beginning& beginning, const std::function<b
 }
 
 absl::StatusOr<bool> MissionSnapshots::Keep(const std::function<bool()>& goes_on) {
-  // Whoever only asks is in nobody's way.
+  // This is asked without the lock first: most calls find nothing to do.
   if (!strand_.environment().journal->WantsSnapshot(strand_.name())) return false;
   absl::MutexLock one(&mutex_);
   if (strand_.IsDeleted()) return false;
@@ -171,7 +171,7 @@ absl::StatusOr<std::vector<MapChanges>> MissionSnapshots::TellPast(
   const ReturnsFreeMemory after;
   MapReplay past(options, beginning.progress, check_memory);
   const absl::StatusOr<MissionState> state =
-      Replay(beginning, goes_on, [&past](const MissionState& then) { return past.Look(then); });
+      Replay(beginning, goes_on, [&past](const MissionState& then) { return past.Note(then); });
   // The replay's own words of what has ended it would name the journal's folder.
   RETURN_IF_ERROR(past.status());
   if (strand_.IsDeleted()) return strand_.Deleted();

@@ -46,7 +46,7 @@ struct ApplyAgain {
   void operator()(const LocalisedRecord& record) { Apply(record, options, state); }
 };
 
-BatchWords WordsOf(const JournalRecord& record, const Vocabulary* vocabulary) {
+BatchWords BatchWordsOf(const JournalRecord& record, const Vocabulary* vocabulary) {
   const auto* update = std::get_if<BatchRecord>(&record);
   return update == nullptr ? BatchWords() : ComputeWords(*update->batch, vocabulary);
 }
@@ -78,7 +78,7 @@ absl::Status MissionStrand::Recover() {
   };
   replay.on_record = [&](const JournalRecord& record) {
     RETURN_IF_ERROR(CheckReplay(record, state));
-    const BatchWords words = WordsOf(record, environment_.vocabulary);
+    const BatchWords words = BatchWordsOf(record, environment_.vocabulary);
     std::visit(ApplyAgain{words, options(), state}, record);
     return absl::OkStatus();
   };

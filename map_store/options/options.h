@@ -89,7 +89,7 @@ struct MapStoreOptions {
   // A mission that nobody has used for so many seconds leaves memory; 0: none ever does, unless
   // somebody asks for it. Without a journal none can.
   double sleep_after_s = 0;
-  // A call that needs a mission which is asleep returns AsleepError (map_store/view/asleep_words.h)
+  // A call that needs a mission which is asleep returns AsleepError (map_store/view/asleep_error.h)
   // at once, for who can come again when it is awake. False: the call waits.
   bool wake_in_background = false;
   // Seconds at an orderly end for snapshots of missions that would otherwise be read at the next

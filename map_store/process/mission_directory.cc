@@ -4,8 +4,8 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "map_store/view/asleep_words.h"
-#include "map_store/view/damage_words.h"
+#include "map_store/view/asleep_error.h"
+#include "map_store/view/damage_text.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::map_store {
@@ -164,7 +164,7 @@ KnownMission MissionDirectory::Describe(const std::string& name, const Entry& en
   return {name, entry.mission, entry.evicted, entry.damage, entry.last_used, entry.users > 0};
 }
 
-absl::StatusOr<KnownMission> MissionDirectory::Look(absl::string_view name) const {
+absl::StatusOr<KnownMission> MissionDirectory::Peek(absl::string_view name) const {
   absl::MutexLock lock(&mutex_);
   ASSIGN_OR_RETURN(const EntryPtr entry, Find(name));
   return Describe(std::string(name), *entry);

@@ -80,10 +80,10 @@ class MissionDirectory {
   // one that is asleep, wakes or falls asleep.
   absl::StatusOr<Lease> UseLoaded(absl::string_view name) ABSL_LOCKS_EXCLUDED(mutex_);
 
-  // Those who only look: what they get may leave memory, and they are no users.
+  // These calls only look: what they return may leave memory, and their callers are no users.
 
   // Returns NOT_FOUND where there is none, or one that is being made.
-  absl::StatusOr<KnownMission> Look(absl::string_view name) const ABSL_LOCKS_EXCLUDED(mutex_);
+  absl::StatusOr<KnownMission> Peek(absl::string_view name) const ABSL_LOCKS_EXCLUDED(mutex_);
   // Returns those behind `after` in the order of names, `count` at most.
   std::vector<KnownMission> List(absl::string_view after, size_t count) const
       ABSL_LOCKS_EXCLUDED(mutex_);

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
-#include "map_store/view/damage_words.h"
+#include "map_store/view/damage_text.h"
 #include "slam/util/named_thread.h"
 #include "slam/util/resident_memory.h"
 #include "slam/util/status_macros.h"
@@ -53,7 +53,7 @@ void MissionEvictor::Run() {
 }
 
 absl::Status MissionEvictor::Evict(absl::string_view name) {
-  ASSIGN_OR_RETURN(const KnownMission known, directory_.Look(name));
+  ASSIGN_OR_RETURN(const KnownMission known, directory_.Peek(name));
   if (!known.damage.ok()) return absl::DataLossError(SayDamage(name, known.damage));
   if (known.mission == nullptr) return absl::OkStatus();
   return TryEvict({known.name, known.mission, known.last_used}, /*in_haste=*/false,

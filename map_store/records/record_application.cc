@@ -42,8 +42,8 @@ void NoteUse(absl::Time time, MissionState& state) {
 // Adds an item and drops the oldest beyond a limit: statistics travel whole, in a message of 4 MiB.
 template <typename T>
 void AddNewest(const T& item, std::vector<T>& items) {
-  constexpr size_t kKept = 10'000;
-  if (items.size() >= kKept) items.erase(items.begin());
+  constexpr size_t kMaxItems = 10'000;
+  if (items.size() >= kMaxItems) items.erase(items.begin());
   items.push_back(item);
 }
 

@@ -27,7 +27,7 @@ class Choice {
         sights_(sights),
         faded_(faded),
         options_(options),
-        company_(FindCompany(view, options.company)),
+        other_visits_(FindOtherVisits(view, options.other_visits)),
         links_(view.overlaps) {}
 
   std::vector<RetiredKeyframe> Run() {
@@ -116,10 +116,10 @@ class Choice {
     });
   }
 
-  // Of those that stand in company.
+  // Returns those at whose places there are enough other visits.
   std::vector<KeyframeId> OrderByShare() const {
     std::vector<Rank> ranks = RankAll();
-    std::erase_if(ranks, [this](const Rank& rank) { return !IsInCompany(rank.id); });
+    std::erase_if(ranks, [this](const Rank& rank) { return !IsVisitedEnough(rank.id); });
     return Sorted(std::move(ranks), [](const Rank& rank) {
       return std::tuple(rank.holds, -rank.share, rank.session, rank.id);
     });
@@ -135,29 +135,29 @@ class Choice {
     const std::map<KeyframeId, int> shared = CountShared(id);
     if (!IsSeenLater(id, shared)) return Verdict::kNewest;
     if (!IsLast(id) && links_.IsNeeded(id)) return Verdict::kLinks;
-    const bool in_company = IsInCompany(id);
+    const bool is_visited_enough = IsVisitedEnough(id);
     const Worth worth = WorthOf(*view_.map.FindKeyframe(id));
     const double max_homeless =
-        in_company ? options_.max_homeless_share_in_company : options_.max_homeless_share;
+        is_visited_enough ? options_.max_homeless_share_where_visited : options_.max_homeless_share;
     if (worth.homeless > max_homeless * worth.landmarks) return Verdict::kHomeless;
     const bool is_seen = worth.landmarks > 0 && worth.seen >= options_.seen_share * worth.landmarks;
-    if (!is_seen && !in_company) return Verdict::kUnseen;
+    if (!is_seen && !is_visited_enough) return Verdict::kUnseen;
     return FindStandIn(id, shared).IsValid() ? Verdict::kGoes : Verdict::kUnplaced;
   }
 
   // Returns the keyframes that stay and look at its place.
-  std::vector<KeyframeId> CompanyOf(KeyframeId id) const {
-    const auto it = company_.find(id);
-    if (it == company_.end()) return {};
-    std::vector<KeyframeId> company = it->second;
-    std::erase_if(company, [this](KeyframeId other) { return gone_.contains(other); });
-    return company;
+  std::vector<KeyframeId> OtherVisitsOf(KeyframeId id) const {
+    const auto it = other_visits_.find(id);
+    if (it == other_visits_.end()) return {};
+    std::vector<KeyframeId> other_visits = it->second;
+    std::erase_if(other_visits, [this](KeyframeId other) { return gone_.contains(other); });
+    return other_visits;
   }
 
-  bool IsInCompany(KeyframeId id) const {
-    std::set<LocalMapId> looks;
-    for (const KeyframeId& other : CompanyOf(id)) looks.insert(other.local_map);
-    return looks.size() >= options_.max_looks;
+  bool IsVisitedEnough(KeyframeId id) const {
+    std::set<LocalMapId> visits;
+    for (const KeyframeId& other : OtherVisitsOf(id)) visits.insert(other.local_map);
+    return visits.size() >= options_.max_visits;
   }
 
   // Returns the share of the landmarks that it observes of which enough others see.
@@ -227,7 +227,7 @@ class Choice {
     const auto is_later = [this, id](KeyframeId other) {
       return view_.closed.at(other.local_map).order > view_.closed.at(id.local_map).order;
     };
-    return std::ranges::any_of(CompanyOf(id), is_later) ||
+    return std::ranges::any_of(OtherVisitsOf(id), is_later) ||
            std::ranges::any_of(shared, [&](const auto& other) {
              return other.second >= options_.min_shared && is_later(other.first);
            });
@@ -294,7 +294,7 @@ class Choice {
   const SightsOfLandmarks& sights_;
   const absl::flat_hash_set<MapPointId>& faded_;
   const ChoiceOptions& options_;
-  const Company company_;
+  const OtherVisits other_visits_;
   LocalMapLinks links_;
   std::vector<KeyframeId> going_;
   absl::flat_hash_set<KeyframeId> gone_;

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "absl/container/flat_hash_set.h"
-#include "map_store/retiring/company.h"
 #include "map_store/retiring/landmark_sights.h"
+#include "map_store/retiring/other_visits.h"
 #include "map_store/retiring/retirement.h"
 #include "map_store/retiring/retiring_view.h"
 
@@ -27,12 +27,12 @@ struct ChoiceOptions {
   // makes keyframes neighbours.
   int min_shared = 15;
   // Where keyframes of so many other local maps look at the same place, a keyframe may go whatever
-  // of it they see, by day and by night: so many looks a place has. Those of which the others see
-  // most go first, so that looks that differ are left.
-  size_t max_looks = 3;
+  // of it they see, by day and by night: so many visits of a place are enough. Those of which the
+  // others see most go first, so that visits that differ are left.
+  size_t max_visits = 3;
   // Such a keyframe may take more landmarks with it.
-  double max_homeless_share_in_company = 0.3;
-  CompanyOptions company;
+  double max_homeless_share_where_visited = 0.3;
+  OtherVisitsOptions other_visits;
 };
 
 // Why candidates stay: how many for each reason, the first that holds.
@@ -41,7 +41,7 @@ struct StayCounts {
   size_t newest = 0;    // Nothing later looks at the place.
   size_t links = 0;     // Their overlap alone joins local maps.
   size_t homeless = 0;  // Others would lose too many landmarks.
-  size_t unseen = 0;    // Too few others see what they see, and the place has looks to spare.
+  size_t unseen = 0;    // Too few others see what they see, and the place has visits to spare.
   size_t unplaced = 0;  // Nothing that stays could stand in.
 };
 
@@ -51,9 +51,9 @@ std::string ToString(const StayCounts& counts);
 // turn: those that hold no overlap before those that do, those of earlier local maps before later
 // ones, those of which most is seen first. What the last local map that sees a place has of it
 // stays, and so do the root of a local map that is no part of another, keyframes whose overlap
-// alone joins local maps, and those that nothing stands in for. Then those go that stand in
-// company, those of which most is seen first. `faded` landmarks don't count. Counts in `stays`, if
-// given, what stays. Pure.
+// alone joins local maps, and those that nothing stands in for. Then those go at whose
+// places there are enough other visits, those of which most is seen first. `faded` landmarks don't
+// count. Counts in `stays`, if given, what stays. Pure.
 std::vector<RetiredKeyframe> ChooseKeyframes(const RetiringView& view,
                                              const SightsOfLandmarks& sights,
                                              const absl::flat_hash_set<MapPointId>& faded,

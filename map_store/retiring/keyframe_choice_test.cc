@@ -145,7 +145,7 @@ TEST_F(KeyframeChoiceTest, WhatIsSeenStaysSeen) {
   EXPECT_LT(lost, landmarks / 8);
 }
 
-// Fusion may have joined nothing: then the same looks in the same places count.
+// Fusion may have joined nothing: then what looks the same in the same places counts.
 TEST_F(KeyframeChoiceTest, LooksCountWherePointsAreNotJoined) {
   const auto retired = CountByLocalMap(Choose(View(Joined::kNone)));
   ASSERT_TRUE(retired.contains(LocalMapId{1}));
@@ -203,19 +203,19 @@ TEST_F(KeyframeChoiceTest, AViewFromAloneStays) {
 }
 
 // Five sessions over one place that look different to each other: no rule of what is seen lets go.
-class LooksOfAPlaceTest : public KeyframeChoiceTest {
+class VisitsOfAPlaceTest : public KeyframeChoiceTest {
  protected:
-  LooksOfAPlaceTest() { options_.seen_share = 2; }
+  VisitsOfAPlaceTest() { options_.seen_share = 2; }
   // Local maps of which keyframes that stay look at the keyframe's place.
-  static size_t CountLooks(const Company& company, KeyframeId id,
-                           const std::set<KeyframeId>& going) {
-    std::set<LocalMapId> looks;
-    const auto it = company.find(id);
-    if (it == company.end()) return 0;
+  static size_t CountVisits(const OtherVisits& other_visits, KeyframeId id,
+                            const std::set<KeyframeId>& going) {
+    std::set<LocalMapId> visits;
+    const auto it = other_visits.find(id);
+    if (it == other_visits.end()) return 0;
     for (const KeyframeId& other : it->second) {
-      if (!going.contains(other)) looks.insert(other.local_map);
+      if (!going.contains(other)) visits.insert(other.local_map);
     }
-    return looks.size();
+    return visits.size();
   }
 
   SyntheticMap fourth_ = Drive(4, 4);
@@ -225,34 +225,35 @@ class LooksOfAPlaceTest : public KeyframeChoiceTest {
   ChoiceOptions options_;
 };
 
-TEST_F(LooksOfAPlaceTest, AreBounded) {
+TEST_F(VisitsOfAPlaceTest, AreBounded) {
   const std::vector<RetiredKeyframe> retired = Choose(view_, options_);
   const auto counts = CountByLocalMap(retired);
   ASSERT_FALSE(retired.empty());
-  EXPECT_FALSE(counts.contains(LocalMapId{5})) << "the newest look stays";
+  EXPECT_FALSE(counts.contains(LocalMapId{5})) << "the newest visit stays";
   std::set<KeyframeId> going;
   for (const RetiredKeyframe& one : retired) going.insert(one.id);
-  const Company company = FindCompany(view_, {});
+  const OtherVisits other_visits = FindOtherVisits(view_, {});
   for (const KeyframeId& id : view_.candidates) {
     if (going.contains(id) || id.index == 0 || id.local_map == LocalMapId{5}) continue;
-    EXPECT_LT(CountLooks(company, id, going), options_.max_looks) << ToString(id);
+    EXPECT_LT(CountVisits(other_visits, id, going), options_.max_visits) << ToString(id);
   }
   for (const RetiredKeyframe& one : retired) {
-    EXPECT_GE(CountLooks(company, one.id, going), options_.max_looks - 1) << ToString(one.id);
+    EXPECT_GE(CountVisits(other_visits, one.id, going), options_.max_visits - 1)
+        << ToString(one.id);
   }
 }
 
-TEST_F(LooksOfAPlaceTest, StayWhileThereIsRoom) {
-  options_.max_looks = 5;
+TEST_F(VisitsOfAPlaceTest, StayWhileThereIsRoom) {
+  options_.max_visits = 5;
   EXPECT_TRUE(Choose(view_, options_).empty());
 }
 
-TEST_F(LooksOfAPlaceTest, ThatOthersDependOnStay) {
-  options_.max_homeless_share_in_company = -1;
+TEST_F(VisitsOfAPlaceTest, ThatOthersDependOnStay) {
+  options_.max_homeless_share_where_visited = -1;
   EXPECT_TRUE(Choose(view_, options_).empty());
 }
 
-TEST_F(LooksOfAPlaceTest, EveryCandidateThatStaysHasAReason) {
+TEST_F(VisitsOfAPlaceTest, EveryCandidateThatStaysHasAReason) {
   StayCounts stays;
   const auto retired = ChooseKeyframes(view_, FindSights(view_, {}), {}, options_, &stays);
   EXPECT_EQ(stays.roots, 5u);

@@ -11,10 +11,10 @@ namespace {
 
 constexpr int kMatchOctaves = 2;
 
-enum class Look { kSees, kMisses, kCantTell };
+enum class Visibility { kSees, kMisses, kCantTell };
 
 struct Judgement {
-  Look look = Look::kCantTell;
+  Visibility visibility = Visibility::kCantTell;
   int octave = 0;
 };
 
@@ -35,7 +35,7 @@ class KeyframeJudge {
     const bool misses = IsWellInside(*view) && IsInRange(point, x_in_camera.norm()) &&
                         view->view_cosine >= options_.min_view_cosine &&
                         IsOpen(view->pixel, x_in_camera.z());
-    return {misses ? Look::kMisses : Look::kCantTell, 0};
+    return {misses ? Visibility::kMisses : Visibility::kCantTell, 0};
   }
 
  private:
@@ -52,7 +52,7 @@ class KeyframeJudge {
       judgement.octave = keyframe_.keypoints()[i].octave;
     }
     if (best == options_.min_other_distance) return std::nullopt;
-    if (best <= options_.max_distance) judgement.look = Look::kSees;
+    if (best <= options_.max_distance) judgement.visibility = Visibility::kSees;
     return judgement;
   }
 
@@ -137,8 +137,9 @@ SightsOfLandmarks FindSights(const RetiringView& view, const SightOptions& optio
         continue;
       }
       const Judgement judgement = judge.Judge(*point);
-      if (judgement.look == Look::kSees) found.seen.push_back({id, judgement.octave, false});
-      if (judgement.look == Look::kMisses) found.missed_by.push_back(id);
+      if (judgement.visibility == Visibility::kSees)
+        found.seen.push_back({id, judgement.octave, false});
+      if (judgement.visibility == Visibility::kMisses) found.missed_by.push_back(id);
     }
   }
   return sights;

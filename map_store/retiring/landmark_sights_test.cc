@@ -26,7 +26,7 @@ class LandmarkSightsTest : public ::testing::Test {
     view_.closed[id.local_map] = {id.local_map, view_.closed.size(), 1, 1};
   }
   LandmarkSights Find(const Features& later) {
-    Add(kWitness, Seen(320, 10, look_));
+    Add(kWitness, Seen(320, 10, descriptor_));
     Add(kLater, later);
     MapPoint point;
     point.id = kLandmark;
@@ -38,23 +38,23 @@ class LandmarkSightsTest : public ::testing::Test {
     return FindSights(view_, {}).at(kLandmark);
   }
   // Returns one keypoint of the picture's middle line.
-  static Features Seen(float x_px, float depth_m, const Descriptor& look) {
+  static Features Seen(float x_px, float depth_m, const Descriptor& descriptor) {
     Features features;
     features.keypoints.push_back({x_px, 240, 500 * 0.1f / depth_m, 0, 0});
-    features.descriptors.push_back(look);
+    features.descriptors.push_back(descriptor);
     return features;
   }
   static bool IsMissed(const LandmarkSights& sights) { return !sights.missed_by.empty(); }
 
   const std::shared_ptr<const Camera> camera_ =
       std::make_shared<const Camera>(Camera{500, 500, 320, 240, 640, 480, 0.1, 4});
-  const Descriptor look_{{1, 2, 3, 4}};
+  const Descriptor descriptor_{{1, 2, 3, 4}};
   const Descriptor other_{{~0ull, ~0ull, ~0ull, ~0ull}};
   RetiringView view_;
 };
 
 TEST_F(LandmarkSightsTest, AKeypointThatNobodyMatchedIsASight) {
-  const LandmarkSights sights = Find(Seen(322, 10, look_));
+  const LandmarkSights sights = Find(Seen(322, 10, descriptor_));
   ASSERT_EQ(sights.seen.size(), 2u);
   EXPECT_EQ(sights.seen[1].keyframe, kLater);
   EXPECT_FALSE(sights.seen[1].observed);
@@ -77,9 +77,9 @@ TEST_F(LandmarkSightsTest, WhereNothingIsSeenThePictureMayBeDark) {
   EXPECT_FALSE(IsMissed(Find(Seen(600, 12, other_))));
 }
 
-// Half of the differing bits of a look that has nothing in common.
+// Half of the differing bits of a descriptor that has nothing in common.
 TEST_F(LandmarkSightsTest, WhatLooksALittleLikeItIsNoEvidence) {
-  Descriptor like = look_;
+  Descriptor like = descriptor_;
   like.words[0] ^= ~0ull;
   const LandmarkSights sights = Find(Seen(320, 10, like));
   EXPECT_EQ(sights.seen.size(), 1u);
@@ -89,7 +89,7 @@ TEST_F(LandmarkSightsTest, WhatLooksALittleLikeItIsNoEvidence) {
 TEST_F(LandmarkSightsTest, WhoIsNotClosedSaysNothing) {
   Add({{3}, 0}, Seen(322, 12, other_));
   view_.closed.erase({3});
-  const LandmarkSights sights = Find(Seen(322, 10, look_));
+  const LandmarkSights sights = Find(Seen(322, 10, descriptor_));
   EXPECT_FALSE(IsMissed(sights));
   EXPECT_EQ(sights.seen.size(), 2u);
 }

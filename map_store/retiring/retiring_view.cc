@@ -45,12 +45,12 @@ size_t CountKeyframes(const Map& map, LocalMapId id) {
 class ViewTaker {
  public:
   ViewTaker(const MissionState& state, LongRead& read, RetiringView& view)
-      : state_(state), read_(read), looks_(read, kKeyframesInAPiece), view_(view) {}
+      : state_(state), read_(read), steps_(read, kKeyframesInAPiece), view_(view) {}
 
   absl::Status ChooseCandidates(const std::set<KeyframeId>& named, const RetiringReach& reach) {
     absl::flat_hash_map<KeyframeId, int> shared;
     for (const KeyframeId& id : named) {
-      RETURN_IF_ERROR(looks_.Look());
+      RETURN_IF_ERROR(steps_.Advance());
       if (!IsClosed(id)) continue;
       view_.candidates.insert(id);
       for (const MapPointId& landmark : LandmarksOf(state_, id)) {
@@ -72,7 +72,7 @@ class ViewTaker {
   absl::Status TakeMap() {
     std::set<KeyframeId> keyframes = view_.candidates;
     for (const KeyframeId& id : view_.candidates) {
-      RETURN_IF_ERROR(looks_.Look());
+      RETURN_IF_ERROR(steps_.Advance());
       for (const MapPointId& landmark : LandmarksOf(state_, id)) {
         const auto [it, added] = view_.landmarks.try_emplace(landmark);
         if (!added) continue;
@@ -108,7 +108,7 @@ class ViewTaker {
 
   const MissionState& state_;
   LongRead& read_;
-  LooksInPieces looks_;
+  StepsInPieces steps_;
   RetiringView& view_;
 };
 

@@ -191,7 +191,7 @@ absl::Status BackupFolder::Purge(absl::string_view mission, size_t keep) {
       of_mission += IsDamaged(mission, backup.backup_id) ? 0 : 1;
       continue;
     }
-    if (IsHeld(mission, backup.backup_id)) continue;
+    if (IsInUse(mission, backup.backup_id)) continue;
     const rocksdb::IOStatus removed = engine->DeleteBackup(backup.backup_id);
     RETURN_IF_ERROR(ToBackupStatus(PlaceOf(mission, backup.backup_id), removed));
     ForgetHealth(mission, backup.backup_id);
@@ -208,7 +208,7 @@ absl::Status BackupFolder::Purge(absl::string_view mission, size_t keep) {
 absl::Status BackupFolder::Remove(absl::string_view mission, uint32_t number) {
   absl::MutexLock writing(&writing_);
   RETURN_IF_ERROR(CheckOwner());
-  if (IsHeld(mission, number)) {
+  if (IsInUse(mission, number)) {
     return absl::FailedPreconditionError(
         absl::StrCat("backup ", PlaceOf(mission, number), " is being read: try again later"));
   }

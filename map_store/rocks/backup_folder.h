@@ -50,7 +50,7 @@ class BackupFolder : public BackupShelf {
                                                 uint32_t number) const override;
 
  private:
-  using Pin = std::pair<std::string, uint32_t>;
+  using BackupInUse = std::pair<std::string, uint32_t>;
 
   BackupFolder(const RocksJournal* journal, BackupOptions options, std::string store_id)
       : journal_(journal), options_(std::move(options)), store_id_(std::move(store_id)) {}
@@ -89,8 +89,8 @@ class BackupFolder : public BackupShelf {
       ABSL_EXCLUSIVE_LOCKS_REQUIRED(writing_);
   // Keeps the backup from being removed as long as the result lives.
   std::shared_ptr<const void> Hold(absl::string_view mission, uint32_t number) const
-      ABSL_LOCKS_EXCLUDED(held_mutex_);
-  bool IsHeld(absl::string_view mission, uint32_t number) const ABSL_LOCKS_EXCLUDED(held_mutex_);
+      ABSL_LOCKS_EXCLUDED(in_use_mutex_);
+  bool IsInUse(absl::string_view mission, uint32_t number) const ABSL_LOCKS_EXCLUDED(in_use_mutex_);
 
   const RocksJournal* const journal_;
   const BackupOptions options_;
@@ -101,8 +101,8 @@ class BackupFolder : public BackupShelf {
   mutable absl::Mutex health_mutex_;
   // Of all backups that there are, by their missions.
   mutable std::map<std::string, HealthByNumber, std::less<>> health_ ABSL_GUARDED_BY(health_mutex_);
-  mutable absl::Mutex held_mutex_;
-  mutable std::multiset<Pin> held_ ABSL_GUARDED_BY(held_mutex_);
+  mutable absl::Mutex in_use_mutex_;
+  mutable std::multiset<BackupInUse> in_use_ ABSL_GUARDED_BY(in_use_mutex_);
 };
 
 }  // namespace corbslam::map_store

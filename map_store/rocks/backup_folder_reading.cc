@@ -37,18 +37,18 @@ absl::Status ReadAll(const rocksdb::BackupInfo& info, const std::string& place) 
 }  // namespace
 
 std::shared_ptr<const void> BackupFolder::Hold(absl::string_view mission, uint32_t number) const {
-  const Pin pin(std::string(mission), number);
-  absl::MutexLock lock(&held_mutex_);
-  held_.insert(pin);
-  return {this, [pin](const BackupFolder* folder) {
-            absl::MutexLock held(&folder->held_mutex_);
-            folder->held_.erase(folder->held_.find(pin));
+  const BackupInUse backup(std::string(mission), number);
+  absl::MutexLock lock(&in_use_mutex_);
+  in_use_.insert(backup);
+  return {this, [backup](const BackupFolder* folder) {
+            absl::MutexLock lock(&folder->in_use_mutex_);
+            folder->in_use_.erase(folder->in_use_.find(backup));
           }};
 }
 
-bool BackupFolder::IsHeld(absl::string_view mission, uint32_t number) const {
-  absl::MutexLock lock(&held_mutex_);
-  return held_.contains({std::string(mission), number});
+bool BackupFolder::IsInUse(absl::string_view mission, uint32_t number) const {
+  absl::MutexLock lock(&in_use_mutex_);
+  return in_use_.contains({std::string(mission), number});
 }
 
 absl::StatusOr<rocksdb::BackupInfo> BackupFolder::ReadInfo(

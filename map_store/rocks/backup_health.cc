@@ -7,8 +7,8 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_replace.h"
 #include "absl/strings/str_split.h"
+#include "slam/util/atomic_file.h"
 #include "slam/util/status_macros.h"
-#include "slam/util/whole_file.h"
 
 namespace corbslam::map_store {
 namespace {
@@ -21,15 +21,15 @@ HealthByNumber ReadBackupHealth(const std::string& folder) {
   HealthByNumber health;
   std::ifstream file(PathOfHealth(folder));
   for (std::string line; std::getline(file, line);) {
-    const std::vector<std::string> words = absl::StrSplit(line, absl::MaxSplits(' ', 2));
+    const std::vector<std::string> fields = absl::StrSplit(line, absl::MaxSplits(' ', 2));
     uint32_t number = 0;
     int64_t verified_ns = 0;
-    if (words.size() != 3 || !absl::SimpleAtoi(words[0], &number) ||
-        !absl::SimpleAtoi(words[1], &verified_ns)) {
+    if (fields.size() != 3 || !absl::SimpleAtoi(fields[0], &number) ||
+        !absl::SimpleAtoi(fields[1], &verified_ns)) {
       continue;
     }
     health[number] = {verified_ns == 0 ? absl::InfinitePast() : absl::FromUnixNanos(verified_ns),
-                      words[2]};
+                      fields[2]};
   }
   return health;
 }
@@ -42,8 +42,8 @@ absl::Status WriteBackupHealth(const std::string& folder, const HealthByNumber& 
     absl::StrAppend(&lines, number, " ", verified_ns, " ",
                     absl::StrReplaceAll(of.damage, {{"\n", " "}}), "\n");
   }
-  ASSIGN_OR_RETURN(WholeFile file,
-                   WholeFile::Create(PathOfHealth(folder), WholeFile::Old::kReplaced));
+  ASSIGN_OR_RETURN(AtomicFile file,
+                   AtomicFile::Create(PathOfHealth(folder), AtomicFile::Old::kReplaced));
   RETURN_IF_ERROR(file.Append(lines));
   // It can be found out again.
   return file.FinishUnsynced();

@@ -14,8 +14,8 @@
 #include "absl/time/clock.h"
 #include "absl/time/time.h"
 #include "map_store/state/mission_uid.h"
+#include "slam/util/atomic_file.h"
 #include "slam/util/status_macros.h"
-#include "slam/util/whole_file.h"
 
 namespace corbslam::map_store {
 namespace {
@@ -33,8 +33,8 @@ Lines ReadLines(const std::string& path) {
   return lines;
 }
 
-absl::Status WriteFile(const std::string& path, const std::string& text, WholeFile::Old old) {
-  ASSIGN_OR_RETURN(WholeFile file, WholeFile::Create(path, old));
+absl::Status WriteFile(const std::string& path, const std::string& text, AtomicFile::Old old) {
+  ASSIGN_OR_RETURN(AtomicFile file, AtomicFile::Create(path, old));
   RETURN_IF_ERROR(file.Append(text));
   return file.Finish();
 }
@@ -62,7 +62,7 @@ absl::StatusOr<std::string> EnsureStoreId(const std::string& journal_folder) {
   if (IsMissionUid(id)) return id;
   id = DrawMissionUid("");
   // Who starts from an older version has none; a file that can't be read is written anew.
-  RETURN_IF_ERROR(WriteFile(path, absl::StrCat("store=", id, "\n"), WholeFile::Old::kReplaced));
+  RETURN_IF_ERROR(WriteFile(path, absl::StrCat("store=", id, "\n"), AtomicFile::Old::kReplaced));
   return id;
 }
 
@@ -82,7 +82,7 @@ absl::Status ClaimBackupFolder(const std::string& backups, const std::string& st
       "\nhost=", HostName(),
       "\nsince=", absl::FormatTime("%Y-%m-%dT%H:%M:%SZ", absl::Now(), absl::UTCTimeZone()), "\n");
   const absl::Status written =
-      WriteFile(path, lines, is_there ? WholeFile::Old::kReplaced : WholeFile::Old::kKept);
+      WriteFile(path, lines, is_there ? AtomicFile::Old::kReplaced : AtomicFile::Old::kStays);
   // Another store may have been faster.
   if (absl::IsAlreadyExists(written)) return CheckOwnsBackupFolder(backups, store_id);
   return written;

@@ -31,14 +31,14 @@ absl::StatusOr<std::vector<SummedFile>> ReadBackupSums(const std::string& folder
   uint64_t count = 0;
   bool has_count = false;
   for (std::string line; std::getline(meta, line);) {
-    const std::vector<absl::string_view> words = absl::StrSplit(line, ' ');
+    const std::vector<absl::string_view> fields = absl::StrSplit(line, ' ');
     SummedFile file;
-    if (words.size() == 3 && words[1] == "crc32" && absl::SimpleAtoi(words[2], &file.checksum)) {
-      file.name = std::string(words[0]);
+    if (fields.size() == 3 && fields[1] == "crc32" && absl::SimpleAtoi(fields[2], &file.checksum)) {
+      file.name = std::string(fields[0]);
       files.push_back(std::move(file));
-    } else if (words.size() == 1) {
+    } else if (fields.size() == 1) {
       // The last number before the files is theirs.
-      has_count = absl::SimpleAtoi(words[0], &count);
+      has_count = absl::SimpleAtoi(fields[0], &count);
     }
   }
   if (has_count && !files.empty() && count == files.size()) return files;

@@ -69,7 +69,7 @@ void CheckListOfFiles(const std::string& folder, const ReadPace& goes_on, FilesC
 }
 
 // RocksDB writes what it is opened with; nothing reads it again.
-bool IsWholeOptions(const std::string& path) {
+bool IsIntactOptions(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   const std::string text((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
   const bool is_text = std::all_of(text.begin(), text.end(),
@@ -81,7 +81,7 @@ bool IsWholeOptions(const std::string& path) {
 void NoteWhatLosesNothing(const std::string& folder, FilesCheck& found) {
   const std::vector<std::string> options = ListFiles(folder, "OPTIONS-", "");
   for (const std::string& name : options) {
-    if (absl::EndsWith(name, ".dbtmp") || IsWholeOptions(PathIn(folder, name))) continue;
+    if (absl::EndsWith(name, ".dbtmp") || IsIntactOptions(PathIn(folder, name))) continue;
     found.notes.push_back(absl::StrCat(PathIn(folder, name),
                                        " is damaged; nothing needs it, and the next start writes "
                                        "another one"));
@@ -164,14 +164,14 @@ FilesCheck CheckClosedFiles(const std::string& folder, const ReadPace& goes_on) 
 
 absl::Status NameDamagedFiles(const std::string& folder, const absl::Status& error) {
   if (!absl::IsDataLoss(error)) return error;
-  std::string words(error.message());
+  std::string text(error.message());
   const FilesCheck found = CheckClosedFiles(folder);
   for (const std::vector<std::string>* files : {&found.damaged, &found.torn}) {
     for (const std::string& file : *files) {
-      if (!absl::StrContains(words, file)) absl::StrAppend(&words, "; ", file);
+      if (!absl::StrContains(text, file)) absl::StrAppend(&text, "; ", file);
     }
   }
-  return absl::DataLossError(words);
+  return absl::DataLossError(text);
 }
 
 absl::Status CheckLiveFiles(rocksdb::DB& db, const ReadPace& goes_on) {

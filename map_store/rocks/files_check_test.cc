@@ -78,7 +78,7 @@ TEST_F(FilesCheckTest, WholeFilesAreFoundWhole) {
   const auto log = CheckLogFile(Find(".log").string());
   ASSERT_TRUE(log.ok()) << log.status();
   EXPECT_EQ(log->problem, "");
-  EXPECT_EQ(log->whole_bytes, fs::file_size(Find(".log")));
+  EXPECT_EQ(log->intact_bytes, fs::file_size(Find(".log")));
   EXPECT_EQ(log->last_sequence, db_->GetLatestSequenceNumber());
   EXPECT_EQ(CheckLogFile(Find("MANIFEST").string())->problem, "");
   EXPECT_TRUE(CheckLiveFiles(*db_, All).ok()) << CheckLiveFiles(*db_, All);
@@ -102,7 +102,7 @@ TEST_F(FilesCheckTest, NoTurnedBitOfALogPasses) {
     ASSERT_TRUE(checked.ok()) << checked.status();
     // What is left of a block that has no room for a record says nothing.
     EXPECT_TRUE(!checked->problem.empty() || at % (32 << 10) > (32 << 10) - 8) << at;
-    EXPECT_LE(checked->whole_bytes, size);
+    EXPECT_LE(checked->intact_bytes, size);
     Flip(log, at);
   }
 }
@@ -116,7 +116,7 @@ TEST_F(FilesCheckTest, ALogThatEndsEarlyMayBeTorn) {
     const auto checked = CheckLogFile(log.string());
     ASSERT_TRUE(checked.ok()) << checked.status();
     EXPECT_TRUE(checked->problem.empty() || checked->may_be_torn) << checked->problem;
-    EXPECT_EQ(checked->problem.empty(), checked->whole_bytes == fs::file_size(log));
+    EXPECT_EQ(checked->problem.empty(), checked->intact_bytes == fs::file_size(log));
   }
   EXPECT_THAT(Closed().damaged, IsEmpty());
 }

@@ -85,13 +85,13 @@ std::string JournalFolder::PathOf(absl::string_view mission, absl::string_view u
   return absl::StrCat(path_, "/", mission, use);
 }
 
-absl::StatusOr<std::vector<std::string>> JournalFolder::ListKept() const {
+absl::StatusOr<std::vector<std::string>> JournalFolder::ListInUse() const {
   std::vector<std::string> missions;
   std::error_code error;
   for (fs::directory_iterator it(path_, error), end; !error && it != end; it.increment(error)) {
     const std::string name = it->path().filename().string();
     absl::string_view mission = name;
-    if (absl::ConsumeSuffix(&mission, kKept)) missions.emplace_back(mission);
+    if (absl::ConsumeSuffix(&mission, kInUse)) missions.emplace_back(mission);
   }
   if (error) return Failed(path_, "can't be read", error);
   std::sort(missions.begin(), missions.end());

@@ -14,7 +14,7 @@ namespace corbslam::map_store {
 
 // What a mission's folder is for, by the end of its name. Only kept ones are missions: the others
 // are what a deletion or a creation has left that was cut short.
-inline constexpr char kKept[] = ".mission";
+inline constexpr char kInUse[] = ".mission";
 inline constexpr char kDeleted[] = ".deleted";
 inline constexpr char kBeingMade[] = ".making";
 
@@ -29,9 +29,9 @@ class JournalFolder {
   // Makes the folder, where it is not there yet, so that it outlives a power cut.
   absl::Status Make() const;
 
-  std::string PathOf(absl::string_view mission, absl::string_view use = kKept) const;
+  std::string PathOf(absl::string_view mission, absl::string_view use = kInUse) const;
   // Returns the missions that are kept, in the order of their names.
-  absl::StatusOr<std::vector<std::string>> ListKept() const;
+  absl::StatusOr<std::vector<std::string>> ListInUse() const;
   // Changes what the mission's folder is for; that lasts when the function returns.
   absl::Status Turn(absl::string_view mission, absl::string_view from, absl::string_view to) const;
   // Removes a mission's folder of that use, if there is one, with all that is in it.

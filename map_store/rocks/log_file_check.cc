@@ -61,14 +61,14 @@ class LogReader {
         return Stop(at, "a fragment that fits no record", false);
       }
       at += header + length;
-      if (!in_record_) check_.whole_bytes = begin_ + at;
+      if (!in_record_) check_.intact_bytes = begin_ + at;
     }
     if (is_last && in_record_) return Stop(block.size(), "the file ends within it", true);
-    const bool is_whole_block = block.size() == kBlockBytes;
-    if (is_last && !is_whole_block && at < block.size()) {
+    const bool is_full_block = block.size() == kBlockBytes;
+    if (is_last && !is_full_block && at < block.size()) {
       return Stop(at, "the file ends within it", true);
     }
-    if (!in_record_) check_.whole_bytes = begin_ + block.size();
+    if (!in_record_) check_.intact_bytes = begin_ + block.size();
     begin_ += block.size();
     return true;
   }
@@ -76,7 +76,7 @@ class LogReader {
 
  private:
   bool Stop(uint64_t at, const char* why, bool may_be_torn) {
-    check_.problem = absl::StrCat("the record at ", check_.whole_bytes, " is none: at ",
+    check_.problem = absl::StrCat("the record at ", check_.intact_bytes, " is none: at ",
                                   begin_ + at, " is ", why);
     check_.may_be_torn = may_be_torn;
     return false;

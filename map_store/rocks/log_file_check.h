@@ -13,14 +13,14 @@
 namespace corbslam::map_store {
 
 struct LogFileCheck {
-  uint64_t bytes = 0;        // That were looked at.
-  uint64_t whole_bytes = 0;  // Of records that are whole, from the beginning on.
-  // Why the next record is none; empty: nothing follows the whole ones.
+  uint64_t bytes = 0;         // That were looked at.
+  uint64_t intact_bytes = 0;  // Of intact records, from the beginning on.
+  // Why the next record is none; empty: nothing follows the intact ones.
   std::string problem;
   // The rest may be what a power cut or a kill leaves of a record that nobody was told of; else
   // something was there that has changed.
   bool may_be_torn = false;
-  // Of a write-ahead log: the sequence number of the last write in whole records; 0: none.
+  // Of a write-ahead log: the sequence number of the last write in intact records; 0: none.
   uint64_t last_sequence = 0;
 };
 

@@ -16,9 +16,9 @@ namespace corbslam::map_store {
 absl::StatusOr<uint32_t> CheckFormat(std::string_view bytes, std::string_view written_by = "");
 std::string EncodeFormat();
 
-// The position in the header of a mission that is being created: the part of it that is there is
-// not whole.
-inline constexpr uint64_t kNotWhole = ~uint64_t{0};
+// The position in the header of a mission that is being created: not all of it is
+// there yet.
+inline constexpr uint64_t kIncomplete = ~uint64_t{0};
 
 struct MissionHeader {
   uint64_t snapshot_position = 0;  // 0: there is none.

@@ -209,7 +209,7 @@ absl::Status MissionJournal::WriteSnapshot(const JournalSnapshot& snapshot) {
 
 absl::Status MissionJournal::Create(const MissionState& state) {
   rocksdb::WriteBatch mark;
-  mark.Put(MissionKey(name_), Encode(MissionHeader{kNotWhole, 0}));
+  mark.Put(MissionKey(name_), Encode(MissionHeader{kIncomplete, 0}));
   RETURN_IF_ERROR(ToStatus(database_->Write(mark, false)));
   const Position position = NextPosition();
   RETURN_IF_ERROR(WriteFeatures(state, position));

@@ -56,7 +56,7 @@ absl::Status MissionJournal::LoadRecordsOnly() {
   RETURN_IF_ERROR(ToReadStatus(found));
   const absl::StatusOr<MissionHeader> header = DecodeHeader(bytes);
   RETURN_IF_ERROR(Note(WithPlace(header.status(), place)));
-  if (header->snapshot_position == kNotWhole) {
+  if (header->snapshot_position == kIncomplete) {
     return absl::NotFoundError(place + ": it was not whole yet");
   }
   {

@@ -14,8 +14,8 @@
 #include "absl/strings/str_split.h"
 #include "map_store/rocks/journal_folder.h"
 #include "map_store/state/mission_uid.h"
+#include "slam/util/atomic_file.h"
 #include "slam/util/status_macros.h"
-#include "slam/util/whole_file.h"
 
 namespace corbslam::map_store {
 namespace {
@@ -79,8 +79,8 @@ void ShortenMissionList(const std::string& folder, MissionList list) {
   if (ReadWholeList(folder, list).size() < 2 * Journal::kMaxListed) return;
   std::string lines;
   for (const MissionIdentity& mission : ReadMissionList(folder, list)) lines += LineOf(mission);
-  absl::StatusOr<WholeFile> file =
-      WholeFile::Create(PathOf(folder, list), WholeFile::Old::kReplaced);
+  absl::StatusOr<AtomicFile> file =
+      AtomicFile::Create(PathOf(folder, list), AtomicFile::Old::kReplaced);
   if (file.ok() && file->Append(lines).ok()) file->Finish().IgnoreError();
 }
 

@@ -60,14 +60,14 @@ class RocksFormatsTest : public testing::RocksStoreTest {
     Swap(options_.directory, FormatKey(), Bytes(format));
     Swap(MissionFolder(options_.directory), FormatKey(), Bytes(format));
   }
-  // Expects that a start and a check refuse the folder with such words, and change no format.
+  // Expects that a start and a check refuse the folder with such a message, and change no format.
   template <typename Matcher>
-  void ExpectRefused(uint32_t format, const Matcher& words) {
+  void ExpectRefused(uint32_t format, const Matcher& message) {
     const absl::Status started = TryOpen(options_).status();
     const absl::Status checked = CheckJournal(options_.directory, [](const CheckedMission&) {});
     for (const absl::Status& refused : {started, checked}) {
       EXPECT_TRUE(absl::IsFailedPrecondition(refused)) << refused;
-      EXPECT_THAT(std::string(refused.message()), words);
+      EXPECT_THAT(std::string(refused.message()), message);
       EXPECT_THAT(std::string(refused.message()), HasSubstr(options_.directory));
     }
     EXPECT_EQ(Swap(options_.directory, FormatKey(), Bytes(format)), Bytes(format));

@@ -180,7 +180,7 @@ absl::Status RocksJournal::DeleteMission(absl::string_view mission) {
   // Nothing may write into the folder any more.
   if (found.ok()) (*found)->Close();
   RETURN_IF_ERROR(folder_.Remove(mission, kDeleted));
-  RETURN_IF_ERROR(folder_.Turn(mission, kKept, kDeleted));
+  RETURN_IF_ERROR(folder_.Turn(mission, kInUse, kDeleted));
   {
     absl::MutexLock lock(&mutex_);
     missions_.erase(std::string(mission));

@@ -191,7 +191,7 @@ absl::Status RocksJournal::WriteGuard() {
 
 absl::Status RocksJournal::LoadMissions() {
   if (!options_.only_read) RETURN_IF_ERROR(folder_.RemoveLeftovers());
-  ASSIGN_OR_RETURN(const std::vector<std::string> names, folder_.ListKept());
+  ASSIGN_OR_RETURN(const std::vector<std::string> names, folder_.ListInUse());
   for (const std::string& name : names) {
     // What only reads is there to find damage.
     const absl::Status aside = options_.only_read ? absl::NotFoundError("not asked for")
@@ -215,7 +215,7 @@ absl::Status RocksJournal::LoadMission(const std::string& name) {
     if (absl::IsNotFound(loaded)) {
       LOG(WARNING) << "mission " << name << " goes, its making was cut short: " << loaded;
       opened->reset();
-      RETURN_IF_ERROR(folder_.Turn(name, kKept, kDeleted));
+      RETURN_IF_ERROR(folder_.Turn(name, kInUse, kDeleted));
       return folder_.Remove(name, kDeleted);
     }
     if (!loaded.ok()) opened = loaded;
@@ -252,7 +252,7 @@ absl::Status RocksJournal::MakeFolder(const std::string& name) const {
     MissionJournal begun(name, options_, std::move(database));
     RETURN_IF_ERROR(begun.Begin());
   }
-  return folder_.Turn(name, kBeingMade, kKept);
+  return folder_.Turn(name, kBeingMade, kInUse);
 }
 
 absl::StatusOr<RocksJournal::MissionPtr> RocksJournal::MakeMission(absl::string_view mission) {

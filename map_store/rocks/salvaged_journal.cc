@@ -116,7 +116,7 @@ absl::StatusOr<Journal::Position> SalvagedJournal::FindSnapshot() const {
   std::string bytes;
   if (database_->Get(MissionKey(mission()), &bytes).ok()) {
     const absl::StatusOr<MissionHeader> header = DecodeHeader(bytes);
-    if (header.ok() && header->snapshot_position == kNotWhole) {
+    if (header.ok() && header->snapshot_position == kIncomplete) {
       return absl::NotFoundError(
           absl::StrCat("mission ", mission(), " was never whole: its making was cut short"));
     }

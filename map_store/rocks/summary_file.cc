@@ -8,9 +8,9 @@
 
 #include "absl/strings/str_cat.h"
 #include "map_store/archive/archive.h"
+#include "slam/util/atomic_file.h"
 #include "slam/util/checksum.h"
 #include "slam/util/status_macros.h"
-#include "slam/util/whole_file.h"
 
 namespace corbslam::map_store {
 namespace {
@@ -48,8 +48,8 @@ absl::Status WriteSummaryFile(const std::string& folder, absl::string_view summa
   std::string bytes = writer.Take();
   ArchiveWriter sum;
   sum(ExtendCrc32c(0, bytes));
-  ASSIGN_OR_RETURN(WholeFile file,
-                   WholeFile::Create(PathOfSummary(folder), WholeFile::Old::kReplaced));
+  ASSIGN_OR_RETURN(AtomicFile file,
+                   AtomicFile::Create(PathOfSummary(folder), AtomicFile::Old::kReplaced));
   RETURN_IF_ERROR(file.Append(bytes));
   RETURN_IF_ERROR(file.Append(sum.Take()));
   return file.Finish();

@@ -8,7 +8,7 @@
 namespace corbslam::map_store {
 namespace {
 
-constexpr size_t kLookedAt = 8;
+constexpr size_t kSampled = 8;
 
 uint64_t BytesOf(const std::shared_ptr<const Sights>& sights) {
   // The list, its entries, and the count of its users.
@@ -18,14 +18,14 @@ uint64_t BytesOf(const std::shared_ptr<const Sights>& sights) {
 }
 
 uint64_t BytesOfSights(const std::map<KeyframeId, SentKeyframe>& keyframes) {
-  uint64_t looked_at = 0;
+  uint64_t sampled = 0;
   uint64_t bytes = 0;
   for (const auto& [id, sent] : keyframes) {
-    if (looked_at == kLookedAt) break;
-    ++looked_at;
+    if (sampled == kSampled) break;
+    ++sampled;
     bytes += BytesOf(sent.sights);
   }
-  return looked_at == 0 ? 0 : keyframes.size() * bytes / looked_at;
+  return sampled == 0 ? 0 : keyframes.size() * bytes / sampled;
 }
 
 uint64_t BytesOf(const ShareNews& news) {

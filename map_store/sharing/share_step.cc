@@ -74,10 +74,10 @@ class Budget {
   bool complete_ = true;
 };
 
-// The looks of a piece, after which writers have their turn: 2 to 4 ms.
-constexpr size_t kLooksInAPiece = 4000;
-constexpr size_t kLooksOfSights = 25;
-constexpr size_t kLooksOfNewKeyframe = 200;
+// The steps of a piece, after which writers have their turn: 2 to 4 ms.
+constexpr size_t kStepsInAPiece = 4000;
+constexpr size_t kStepsOfSights = 25;
+constexpr size_t kStepsOfNewKeyframe = 200;
 
 // Goes through what may be news, compares it with what was sent, and sends what is new.
 class ShareStep {
@@ -91,7 +91,7 @@ class ShareStep {
         budget_(byte_budget),
         share_(share),
         news_(share.news),
-        looks_(read, kLooksInAPiece),
+        steps_(read, kStepsInAPiece),
         poses_(state, all_placed_),
         reach_(state, poses_, share) {}
 
@@ -116,11 +116,11 @@ class ShareStep {
 
  private:
   // The caller calls this between two items. Returns false if what comes next is another update's.
-  bool GoesOn(size_t looks) {
+  bool GoesOn(size_t steps) {
     if (!budget_.complete()) return false;
     const uint64_t version = state_.version;
     // Places of two revisions in one update would not fit together.
-    if (!looks_.Look(looks).ok() || state_.global.revision != update_.revision) {
+    if (!steps_.Advance(steps).ok() || state_.global.revision != update_.revision) {
       budget_.End();
       return false;
     }
@@ -315,7 +315,7 @@ class ShareStep {
 
   void TakeSights() {
     for (auto it = news_.sights.begin(); it != news_.sights.end();) {
-      if (!GoesOn(kLooksOfSights)) return;
+      if (!GoesOn(kStepsOfSights)) return;
       const auto sent = share_.keyframes.find(*it);
       const Keyframe* keyframe = state_.FindKeyframe(*it);
       if (sent != share_.keyframes.end() && keyframe != nullptr) {
@@ -353,7 +353,7 @@ class ShareStep {
     if (!CountOwnLandmarks()) return;
     for (const KeyframeId& id : OrderNewKeyframes(state_, new_keyframes_, poses_, share_)) {
       if (share_.keyframes.size() >= options_.max_shared_keyframes) return;
-      if (!GoesOn(kLooksOfNewKeyframe)) return;
+      if (!GoesOn(kStepsOfNewKeyframe)) return;
       // The owner may have removed it meanwhile, which is news of its own.
       const Keyframe* keyframe = state_.FindKeyframe(id);
       if (keyframe == nullptr || !IsShared(id)) continue;
@@ -368,7 +368,7 @@ class ShareStep {
   bool CountOwnLandmarks() {
     OwnLandmarkCount count(state_, new_keyframes_, share_);
     while (count.Next()) {
-      if (!GoesOn(kLooksOfSights)) return false;
+      if (!GoesOn(kStepsOfSights)) return false;
     }
     return true;
   }
@@ -427,7 +427,7 @@ class ShareStep {
   Budget budget_;
   ShareState& share_;
   ShareNews& news_;
-  LooksInPieces looks_;
+  StepsInPieces steps_;
   const Unplaced all_placed_;
   PoseCache poses_;
   ShareReach reach_;

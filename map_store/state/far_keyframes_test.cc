@@ -61,9 +61,9 @@ TEST(FarKeyframesTest, FindAllThatAreWithinReachByFewLooks) {
   FarKeyframes far;
   std::set<KeyframeId> reached;
   Eigen::Vector3d robot(0, 0, 0);
-  size_t looks = 0;
-  const auto look = [&](KeyframeId id) {
-    ++looks;
+  size_t visited = 0;
+  const auto visit = [&](KeyframeId id) {
+    ++visited;
     const double distance_m = (places[id.index] - robot).norm();
     if (distance_m <= kReach_m) {
       reached.insert(id);
@@ -72,14 +72,14 @@ TEST(FarKeyframesTest, FindAllThatAreWithinReachByFewLooks) {
     }
   };
   far.MoveTo(robot);
-  for (uint32_t i = 0; i < places.size(); ++i) look(Kf(i));
+  for (uint32_t i = 0; i < places.size(); ++i) visit(Kf(i));
   double heading = 0;
   constexpr size_t kSteps = 300;
   for (size_t step = 0; step < kSteps; ++step) {
     heading += turn(random);
     robot += 0.5 * Eigen::Vector3d(std::cos(heading), std::sin(heading), 0);
     far.MoveTo(robot);
-    for (const KeyframeId id : far.TakeDue()) look(id);
+    for (const KeyframeId id : far.TakeDue()) visit(id);
     for (uint32_t i = 0; i < places.size(); ++i) {
       if ((places[i] - robot).norm() > kReach_m) continue;
       EXPECT_TRUE(reached.contains(Kf(i))) << step << " " << i;
@@ -87,7 +87,7 @@ TEST(FarKeyframesTest, FindAllThatAreWithinReachByFewLooks) {
   }
   EXPECT_EQ(reached.size() + far.size(), places.size());
   EXPECT_GT(reached.size(), 30u);
-  EXPECT_LT(looks - places.size(), kSteps * places.size() / 50);
+  EXPECT_LT(visited - places.size(), kSteps * places.size() / 50);
 }
 
 }  // namespace

@@ -117,7 +117,7 @@ std::vector<uint32_t> Waiting(const QueryQueue& queue, LocalMapId local_map) {
   return indices;
 }
 
-// A worker that is short of time costs look-ups next to others, not a queue without end.
+// A worker that is short of time costs queries next to others, not a queue without end.
 TEST(QueryQueueTest, OfALocalMapSoManyWaitAtMost) {
   constexpr uint32_t kPushed = 10 * QueryQueue::kMostOfLocalMap;
   QueryQueue queue;

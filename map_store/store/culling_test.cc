@@ -7,7 +7,7 @@
 
 #include "map_store/store/map_store.h"
 #include "map_store/testing/byte_journal.h"
-#include "map_store/testing/recover_whole.h"
+#include "map_store/testing/recover_undamaged.h"
 #include "map_store/testing/shared_world.h"
 #include "map_store/testing/test_agent.h"
 #include "map_store/testing/truthful_worker.h"
@@ -114,7 +114,7 @@ TEST_F(CullingTest, NothingIsCulledThatWasNotInView) {
   ASSERT_FALSE(worker_.adjusted().empty());
   MapStore again(CullingOptions(), TheWorld().vocabulary, std::make_unique<ByteJournal>(bytes),
                  nullptr);
-  const absl::Status recovered = testing::RecoverWhole(again);
+  const absl::Status recovered = testing::RecoverUndamaged(again);
   EXPECT_TRUE(recovered.ok()) << recovered;
   EXPECT_EQ(again.GetStatistics(kMission)->revision, store.GetStatistics(kMission)->revision);
 }

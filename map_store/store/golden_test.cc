@@ -74,10 +74,10 @@ class GoldenTest : public ::testing::Test {
     std::string line;
     while (std::getline(file, line)) {
       if (line.empty() || line.front() == '#') continue;
-      std::istringstream words(line);
+      std::istringstream fields(line);
       std::string time;
       Eigen::Vector3d place;
-      ASSERT_TRUE(words >> time >> place.x() >> place.y() >> place.z()) << line;
+      ASSERT_TRUE(fields >> time >> place.x() >> place.y() >> place.z()) << line;
       ASSERT_LT(frames, read->front().poses.size()) << line;
       const StoredPose& pose = read->front().poses[frames++];
       EXPECT_LT((pose.frame_from_camera.translation - place).norm(), kSamePlace_m) << line;
@@ -98,11 +98,11 @@ TEST_F(GoldenTest, WhatWasWrittenIsRead) {
   while (std::getline(expected, line)) {
     if (line.empty() || line.front() == '#') continue;
     SCOPED_TRACE(line);
-    std::istringstream words(line);
+    std::istringstream fields(line);
     std::string name;
     size_t keyframes = 0;
     size_t points = 0;
-    ASSERT_TRUE(words >> name >> keyframes >> points);
+    ASSERT_TRUE(fields >> name >> keyframes >> points);
     store_.reset();
     if (fs::is_directory(golden / name)) {
       ReadJournal(golden / name);
@@ -127,10 +127,10 @@ TEST_F(GoldenTest, AnUpgradeLeavesWhatCheckAndRepairRead) {
   std::string line;
   int upgraded = 0;
   while (std::getline(expected, line)) {
-    std::istringstream words(line);
+    std::istringstream fields(line);
     std::string name;
     size_t keyframes = 0;
-    if (!(words >> name >> keyframes) || !fs::is_directory(golden / name)) continue;
+    if (!(fields >> name >> keyframes) || !fs::is_directory(golden / name)) continue;
     SCOPED_TRACE(line);
     const fs::path copy = folder_ / (name + "_upgraded");
     fs::copy(golden / name, copy, fs::copy_options::recursive);

@@ -12,7 +12,7 @@
 #include "map_store/testing/byte_journal.h"
 #include "map_store/testing/map_mirror.h"
 #include "map_store/testing/one_robots_store.h"
-#include "map_store/testing/recover_whole.h"
+#include "map_store/testing/recover_undamaged.h"
 #include "map_store/testing/store_dump.h"
 #include "map_store/view/map_watcher.h"
 
@@ -36,7 +36,7 @@ void ForEachRestart(OneRobotsStore& joined, const std::function<void(MapStore&)>
     }
     MapStore again(OneRobotsStore::Options(true), TheWorld().vocabulary,
                    std::make_unique<ByteJournal>(joined.bytes()), nullptr);
-    const absl::Status recovered = testing::RecoverWhole(again);
+    const absl::Status recovered = testing::RecoverUndamaged(again);
     ASSERT_TRUE(recovered.ok()) << recovered;
     check(again);
   }
@@ -72,8 +72,8 @@ void Follow(const MapStore& store, MapWatcher watcher, testing::MapMirror& mirro
   while (const auto changes = *store.NextChanges("m", 1000, watcher)) mirror.Apply(*changes);
 }
 
-// Who comes back knows only up to which version it was told. Islands that it saw may have become
-// one, and their local maps parts of others, meanwhile.
+// A robot that comes back knows only up to which version it was told. Islands that it saw may have
+// become one, and their local maps parts of others, meanwhile.
 TEST(JoiningTest, WhoComesBackIsToldWhichIslandsAreNoMore) {
   OneRobotsStore joined(true);
   joined.Drive(0);
@@ -232,7 +232,7 @@ TEST_F(JoinedAtOnceTest, ARestartGivesTheSame) {
     }
     MapStore again(Options(), TheWorld().vocabulary, std::make_unique<ByteJournal>(joined_.bytes()),
                    nullptr);
-    const absl::Status recovered = testing::RecoverWhole(again);
+    const absl::Status recovered = testing::RecoverUndamaged(again);
     ASSERT_TRUE(recovered.ok()) << recovered;
     EXPECT_EQ(testing::FirstDifference(testing::DumpGlobal("m", again),
                                        testing::DumpGlobal("m", joined_.store())),
@@ -260,7 +260,7 @@ TEST(JoiningTest, SessionsAreDeletedForGood) {
   EXPECT_FALSE(joined.store().GetKeyframe("m", {{2}, 3}).ok());
   MapStore again(OneRobotsStore::Options(true), TheWorld().vocabulary,
                  std::make_unique<ByteJournal>(joined.bytes()), nullptr);
-  const absl::Status recovered = testing::RecoverWhole(again);
+  const absl::Status recovered = testing::RecoverUndamaged(again);
   ASSERT_TRUE(recovered.ok()) << recovered;
   EXPECT_EQ(testing::FirstDifference(testing::DumpLocal("m", again),
                                      testing::DumpLocal("m", joined.store())),

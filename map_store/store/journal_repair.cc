@@ -15,8 +15,8 @@
 #include "map_store/mission/mission_strand.h"
 #include "map_store/rocks/folder_lock.h"
 #include "map_store/rocks/journal_folder.h"
+#include "slam/util/atomic_file.h"
 #include "slam/util/status_macros.h"
-#include "slam/util/whole_file.h"
 
 namespace corbslam::map_store {
 namespace {
@@ -97,7 +97,7 @@ absl::StatusOr<uint64_t> WriteBackup(const MissionState& state, const std::strin
   MissionBackup backup(state);
   // What can't be read back is no backup.
   MissionRestorer again(std::numeric_limits<uint64_t>::max());
-  ASSIGN_OR_RETURN(WholeFile file, WholeFile::Create(path));
+  ASSIGN_OR_RETURN(AtomicFile file, AtomicFile::Create(path));
   uint64_t bytes = 0;
   for (std::string piece = backup.Next(kRepairedPieceBytes); !piece.empty();
        piece = backup.Next(kRepairedPieceBytes)) {

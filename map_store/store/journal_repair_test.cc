@@ -207,8 +207,8 @@ class Complaints : public google::LogSink {
   ~Complaints() override { google::RemoveLogSink(this); }
   void send(google::LogSeverity, const char*, const char*, int, const google::LogMessageTime&,
             const char* message, size_t length) override {
-    const std::string words(message, length);
-    if (words.starts_with("rocksdb")) said.push_back(words);
+    const std::string text(message, length);
+    if (text.starts_with("rocksdb")) said.push_back(text);
   }
   std::vector<std::string> said;
 };

@@ -6,7 +6,7 @@
 
 #include "map_store/store/map_store.h"
 #include "map_store/testing/one_robots_store.h"
-#include "map_store/testing/recover_whole.h"
+#include "map_store/testing/recover_undamaged.h"
 #include "map_store/testing/shared_world.h"
 #include "map_store/testing/test_agent.h"
 #include "map_store/testing/truthful_worker.h"
@@ -233,7 +233,7 @@ TEST(LocalizeInJoinedTest, FindsPlacesOfEachPart) {
   LocatingWorker worker;
   MapStore store(testing::OneRobotsStore::Options(true), testing::TheWorld().vocabulary,
                  std::make_unique<testing::ByteJournal>(robot.bytes()), &worker);
-  ASSERT_TRUE(testing::RecoverWhole(store).ok());
+  ASSERT_TRUE(testing::RecoverUndamaged(store).ok());
   for (const size_t session : {0, 1, 2}) {
     const SyntheticMap& drive = robot.drives()[session];
     const KeyframeId id = std::next(drive.map.keyframes().begin(), 4)->first;

@@ -18,7 +18,7 @@
 #include "map_store/process/snapshot_keeper.h"
 #include "map_store/records/restored_state.h"
 #include "map_store/state/mission_uid.h"
-#include "map_store/view/damage_words.h"
+#include "map_store/view/damage_text.h"
 #include "slam/exchange/session_end.h"
 #include "slam/util/memory_returner.h"
 #include "slam/util/resident_memory.h"

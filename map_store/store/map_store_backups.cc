@@ -8,7 +8,7 @@
 #include "map_store/process/mission.h"
 #include "map_store/process/mission_directory.h"
 #include "map_store/store/map_store.h"
-#include "map_store/view/damage_words.h"
+#include "map_store/view/damage_text.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::map_store {
@@ -19,7 +19,7 @@ absl::Status MapStore::CheckRoomToRestore(const std::string& name, uint64_t byte
     return absl::ResourceExhaustedError(
         absl::StrCat("the backup has ", bytes, " bytes; the limit is ", options_.max_backup_bytes));
   }
-  if (const auto known = directory_->Look(name); known.ok()) {
+  if (const auto known = directory_->Peek(name); known.ok()) {
     if (!known->damage.ok()) return absl::DataLossError(SayDamage(name, known->damage));
     return absl::AlreadyExistsError(absl::StrCat("there is a mission ", name, " already"));
   }

@@ -4,7 +4,7 @@
 #include "map_store/process/mission.h"
 #include "map_store/process/mission_directory.h"
 #include "map_store/store/map_store.h"
-#include "map_store/view/damage_words.h"
+#include "map_store/view/damage_text.h"
 
 namespace corbslam::map_store {
 namespace {

@@ -36,13 +36,13 @@ DepartedMissions::Processes ProcessesOf(const Mission& mission) {
 
 absl::Status MapStore::CheckNotDeparted(const SessionRequest& request) const {
   std::optional<std::string> present;
-  if (const auto known = directory_->Look(request.mission); known.ok()) present = UidOf(*known);
+  if (const auto known = directory_->Peek(request.mission); known.ok()) present = UidOf(*known);
   bool is_departed = false;
   if (request.mission_uid.empty()) {
     is_departed = departed_->HasProcess(request.mission, present.value_or(""), request.agent,
                                         request.instance);
   } else if (present.has_value()) {
-    // What can't be read has its own words.
+    // A mission that can't be read has its own error.
     is_departed = !present->empty() && *present != request.mission_uid;
   } else {
     // A mission of which nothing was written goes with its last robot, which may come back.
@@ -54,7 +54,7 @@ absl::Status MapStore::CheckNotDeparted(const SessionRequest& request) const {
 
 absl::Status MapStore::CheckUid(absl::string_view name, absl::string_view uid) const {
   if (uid.empty()) return absl::OkStatus();
-  ASSIGN_OR_RETURN(const KnownMission known, directory_->Look(name));
+  ASSIGN_OR_RETURN(const KnownMission known, directory_->Peek(name));
   const std::string present = UidOf(known);
   if (present == uid) return absl::OkStatus();
   return absl::FailedPreconditionError(
@@ -70,7 +70,7 @@ std::string MapStore::UidToBegin(const std::string& name) const {
 }
 
 void MapStore::NoteDeparture(absl::string_view name) {
-  const absl::StatusOr<KnownMission> known = directory_->Look(name);
+  const absl::StatusOr<KnownMission> known = directory_->Peek(name);
   if (!known.ok()) return;
   const MissionIdentity departed{known->name, UidOf(*known)};
   DepartedMissions::Processes processes;

@@ -20,7 +20,7 @@ bool MapStore::has_worker() const { return executor_->has_worker(); }
 std::optional<WorkerOutage> MapStore::worker_outage() const { return executor_->worker_outage(); }
 
 absl::StatusOr<MissionInfo> MapStore::GetMission(absl::string_view mission_name) const {
-  ASSIGN_OR_RETURN(const KnownMission known, directory_->Look(mission_name));
+  ASSIGN_OR_RETURN(const KnownMission known, directory_->Peek(mission_name));
   return Describe(known);
 }
 

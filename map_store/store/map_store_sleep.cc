@@ -15,7 +15,7 @@
 #include "map_store/process/mission_evictor.h"
 #include "map_store/process/mission_loader.h"
 #include "map_store/store/map_store.h"
-#include "map_store/view/damage_words.h"
+#include "map_store/view/damage_text.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::map_store {

@@ -9,7 +9,7 @@
 #include "map_store/store/map_store.h"
 #include "map_store/testing/name_lists.h"
 #include "map_store/testing/one_robots_store.h"
-#include "map_store/testing/recover_whole.h"
+#include "map_store/testing/recover_undamaged.h"
 #include "map_store/testing/two_robots.h"
 
 namespace corbslam::map_store {
@@ -264,7 +264,7 @@ TEST_F(SessionPagesTest, AfterARestartListsGoOn) {
     auto store = std::make_unique<MapStore>(
         testing::OneRobotsStore::Options(true), testing::TheWorld().vocabulary,
         std::make_unique<testing::ByteJournal>(robot_.bytes()), nullptr);
-    EXPECT_TRUE(testing::RecoverWhole(*store).ok());
+    EXPECT_TRUE(testing::RecoverUndamaged(*store).ok());
     return store;
   };
   auto store = restarted();

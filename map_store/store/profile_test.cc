@@ -14,7 +14,7 @@
 #include "map_store/store/map_store.h"
 #include "map_store/testing/blank_batch.h"
 #include "map_store/testing/byte_journal.h"
-#include "map_store/testing/recover_whole.h"
+#include "map_store/testing/recover_undamaged.h"
 
 namespace corbslam::map_store {
 namespace {
@@ -54,7 +54,7 @@ class ProfileTest : public ::testing::Test {
     store_ = std::make_unique<MapStore>(options_, nullptr, std::move(journal), nullptr,
                                         [this] { return now_; });
     if (!bytes_->records.empty() || !bytes_->snapshot.empty()) {
-      ASSERT_TRUE(testing::RecoverWhole(*store_).ok());
+      ASSERT_TRUE(testing::RecoverUndamaged(*store_).ok());
     }
   }
   MissionProfile Profile() { return store_->GetMission("m")->profile; }

@@ -19,7 +19,7 @@
 #include "map_store/archive/value_fields.h"
 #include "map_store/store/map_store.h"
 #include "map_store/testing/byte_journal.h"
-#include "map_store/testing/recover_whole.h"
+#include "map_store/testing/recover_undamaged.h"
 #include "map_store/testing/small_mission.h"
 #include "slam/coding/testing/plausible_features.h"
 
@@ -49,7 +49,7 @@ absl::StatusOr<std::unique_ptr<MapStore>> Open(const std::shared_ptr<JournalByte
   options.deterministic = true;
   auto store =
       std::make_unique<MapStore>(options, nullptr, std::make_unique<ByteJournal>(bytes), nullptr);
-  const absl::Status recovered = testing::RecoverWhole(*store);
+  const absl::Status recovered = testing::RecoverUndamaged(*store);
   if (!recovered.ok()) return recovered;
   return store;
 }
@@ -118,7 +118,7 @@ TEST(RecoveryTest, WhatWaitedTooLongStaysGone) {
   const auto bytes = Write({testing::MakeSmallMission()[0]});
   const auto store = std::make_unique<MapStore>(
       options, nullptr, std::make_unique<ByteJournal>(bytes), nullptr, [&now] { return now; });
-  ASSERT_TRUE(testing::RecoverWhole(*store).ok());
+  ASSERT_TRUE(testing::RecoverUndamaged(*store).ok());
   const auto send = [&](const MapUpdateBatch& batch) {
     const auto opened = store->OpenSession({"m", "a", 0, {kSmallMapA}});
     ASSERT_TRUE(opened.ok()) << opened.status();

@@ -16,7 +16,7 @@
 #include "map_store/store/map_store.h"
 #include "map_store/testing/byte_journal.h"
 #include "map_store/testing/drive_views.h"
-#include "map_store/testing/recover_whole.h"
+#include "map_store/testing/recover_undamaged.h"
 #include "map_store/testing/shared_world.h"
 #include "map_store/testing/store_dump.h"
 #include "map_store/testing/test_agent.h"
@@ -214,7 +214,7 @@ TEST(RetiringTest, AReplayComesToTheSame) {
     // Without a worker nothing more is let go of.
     MapStore again(RetiringOptions(), TheWorld().vocabulary,
                    std::make_unique<ByteJournal>(street.bytes()), nullptr);
-    const absl::Status recovered = testing::RecoverWhole(again);
+    const absl::Status recovered = testing::RecoverUndamaged(again);
     ASSERT_TRUE(recovered.ok()) << recovered;
     EXPECT_EQ(testing::FirstDifference(testing::DumpLocal(kMission, again), local), "");
     EXPECT_EQ(testing::FirstDifference(testing::DumpGlobal(kMission, again), global), "");
@@ -267,7 +267,7 @@ TEST(RetiringTest, OverlapsStillHoldSessionsTogether) {
   const std::string global = testing::DumpGlobal(kMission, street.store());
   MapStore again(RetiringOptions(), TheWorld().vocabulary,
                  std::make_unique<ByteJournal>(street.bytes()), nullptr);
-  const absl::Status recovered = testing::RecoverWhole(again);
+  const absl::Status recovered = testing::RecoverUndamaged(again);
   ASSERT_TRUE(recovered.ok()) << recovered;
   EXPECT_EQ(testing::FirstDifference(testing::DumpGlobal(kMission, again), global), "");
 }

@@ -23,9 +23,9 @@ class SleepRestartTest : public testing::SleepingStore {
   // Opens the store again and returns how many missions that reads.
   int OpenAgain() {
     store_.reset();
-    const int reads = counts_.whole_reads;
+    const int reads = counts_.reads_with_features;
     Open();
-    return counts_.whole_reads - reads;
+    return counts_.reads_with_features - reads;
   }
   fs::path Summary() const { return FolderOf() / kSummaryFile; }
 };
@@ -83,7 +83,7 @@ TEST_F(SleepRestartTest, ADamagedSummaryHasTheMissionRead) {
   EXPECT_EQ(OpenAgain(), 1);
 }
 
-// As a store would find it that was killed, or another program has used the folder.
+// The folder is as a store would find it that was killed, or after another program has used it.
 TEST_F(SleepRestartTest, AnOldSummaryIsNotBelieved) {
   Fill(kMission, map_a_);
   store_.reset();

@@ -16,7 +16,7 @@
 #include "map_store/testing/one_robots_store.h"
 #include "map_store/testing/sleeping_store.h"
 #include "map_store/testing/store_dump.h"
-#include "map_store/view/asleep_words.h"
+#include "map_store/view/asleep_error.h"
 
 namespace corbslam::map_store {
 namespace {
@@ -77,7 +77,7 @@ TEST_F(SleepTest, FallsAsleepWhenItsTimeHasComeAndWakesAsItWas) {
   EXPECT_EQ(store_->SleepUnused(), 0u);
   now_ += absl::Seconds(1);
   EXPECT_EQ(store_->SleepUnused(), 1u);
-  const int reads = counts_.whole_reads;
+  const int reads = counts_.reads_with_features;
   const MissionInfo asleep = *store_->GetMission(kMission);
   EXPECT_TRUE(asleep.asleep);
   EXPECT_FALSE(awake.asleep);
@@ -92,10 +92,10 @@ TEST_F(SleepTest, FallsAsleepWhenItsTimeHasComeAndWakesAsItWas) {
   EXPECT_EQ(store_->ListLoads()[0].keyframes, awake.keyframes);
   EXPECT_EQ(store_->ListLoads()[0].memory_bytes, 0u);
   EXPECT_EQ(store_->sleep().asleep, 1u);
-  EXPECT_EQ(counts_.whole_reads, reads) << "nothing of that reads the mission";
+  EXPECT_EQ(counts_.reads_with_features, reads) << "nothing of that reads the mission";
   EXPECT_EQ(FirstDifference(DumpLocal(kMission, *store_), local), "");
   EXPECT_EQ(FirstDifference(DumpGlobal(kMission, *store_), global), "");
-  EXPECT_EQ(counts_.whole_reads, reads + 1);
+  EXPECT_EQ(counts_.reads_with_features, reads + 1);
   EXPECT_EQ(store_->sleep().woken, 1u);
   EXPECT_FALSE(IsAsleep());
   EXPECT_EQ(store_->SleepUnused(), 0u) << "it was used a moment ago";
@@ -197,13 +197,13 @@ TEST_F(SleepTest, ManyCallersReadItOnce) {
   Open();
   Fill(kMission, map_a_);
   FallAsleep();
-  const int reads = counts_.whole_reads;
+  const int reads = counts_.reads_with_features;
   std::vector<std::thread> callers;
   for (int i = 0; i < 10; ++i) {
     callers.emplace_back([this] { EXPECT_EQ(store_->ListAgents(kMission, {})->items.size(), 1u); });
   }
   for (std::thread& caller : callers) caller.join();
-  EXPECT_EQ(counts_.whole_reads, reads + 1);
+  EXPECT_EQ(counts_.reads_with_features, reads + 1);
 }
 
 TEST_F(SleepTest, NobodyElseWaitsWhileOneIsRead) {
@@ -290,9 +290,9 @@ TEST_F(SleepTest, DamageIsFoundWhenItWakes) {
 TEST_F(SleepTest, IsDeletedWithoutBeingRead) {
   Fill(kMission, map_a_);
   FallAsleep();
-  const int reads = counts_.whole_reads;
+  const int reads = counts_.reads_with_features;
   EXPECT_TRUE(store_->DeleteMission(kMission).ok());
-  EXPECT_EQ(counts_.whole_reads, reads);
+  EXPECT_EQ(counts_.reads_with_features, reads);
   EXPECT_FALSE(fs::exists(FolderOf()));
   EXPECT_TRUE(absl::IsNotFound(store_->ListAgents(kMission, {}).status()));
   Fill(kMission, map_b_);
@@ -305,14 +305,14 @@ TEST_F(SleepTest, ItsRetentionPassesWithoutItsBeingRead) {
   values.retention_s = 36'000;
   ASSERT_TRUE(store_->UpdateMission(kMission, values, {ProfileField::kRetention}).ok());
   FallAsleep();
-  const int reads = counts_.whole_reads;
+  const int reads = counts_.reads_with_features;
   now_ += absl::Hours(11) - absl::Seconds(1);
   store_->TendMissions();
   EXPECT_TRUE(IsAsleep());
   now_ += absl::Seconds(1);
   store_->TendMissions();
   EXPECT_TRUE(absl::IsNotFound(store_->GetMission(kMission).status()));
-  EXPECT_EQ(counts_.whole_reads, reads);
+  EXPECT_EQ(counts_.reads_with_features, reads);
 }
 
 TEST_F(SleepTest, IsBackedUpAndRestored) {

@@ -20,7 +20,8 @@ std::string KeyOfBackup(const StoredBackup& backup) {
   return absl::StrFormat("%s/%010d", backup.mission, backup.number);
 }
 
-// What reads a backup's records: they decide nothing that words would.
+// A backup's records are read in this environment, without a vocabulary: they decide nothing any
+// more.
 MissionEnvironment ReadingEnvironment(const MapStoreOptions& options, Journal& journal,
                                       const MapStore::Clock& clock) {
   MissionEnvironment environment;

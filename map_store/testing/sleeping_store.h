@@ -22,10 +22,10 @@
 
 namespace corbslam::testing {
 
-// What passes through a CountingJournal; it outlives the journal.
+// Counts what passes through a CountingJournal; it outlives the journal.
 struct JournalCounts {
   std::atomic<int> snapshots = 0;
-  std::atomic<int> whole_reads = 0;  // With features, as a store reads a mission.
+  std::atomic<int> reads_with_features = 0;  // With features, as a store reads a mission.
   // Called, if not null, as such a reading begins.
   std::function<void(const std::string& mission)> on_read;
 };
@@ -42,7 +42,7 @@ class CountingJournal : public JournalWrapper {
   }
   absl::StatusOr<Position> Recover(absl::string_view mission, const Replay& replay) const override {
     if (replay.with_features) {
-      ++counts_.whole_reads;
+      ++counts_.reads_with_features;
       if (counts_.on_read != nullptr) counts_.on_read(std::string(mission));
     }
     return JournalWrapper::Recover(mission, replay);

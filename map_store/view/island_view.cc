@@ -11,12 +11,12 @@
 namespace corbslam::map_store {
 namespace {
 
-// The looks of a piece, after which writers have their turn: 2 to 4 ms. What 2,000 keypoints of a
+// The steps of a piece, after which writers have their turn: 2 to 4 ms. What 2,000 keypoints of a
 // keyframe see is an eighth of that.
-constexpr size_t kLooksInAPiece = 8000;
-constexpr size_t kLooksOfSights = 1000;
-constexpr size_t kLooksOfKeyframe = 12;
-constexpr size_t kLooksOfEdges = 8;
+constexpr size_t kStepsInAPiece = 8000;
+constexpr size_t kStepsOfSights = 1000;
+constexpr size_t kStepsOfKeyframe = 12;
+constexpr size_t kStepsOfEdges = 8;
 
 // Builds a Map of an island's keyframes and what they see.
 class ViewBuilder {
@@ -26,7 +26,7 @@ class ViewBuilder {
       : state_(state),
         unplaced_(unplaced),
         rejected_(rejected),
-        looks_(read, kLooksInAPiece),
+        steps_(read, kStepsInAPiece),
         poses_(state, unplaced),
         view_(covisibility) {}
 
@@ -44,7 +44,7 @@ class ViewBuilder {
   absl::Status AddEdges() {
     std::set<LocalMapId> local_maps;
     for (const KeyframeId& id : KeyframeIds()) {
-      RETURN_IF_ERROR(PauseAtTimes(kLooksOfEdges));
+      RETURN_IF_ERROR(PauseAtTimes(kStepsOfEdges));
       local_maps.insert(id.local_map);
       const Keyframe* from = state_.FindKeyframe(id);
       if (from == nullptr) continue;
@@ -63,7 +63,7 @@ class ViewBuilder {
   // Adds covisibility as owners counted it, under the same conditions as AddEdges.
   absl::Status AddOwnersCovisibility() {
     for (const KeyframeId& id : KeyframeIds()) {
-      RETURN_IF_ERROR(PauseAtTimes(kLooksOfEdges));
+      RETURN_IF_ERROR(PauseAtTimes(kStepsOfEdges));
       const Keyframe* from = state_.FindKeyframe(id);
       if (from == nullptr) continue;
       for (const auto& [other, weight] : from->covisible) {
@@ -127,10 +127,10 @@ class ViewBuilder {
     view_.AddPoint(std::move(point));
   }
 
-  // The caller calls this between two steps of `looks` each. Returns ABORTED as the read does.
-  absl::Status PauseAtTimes(size_t looks) {
+  // The caller calls this after so many steps. Returns ABORTED as the read does.
+  absl::Status PauseAtTimes(size_t steps) {
     const uint64_t version = state_.version;
-    RETURN_IF_ERROR(looks_.Look(looks));
+    RETURN_IF_ERROR(steps_.Advance(steps));
     // Owners may have moved, added or removed keyframes in the pause.
     if (state_.version != version) ForgetPoses();
     return absl::OkStatus();
@@ -180,7 +180,7 @@ class ViewBuilder {
   bool IsInView(KeyframeId id) const { return view_.FindKeyframe(id) != nullptr; }
 
   absl::Status AddSightsOf(KeyframeId id, bool only_known) {
-    RETURN_IF_ERROR(PauseAtTimes(kLooksOfSights));
+    RETURN_IF_ERROR(PauseAtTimes(kStepsOfSights));
     const LocalMapState& local_map = *state_.FindLocalMap(id.local_map);
     const Keyframe* from = local_map.map.FindKeyframe(id);
     // The owner removed it during a pause.
@@ -198,7 +198,7 @@ class ViewBuilder {
   const MissionState& state_;
   const Unplaced& unplaced_;
   const Rejected rejected_;
-  LooksInPieces looks_;
+  StepsInPieces steps_;
   PoseCache poses_;
   absl::flat_hash_map<KeyframeId, Similarity3d> motions_;
   Map view_;
@@ -230,7 +230,7 @@ absl::StatusOr<IslandSnapshot> BeginSnapshot(const MissionState& state, const Is
           culled == Culled::kLeaveOut && state.global.culled.contains(keyframe_id);
       if (!left_out) builder.AddKeyframe(local_map, keyframe);
       next = {keyframe_id.local_map, keyframe_id.index + 1};
-      RETURN_IF_ERROR(builder.PauseAtTimes(kLooksOfKeyframe));
+      RETURN_IF_ERROR(builder.PauseAtTimes(kStepsOfKeyframe));
     }
   }
   RETURN_IF_ERROR(builder.AddEdges());

@@ -14,7 +14,7 @@ namespace corbslam::map_store {
 namespace {
 
 // Frames that are looked at before a local map counts as one without any pose.
-constexpr size_t kMaxLooks = 100;
+constexpr size_t kMaxTries = 100;
 
 std::optional<Rigid3d> CameraFromIsland(const MissionState& state, const LocalMapState& local_map,
                                         const TrackedFrame& frame) {
@@ -55,8 +55,8 @@ std::optional<LastPose> FindIn(const MissionState& state, const Session& session
   const SessionFrames& frames = session.frames;
   if (frames.first == frames.end) return std::nullopt;
   const size_t newest = std::clamp(frames.newest_frame, frames.first, frames.end - 1);
-  for (size_t look = 0; look < kMaxLooks && look <= newest - frames.first; ++look) {
-    const TrackedFrame& frame = local_map.frames[newest - look];
+  for (size_t tries = 0; tries < kMaxTries && tries <= newest - frames.first; ++tries) {
+    const TrackedFrame& frame = local_map.frames[newest - tries];
     const auto pose = CameraFromIsland(state, local_map, frame);
     if (!pose.has_value()) continue;
     const IslandId island = state.global.island_of.at(local_map.id);

@@ -24,25 +24,25 @@ class UnbrokenRead : public LongRead {
   absl::Status Pause() override { return absl::OkStatus(); }
 };
 
-// Counts what a read looks at, and ends a piece after so many looks.
-class LooksInPieces {
+// Counts the items that a read looks at, a step each, and ends a piece after so many.
+class StepsInPieces {
  public:
   // The read is not owned and must outlive this.
-  LooksInPieces(LongRead& read, size_t looks_in_a_piece) : read_(read), limit_(looks_in_a_piece) {}
+  StepsInPieces(LongRead& read, size_t steps_in_a_piece) : read_(read), limit_(steps_in_a_piece) {}
 
-  // The caller calls this between two steps of `looks` each. Returns what Pause does where a piece
+  // Adds what the caller has looked at since the last call. Returns what Pause does where a piece
   // ends here.
-  absl::Status Look(size_t looks = 1) {
-    looks_ += looks;
-    if (looks_ < limit_) return absl::OkStatus();
-    looks_ = 0;
+  absl::Status Advance(size_t steps = 1) {
+    steps_ += steps;
+    if (steps_ < limit_) return absl::OkStatus();
+    steps_ = 0;
     return read_.Pause();
   }
 
  private:
   LongRead& read_;
   const size_t limit_;
-  size_t looks_ = 0;
+  size_t steps_ = 0;
 };
 
 }  // namespace corbslam::map_store

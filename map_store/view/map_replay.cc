@@ -67,7 +67,7 @@ MapReplay::Plan MapReplay::MakePlan(const ReplayProgress& first) const {
           EvenSteps(first.batches, last_.batches, of_batches)};
 }
 
-absl::Status MapReplay::Look(const MissionState& state) {
+absl::Status MapReplay::Note(const MissionState& state) {
   const ReplayProgress now = ProgressOf(state);
   const bool is_first = !plan_.has_value();
   if (is_first) plan_.emplace(MakePlan(now));

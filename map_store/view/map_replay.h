@@ -51,7 +51,7 @@ class MapReplay {
 
   // Looks at the state as the next record has left it. An error ends the replay: RESOURCE_EXHAUSTED
   // if it is too long.
-  absl::Status Look(const MissionState& state);
+  absl::Status Note(const MissionState& state);
   // Looks at the state as it was at the end, which is told in any case.
   absl::Status End(const MissionState& state);
   // Returns the error that has ended it.

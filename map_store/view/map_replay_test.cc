@@ -32,8 +32,8 @@ std::vector<uint64_t> Told(uint64_t first, uint64_t last, size_t max_moments) {
   MapReplay replay({.max_moments = max_moments}, {last, 0}, &EnoughMemory);
   uint64_t version = 0;
   for (uint64_t revision = first; revision <= last; ++revision) {
-    EXPECT_TRUE(replay.Look(At(revision, ++version)).ok());
-    EXPECT_TRUE(replay.Look(At(revision, ++version)).ok());
+    EXPECT_TRUE(replay.Note(At(revision, ++version)).ok());
+    EXPECT_TRUE(replay.Note(At(revision, ++version)).ok());
   }
   EXPECT_TRUE(replay.End(At(last, ++version)).ok());
   std::vector<uint64_t> told;
@@ -69,7 +69,7 @@ TEST(MapReplayTest, WhatHasNoRevisionsIsToldAtItsBeginningAndEnd) {
 TEST(MapReplayTest, TellsTheNextOneWhereOneIsLeftOut) {
   MapReplay replay({.max_moments = 3}, {10, 0}, &EnoughMemory);
   for (const uint64_t revision : {0u, 7u, 8u}) {
-    EXPECT_TRUE(replay.Look(At(revision, revision + 1)).ok());
+    EXPECT_TRUE(replay.Note(At(revision, revision + 1)).ok());
   }
   EXPECT_TRUE(replay.End(At(10, 20)).ok());
   std::vector<uint64_t> told;
@@ -93,7 +93,7 @@ std::vector<uint64_t> ToldOfAll(uint64_t revisions, size_t max_moments) {
     state.global.revision = moment.revision;
     state.local_maps[LocalMapId{1}].last_batch = moment.batches;
     ++state.version;
-    EXPECT_TRUE(replay.Look(state).ok());
+    EXPECT_TRUE(replay.Note(state).ok());
   }
   EXPECT_TRUE(replay.End(state).ok());
   std::vector<uint64_t> told;
@@ -136,7 +136,7 @@ TEST(MapReplayTest, NoNumberOfARestoredMissionKeepsItBusy) {
   const uint64_t most = std::numeric_limits<uint64_t>::max();
   EXPECT_THAT(Told(most - 1, most - 1, 1000), ElementsAre(most - 1, most - 1));
   MapReplay replay({.max_moments = 1000}, {3, 0}, &EnoughMemory);
-  EXPECT_TRUE(replay.Look(At(most, 1)).ok());
+  EXPECT_TRUE(replay.Note(At(most, 1)).ok());
   EXPECT_TRUE(replay.End(At(3, 2)).ok());
 }
 
@@ -144,9 +144,9 @@ TEST(MapReplayTest, EndsWhenItIsTooLong) {
   MapReplay replay({.include_points = true, .max_moments = 9, .max_bytes = 3 * sizeof(MapChanges)},
                    {9, 0}, &EnoughMemory);
   for (uint64_t revision = 0; revision < 3; ++revision) {
-    EXPECT_TRUE(replay.Look(At(revision, revision + 1)).ok());
+    EXPECT_TRUE(replay.Note(At(revision, revision + 1)).ok());
   }
-  const absl::Status status = replay.Look(At(3, 4));
+  const absl::Status status = replay.Note(At(3, 4));
   EXPECT_TRUE(absl::IsResourceExhausted(status)) << status;
   EXPECT_THAT(std::string(status.message()), HasSubstr("at revision 3 of 9"));
   EXPECT_THAT(std::string(status.message()), HasSubstr("max_moments is 9"));
@@ -159,7 +159,7 @@ TEST(MapReplayTest, EndsWhenTheProcessHasNoMemory) {
   MapReplay replay({}, {9, 0}, [](uint64_t bytes) {
     return absl::ResourceExhaustedError(bytes > 0 ? "no memory" : "");
   });
-  EXPECT_THAT(std::string(replay.Look(At(0, 1)).message()), HasSubstr("no memory"));
+  EXPECT_THAT(std::string(replay.Note(At(0, 1)).message()), HasSubstr("no memory"));
 }
 
 TEST(ReplayOptionsTest, NameTheFieldItsValueAndItsLimits) {

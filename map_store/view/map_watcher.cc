@@ -13,7 +13,7 @@ namespace corbslam::map_store {
 namespace {
 
 // For each item of a piece so many points may be looked at.
-constexpr size_t kLooksPerItem = 16;
+constexpr size_t kStepsPerItem = 16;
 
 bool HasLocalMap(const Island& island, LocalMapId id) {
   return std::ranges::find(island.local_maps, id) != island.local_maps.end();
@@ -197,12 +197,12 @@ bool MapWatcher::TakePoints(const MissionState& state, Part& part, size_t& room,
     const MapPointId id = it->first;
     // A look costs far less than telling, but an island may have millions of points of which a few
     // have moved: robots' batches come in between.
-    if (room == 0 || looks_ == 0) {
+    if (room == 0 || steps_ == 0) {
       part.next_point = id;
       room = 0;
       return false;
     }
-    --looks_;
+    --steps_;
     if (!part.whole) {
       const auto placed = map_store::FindPlaced(id, state.global);
       if (!placed.has_value() || placed->revision() <= revision_) continue;
@@ -223,7 +223,7 @@ std::optional<MapChanges> MapWatcher::Next(const MissionState& state, size_t max
   changes.version = version_of_change_;
   changes.revision = revision_of_change_;
   size_t room = std::max<size_t>(max_items, 1);
-  looks_ = room * kLooksPerItem;
+  steps_ = room * kStepsPerItem;
   while (!parts_.empty() && room > 0) {
     Part& part = parts_.front();
     // If the local map is in another island meanwhile, the next change tells all of it.

@@ -67,7 +67,7 @@ class MapWatcher {
   std::map<LocalMapId, IslandId> seen_;
   std::set<IslandId> islands_;
   // How many points may still be looked at for the piece that is being made.
-  size_t looks_ = 0;
+  size_t steps_ = 0;
   // The change that is being told.
   uint64_t version_of_change_ = 0;
   uint64_t revision_of_change_ = 0;

@@ -11,7 +11,7 @@ namespace corbslam::map_store {
 namespace {
 
 // So many keyframes of a local map are looked at.
-constexpr size_t kLookedAt = 8;
+constexpr size_t kSampled = 8;
 
 // Returns what std::make_shared takes: the count of its users lies beside the value.
 template <typename T>
@@ -63,11 +63,11 @@ struct Sample {
   }
 };
 
-Sample Look(const LocalMapState& local_map) {
+Sample TakeSample(const LocalMapState& local_map) {
   Sample sample;
   const auto& keyframes = local_map.map.keyframes();
   if (keyframes.empty()) return sample;
-  const size_t step = std::max<size_t>(local_map.arrived.size() / kLookedAt, 1);
+  const size_t step = std::max<size_t>(local_map.arrived.size() / kSampled, 1);
   for (size_t i = 0; i < std::max<size_t>(local_map.arrived.size(), 1); i += step) {
     auto it = keyframes.end();
     if (i < local_map.arrived.size()) it = keyframes.lower_bound(local_map.arrived[i]);
@@ -107,7 +107,7 @@ uint64_t BytesOfForeign(const LocalMapState& local_map) {
   using Observations = decltype(local_map.foreign_observations);
   using Observation = Observations::mapped_type::value_type;
   const auto& foreign = local_map.foreign_observations;
-  const size_t step = std::max<size_t>(local_map.arrived.size() / kLookedAt, 1);
+  const size_t step = std::max<size_t>(local_map.arrived.size() / kSampled, 1);
   uint64_t looked_at = 0;
   uint64_t bytes = 0;
   for (size_t i = 0; i < local_map.arrived.size(); i += step) {
@@ -125,7 +125,7 @@ uint64_t BytesOf(const LocalMapState& local_map) {
   const auto removed = [](const auto& items) {
     return TreeBytes<typename std::decay_t<decltype(items)>::value_type>(items.size());
   };
-  return sizeof(LocalMapState) + BytesOf(local_map.map, Look(local_map)) +
+  return sizeof(LocalMapState) + BytesOf(local_map.map, TakeSample(local_map)) +
          BytesOfFollowers(local_map.map.keyframes().size(), local_map.map.points().size()) +
          BytesOfForeign(local_map) + removed(local_map.removed_keyframes) +
          removed(local_map.removed_points) + removed(local_map.replaced_points) +

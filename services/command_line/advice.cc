@@ -52,13 +52,13 @@ std::string ListInColumns(const CLI::App& app) {
   return text;
 }
 
-std::string Suggest(absl::string_view typed, const std::vector<std::string>& words) {
-  const std::string nearest = FindNearest(typed, words);
+std::string Suggest(absl::string_view typed, const std::vector<std::string>& known) {
+  const std::string nearest = FindNearest(typed, known);
   return nearest.empty() ? "" : absl::StrCat("; did you mean \"", nearest, "\"?");
 }
 
-std::string FirstThatIsNoFlag(const std::vector<std::string>& words) {
-  for (const std::string& word : words) {
+std::string FirstThatIsNoFlag(const std::vector<std::string>& known) {
+  for (const std::string& word : known) {
     if (!absl::StartsWith(word, "-")) return word;
   }
   return "";
@@ -66,10 +66,10 @@ std::string FirstThatIsNoFlag(const std::vector<std::string>& words) {
 
 }  // namespace
 
-std::string FindNearest(absl::string_view typed, const std::vector<std::string>& words) {
+std::string FindNearest(absl::string_view typed, const std::vector<std::string>& known) {
   std::string nearest;
   size_t least = 0;
-  for (const std::string& word : words) {
+  for (const std::string& word : known) {
     const size_t edits = CountEdits(typed, word);
     if (3 * edits > std::max<size_t>(word.size(), 3)) continue;
     if (!nearest.empty() && edits >= least) continue;

@@ -10,9 +10,9 @@
 
 namespace corbslam::services {
 
-// Returns the one of `words` that takes the fewest changed, added, missing or exchanged letters to
+// Returns the one of `known` that takes the fewest changed, added, missing or exchanged letters to
 // make `typed`; empty where each takes more than a third of the letters.
-std::string FindNearest(absl::string_view typed, const std::vector<std::string>& words);
+std::string FindNearest(absl::string_view typed, const std::vector<std::string>& known);
 
 // Returns for an app whose parsing failed the commands that there are, if one was needed, and the
 // one that was meant, if there is a near one. Returns an empty text if the failure was of another

@@ -17,13 +17,13 @@ using ::testing::Not;
 using ::testing::StartsWith;
 
 TEST(FindNearestTest, TakesTheFewestEditsAndNoneThatIsFar) {
-  const std::vector<std::string> words = {"mission", "run", "render", "demo", "doctor"};
-  EXPECT_EQ(FindNearest("mision", words), "mission");
-  EXPECT_EQ(FindNearest("rnu", words), "run");
-  EXPECT_EQ(FindNearest("doctr", words), "doctor");
-  EXPECT_EQ(FindNearest("rendre", words), "render");
-  EXPECT_EQ(FindNearest("launch", words), "");
-  EXPECT_EQ(FindNearest("", words), "");
+  const std::vector<std::string> known = {"mission", "run", "render", "demo", "doctor"};
+  EXPECT_EQ(FindNearest("mision", known), "mission");
+  EXPECT_EQ(FindNearest("rnu", known), "run");
+  EXPECT_EQ(FindNearest("doctr", known), "doctor");
+  EXPECT_EQ(FindNearest("rendre", known), "render");
+  EXPECT_EQ(FindNearest("launch", known), "");
+  EXPECT_EQ(FindNearest("", known), "");
   EXPECT_EQ(FindNearest("x", {}), "");
 }
 

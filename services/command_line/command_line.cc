@@ -116,7 +116,7 @@ void CommandLine::Parse(int argc, const char* const* argv) {
   } catch (const CLI::Success&) {
     throw;
   } catch (const CLI::ParseError& error) {
-    const std::string said = InOurWords(error.what());
+    const std::string said = Rephrased(error.what());
     const std::string sources = SourcesOf(said);
     if (sources.empty() && said == error.what()) throw;
     throw CLI::ParseError(

@@ -44,14 +44,14 @@ std::string FormatOptions(const CLI::App& app) {
   return text;
 }
 
-// Returns the commands below, each under the words that call it.
+// Returns the commands below, each under the command line that calls it.
 std::string FormatCommands(const CLI::App& app, const std::string& path) {
   std::string text;
   for (const CLI::App* command : app.get_subcommands({})) {
     if (command->get_group().empty()) continue;
-    const std::string words = absl::StrCat(path, " ", command->get_name());
-    absl::StrAppend(&text, ".SS ", Escape(words), "\n", Escape(command->get_description()), ".\n",
-                    FormatOptions(*command), FormatCommands(*command, words));
+    const std::string call = absl::StrCat(path, " ", command->get_name());
+    absl::StrAppend(&text, ".SS ", Escape(call), "\n", Escape(command->get_description()), ".\n",
+                    FormatOptions(*command), FormatCommands(*command, call));
   }
   return text;
 }

@@ -20,14 +20,14 @@ template <typename T>
 struct IsOptional<std::optional<T>> : std::true_type {};
 
 std::string Refused(absl::string_view text, absl::string_view kind, const NumberRange& in,
-                    bool is_whole) {
-  return absl::StrCat(Given(text), ", must be ", kind, DescribeRange(in, is_whole));
+                    bool is_integer) {
+  return absl::StrCat(Given(text), ", must be ", kind, DescribeRange(in, is_integer));
 }
 
 // C's functions, which CLI11 hands numbers to, take a sign before what has none, octal and
 // hexadecimal digits, and the nearest number that there is for one that there isn't.
 template <typename Number>
-std::string ReadWhole(absl::string_view text, const NumberRange& in, Number& place) {
+std::string ReadInteger(absl::string_view text, const NumberRange& in, Number& place) {
   if (text.empty() || !absl::c_all_of(text, absl::ascii_isdigit)) {
     return Refused(text, "a whole number, ", in, true);
   }
@@ -104,7 +104,7 @@ std::string ReadValue(absl::string_view text, const NumberRange& in, Value& plac
     if constexpr (std::is_same_v<Value, uint64_t>) {
       if (in.is_bytes) return ReadBytes(text, in, place);
     }
-    return ReadWhole(text, in, place);
+    return ReadInteger(text, in, place);
   }
 }
 

@@ -80,7 +80,7 @@ void CheckEveryValue(CLI::App& app) {
   ForEachOption(app, [](CLI::App&, CLI::Option& option) { CheckValuesOf(option); });
 }
 
-std::string InOurWords(const std::string& message) {
+std::string Rephrased(const std::string& message) {
   static const auto& range = *new std::regex("^(\\S+): Value (.*) not in range (\\S+) to (\\S+)$");
   static const auto& sayings = *new std::vector<std::pair<std::regex, std::string>>{
       {std::regex("^(\\S+): (.*) not in \\{(.*)\\}$"), "$1: is \"$2\", must be one of $3"},

@@ -14,9 +14,9 @@ namespace corbslam::services {
 // and for a switch all but true and false. The app must have all of its options.
 void CheckEveryValue(CLI::App& app);
 
-// Returns what CLI11 says of a value that is out of range, none of some words or no number, in our
-// words; other messages as they are.
-std::string InOurWords(const std::string& message);
+// Returns what CLI11 says of a value that is out of range, none of some choices or no number, in
+// the terms of our flags; other messages as they are.
+std::string Rephrased(const std::string& message);
 
 // Lets an option be given an empty text: one that takes back what was set.
 CLI::Option* MayBeEmpty(CLI::Option* option);

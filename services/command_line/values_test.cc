@@ -121,7 +121,7 @@ TEST(ValuesTest, BytesHaveUnitsAndFractions) {
   EXPECT_THAT(ParseOne("--budget", "99999999999999999999"), HasSubstr("must be 1 KiB to 1 TiB"));
 }
 
-TEST(ValuesTest, ChoicesAreListedInOurWords) {
+TEST(ValuesTest, ChoicesAreListedRephrased) {
   EXPECT_THAT(ParseOne("--mode", "some"), HasSubstr("is \"some\", must be one of none, all"));
   EXPECT_NE(ParseOne("--mode", "1"), "");
   ValuedProgram program;
@@ -129,11 +129,11 @@ TEST(ValuesTest, ChoicesAreListedInOurWords) {
   EXPECT_EQ(program.mode, 1);
 }
 
-TEST(ValuesTest, RangesAreSaidInOurWords) {
+TEST(ValuesTest, RangesAreSaidRephrased) {
   EXPECT_EQ(ParseOne("--seconds", "10.5"), "--seconds: is \"10.5\", must be 0 to 10");
-  EXPECT_EQ(InOurWords("--format: json not in {tum,kitti}"),
+  EXPECT_EQ(Rephrased("--format: json not in {tum,kitti}"),
             "--format: is \"json\", must be one of tum,kitti");
-  EXPECT_EQ(InOurWords("anything else"), "anything else");
+  EXPECT_EQ(Rephrased("anything else"), "anything else");
 }
 
 TEST(ValuesTest, CommandsOptionsAreHeldToItToo) {

@@ -103,7 +103,7 @@ absl::Status CheckDistances(double nearest, double farthest) {
 }
 
 template <typename Point>
-absl::Status ReadLooks(const v1::FullMapPoints& proto, int i, Point& point) {
+absl::Status ReadGeometry(const v1::FullMapPoints& proto, int i, Point& point) {
   const Eigen::Vector3d position = ReadVector(proto.positions(), i);
   RETURN_IF_ERROR(CheckPosition(position));
   const Eigen::Vector3d steps(proto.normals_8191(3 * i), proto.normals_8191(3 * i + 1),
@@ -118,26 +118,26 @@ absl::Status ReadLooks(const v1::FullMapPoints& proto, int i, Point& point) {
 // Returns the descriptors that each point may be a copy of: those of its reference keyframe, where
 // that is in the message.
 std::vector<std::span<const Descriptor>> SourcesOf(std::span<const KeyframeId> references,
-                                                   const KeyframeLooks& looks) {
+                                                   const KeyframeDescriptors& known) {
   std::vector<std::span<const Descriptor>> sources;
   sources.reserve(references.size());
   for (const KeyframeId& reference : references) {
-    const auto it = looks.find(reference);
-    sources.push_back(it == looks.end() ? std::span<const Descriptor>() : it->second);
+    const auto it = known.find(reference);
+    sources.push_back(it == known.end() ? std::span<const Descriptor>() : it->second);
   }
   return sources;
 }
 
 template <typename Point>
-void CodeLooks(std::span<const Point> points, const KeyframeLooks& looks,
-               v1::FullMapPoints* proto) {
+void CodeAgainst(std::span<const Point> points, const KeyframeDescriptors& known,
+                 v1::FullMapPoints* proto) {
   std::vector<Descriptor> descriptors;
   std::vector<KeyframeId> references;
   for (const Point& point : points) {
     descriptors.push_back(point.descriptor);
     references.push_back(point.reference);
   }
-  std::string coded = EncodeSourced(descriptors, SourcesOf(references, looks));
+  std::string coded = EncodeSourced(descriptors, SourcesOf(references, known));
   if (coded.size() >= proto->descriptors().size()) return;
   proto->set_coded_descriptors(std::move(coded));
   proto->clear_descriptors();
@@ -145,9 +145,9 @@ void CodeLooks(std::span<const Point> points, const KeyframeLooks& looks,
 
 absl::StatusOr<std::vector<Descriptor>> ReadDescriptors(const v1::FullMapPoints& proto,
                                                         std::span<const KeyframeId> references,
-                                                        const KeyframeLooks& looks) {
+                                                        const KeyframeDescriptors& known) {
   if (!proto.coded_descriptors().empty()) {
-    return DecodeSourced(proto.coded_descriptors(), SourcesOf(references, looks));
+    return DecodeSourced(proto.coded_descriptors(), SourcesOf(references, known));
   }
   std::vector<Descriptor> descriptors(references.size());
   for (size_t i = 0; i < descriptors.size(); ++i) {
@@ -158,19 +158,19 @@ absl::StatusOr<std::vector<Descriptor>> ReadDescriptors(const v1::FullMapPoints&
 
 template <typename Point>
 absl::StatusOr<std::vector<Point>> ReadFull(const v1::FullMapPoints& proto, const SlotReader& slots,
-                                            const KeyframeLooks& looks) {
+                                            const KeyframeDescriptors& known) {
   RETURN_IF_ERROR(CheckFullLengths(proto));
   ASSIGN_OR_RETURN(const std::vector<MapPointId> ids, slots.Points(proto.ids(), "ids"));
   ASSIGN_OR_RETURN(const std::vector<KeyframeId> references,
                    slots.Keyframes(proto.references(), "references", /*may_be_none=*/true));
   ASSIGN_OR_RETURN(const std::vector<Descriptor> descriptors,
-                   ReadDescriptors(proto, references, looks));
+                   ReadDescriptors(proto, references, known));
   std::vector<Point> points(ids.size());
   for (size_t i = 0; i < ids.size(); ++i) {
     points[i].id = ids[i];
     points[i].reference = references[i];
     points[i].descriptor = descriptors[i];
-    RETURN_IF_ERROR(Locate(ReadLooks(proto, static_cast<int>(i), points[i]),
+    RETURN_IF_ERROR(Locate(ReadGeometry(proto, static_cast<int>(i), points[i]),
                            absl::StrCat("map point ", ToString(ids[i]))));
   }
   return points;
@@ -215,13 +215,13 @@ absl::StatusOr<Eigen::Vector3d> CheckNormal(const Eigen::Vector3d& normal) {
   return Eigen::Vector3d(normal / length);
 }
 
-void CodeDescriptors(std::span<const FullMapPoint> points, const KeyframeLooks& looks,
+void CodeDescriptors(std::span<const FullMapPoint> points, const KeyframeDescriptors& known,
                      v1::FullMapPoints* proto) {
-  CodeLooks(points, looks, proto);
+  CodeAgainst(points, known, proto);
 }
-void CodeDescriptors(std::span<const SharedMapPoint> points, const KeyframeLooks& looks,
+void CodeDescriptors(std::span<const SharedMapPoint> points, const KeyframeDescriptors& known,
                      v1::FullMapPoints* proto) {
-  CodeLooks(points, looks, proto);
+  CodeAgainst(points, known, proto);
 }
 
 void WritePoints(std::span<const FullMapPoint> points, SlotWriter& slots,
@@ -289,13 +289,13 @@ void WriteTimes(std::span<const int64_t> times_ns, TimeColumn* proto) {
 
 absl::StatusOr<std::vector<FullMapPoint>> ReadFullPoints(const v1::FullMapPoints& proto,
                                                          const SlotReader& slots,
-                                                         const KeyframeLooks& looks) {
-  return ReadFull<FullMapPoint>(proto, slots, looks);
+                                                         const KeyframeDescriptors& known) {
+  return ReadFull<FullMapPoint>(proto, slots, known);
 }
 absl::StatusOr<std::vector<SharedMapPoint>> ReadSharedPoints(const v1::FullMapPoints& proto,
                                                              const SlotReader& slots,
-                                                             const KeyframeLooks& looks) {
-  return ReadFull<SharedMapPoint>(proto, slots, looks);
+                                                             const KeyframeDescriptors& known) {
+  return ReadFull<SharedMapPoint>(proto, slots, known);
 }
 absl::StatusOr<std::vector<LightMapPoint>> ReadLightPoints(const v1::LightMapPoints& proto,
                                                            const SlotReader& slots) {

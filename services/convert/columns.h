@@ -28,12 +28,12 @@ void WriteIds(std::span<const Id> ids, SlotWriter& slots, v1::ItemIds* proto) {
 }
 
 // Descriptors of the keyframes of the same message, of which its map points may have copies.
-using KeyframeLooks = absl::flat_hash_map<KeyframeId, std::span<const Descriptor>>;
+using KeyframeDescriptors = absl::flat_hash_map<KeyframeId, std::span<const Descriptor>>;
 
 // Codes the descriptors of the points that WritePoints has written (docs/wire.md).
-void CodeDescriptors(std::span<const FullMapPoint> points, const KeyframeLooks& looks,
+void CodeDescriptors(std::span<const FullMapPoint> points, const KeyframeDescriptors& known,
                      v1::FullMapPoints* proto);
-void CodeDescriptors(std::span<const SharedMapPoint> points, const KeyframeLooks& looks,
+void CodeDescriptors(std::span<const SharedMapPoint> points, const KeyframeDescriptors& known,
                      v1::FullMapPoints* proto);
 
 void WritePoints(std::span<const FullMapPoint> points, SlotWriter& slots, v1::FullMapPoints* proto);
@@ -50,10 +50,10 @@ void WriteTimes(std::span<const int64_t> times_ns, TimeColumn* proto);
 
 absl::StatusOr<std::vector<FullMapPoint>> ReadFullPoints(const v1::FullMapPoints& proto,
                                                          const SlotReader& slots,
-                                                         const KeyframeLooks& looks);
+                                                         const KeyframeDescriptors& known);
 absl::StatusOr<std::vector<SharedMapPoint>> ReadSharedPoints(const v1::FullMapPoints& proto,
                                                              const SlotReader& slots,
-                                                             const KeyframeLooks& looks);
+                                                             const KeyframeDescriptors& known);
 absl::StatusOr<std::vector<LightMapPoint>> ReadLightPoints(const v1::LightMapPoints& proto,
                                                            const SlotReader& slots);
 absl::StatusOr<std::vector<SharedMapPointMove>> ReadMovedPoints(const v1::LightMapPoints& proto,

@@ -100,22 +100,23 @@ void WriteRemovalsAndLoops(const MapUpdateBatch& batch, Writer& writer) {
 }
 
 // Returns the descriptors of the keyframes of `batch` that are in `part`.
-KeyframeLooks LooksOf(const MapUpdateBatch& batch, const v1::MapUpdateBatch& part) {
+KeyframeDescriptors DescriptorsOf(const MapUpdateBatch& batch, const v1::MapUpdateBatch& part) {
   absl::flat_hash_set<uint32_t> there;
   for (const v1::FullKeyframe& keyframe : part.full_keyframes()) there.insert(keyframe.index());
-  KeyframeLooks looks;
+  KeyframeDescriptors descriptors;
   for (const FullKeyframe& keyframe : batch.full_keyframes) {
     const KeyframePayload& payload = *keyframe.payload;
-    if (there.contains(payload.id.index)) looks[payload.id] = payload.features.descriptors;
+    if (there.contains(payload.id.index)) descriptors[payload.id] = payload.features.descriptors;
   }
-  return looks;
+  return descriptors;
 }
 
 void WriteFullPoints(const MapUpdateBatch& batch, FeatureForm form, Writer& writer) {
   writer.Spread(batch.full_points, kFullPointBytes, [&](auto points) {
     v1::FullMapPoints* proto = writer.part().mutable_full_points();
     WritePoints(points, writer.slots(), proto);
-    if (form == FeatureForm::kCoded) CodeDescriptors(points, LooksOf(batch, writer.part()), proto);
+    if (form == FeatureForm::kCoded)
+      CodeDescriptors(points, DescriptorsOf(batch, writer.part()), proto);
   });
 }
 
@@ -210,7 +211,7 @@ absl::Status ReadKeyframes(const v1::MapUpdateBatch& proto, const SlotReader& sl
 
 absl::Status ReadPoints(const v1::MapUpdateBatch& proto, const SlotReader& slots,
                         MapUpdateBatch& batch) {
-  auto full_points = ReadFullPoints(proto.full_points(), slots, LooksOf(batch, proto));
+  auto full_points = ReadFullPoints(proto.full_points(), slots, DescriptorsOf(batch, proto));
   if (!full_points.ok()) return Locate(full_points.status(), "full_points");
   batch.full_points = *std::move(full_points);
   ASSIGN_OR_RETURN(batch.light_points, ReadLightPoints(proto.light_points(), slots));

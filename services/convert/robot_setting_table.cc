@@ -33,9 +33,10 @@ std::string WantedShare(const std::string& value) {
 // Only a robot knows the size of its pictures.
 std::string WantedMask(const std::string& png) {
   constexpr absl::string_view kPngSignature("\x89PNG\r\n\x1a\n", 8);
-  const bool is_whole = absl::string_view(png).substr(0, kPngSignature.size()) == kPngSignature &&
-                        PictureSize(png).ok() && !IsCutShort(png);
-  return png.empty() || is_whole ? "" : "a PNG, and a whole one";
+  const bool is_complete =
+      absl::string_view(png).substr(0, kPngSignature.size()) == kPngSignature &&
+      PictureSize(png).ok() && !IsCutShort(png);
+  return png.empty() || is_complete ? "" : "a PNG, and a whole one";
 }
 
 constexpr NumberRange kFeatures = {kLeastFeatures, kMostFeatures};
@@ -110,7 +111,7 @@ absl::Status Check(const RobotSetting& row, const v1::RobotSettings& settings) {
   if (row.wanted != nullptr) {
     wanted = row.wanted(value);
   } else if (!row.in.Contains(NumberOf(row, settings))) {
-    wanted = DescribeRange(row.in, IsWhole(row));
+    wanted = DescribeRange(row.in, IsInteger(row));
   }
   if (wanted.empty()) return absl::OkStatus();
   return BadSetting(row.field, row.is_file ? absl::StrCat(value.size(), " bytes") : value, wanted);
@@ -148,7 +149,7 @@ void ClearSetting(const RobotSetting& row, v1::RobotSettings& settings) {
   settings.GetReflection()->ClearField(&settings, FieldOf(row));
 }
 
-bool IsWhole(const RobotSetting& row) {
+bool IsInteger(const RobotSetting& row) {
   return FieldOf(row)->cpp_type() != FieldDescriptor::CPPTYPE_DOUBLE;
 }
 

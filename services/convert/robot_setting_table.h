@@ -37,8 +37,8 @@ NumberRange RangeOfRobotSetting(absl::string_view flag);
 
 bool HasSetting(const RobotSetting& row, const v1::RobotSettings& settings);
 void ClearSetting(const RobotSetting& row, v1::RobotSettings& settings);
-bool IsWhole(const RobotSetting& row);
-// They set it unchecked.
+bool IsInteger(const RobotSetting& row);
+// These set the value unchecked.
 void SetNumber(const RobotSetting& row, double number, v1::RobotSettings& settings);
 void SetText(const RobotSetting& row, const std::string& text, v1::RobotSettings& settings);
 // Returns the value as the robot's flag is given it, a number in `unit`s; of a file "81 bytes of

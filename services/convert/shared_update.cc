@@ -56,13 +56,13 @@ void WriteKeyframe(const SharedKeyframe& keyframe, FeatureForm form, CameraBook&
 }
 
 // Returns the descriptors of the last `in_part` of `keyframes`.
-KeyframeLooks LooksOf(const std::vector<SharedKeyframe>& keyframes, int in_part) {
-  KeyframeLooks looks;
+KeyframeDescriptors DescriptorsOf(const std::vector<SharedKeyframe>& keyframes, int in_part) {
+  KeyframeDescriptors descriptors;
   const auto count = static_cast<size_t>(in_part);
   for (size_t i = keyframes.size() - count; i < keyframes.size(); ++i) {
-    looks[keyframes[i].payload->id] = keyframes[i].payload->features.descriptors;
+    descriptors[keyframes[i].payload->id] = keyframes[i].payload->features.descriptors;
   }
-  return looks;
+  return descriptors;
 }
 
 void WriteFullPoints(const SharedUpdate& update, FeatureForm form, Writer& writer) {
@@ -71,7 +71,7 @@ void WriteFullPoints(const SharedUpdate& update, FeatureForm form, Writer& write
     WritePoints(points, writer.slots(), proto);
     if (form == FeatureForm::kPlain) return;
     // Points follow all keyframes: those of this part are the last ones.
-    CodeDescriptors(points, LooksOf(update.keyframes, writer.part().keyframes_size()), proto);
+    CodeDescriptors(points, DescriptorsOf(update.keyframes, writer.part().keyframes_size()), proto);
   });
 }
 
@@ -258,8 +258,8 @@ absl::StatusOr<SharedUpdate> FromProto(const v1::SharedUpdate& proto, CameraBook
     if (!keyframe.ok()) return Locate(keyframe.status(), absl::StrCat("keyframes[", i, "]"));
     update.keyframes.push_back(*std::move(keyframe));
   }
-  auto points =
-      ReadSharedPoints(proto.points(), slots, LooksOf(update.keyframes, proto.keyframes_size()));
+  auto points = ReadSharedPoints(proto.points(), slots,
+                                 DescriptorsOf(update.keyframes, proto.keyframes_size()));
   if (!points.ok()) return Locate(points.status(), "points");
   update.points = *std::move(points);
   for (const v1::SharedKeyframePose& entry : proto.moved_keyframes()) {

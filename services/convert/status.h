@@ -15,8 +15,8 @@ inline grpc::Status ToGrpcStatus(const absl::Status& status) {
   return {static_cast<grpc::StatusCode>(status.code()), std::string(status.message())};
 }
 
-// Returns the server's words, or what it means that there are none.
-inline std::string WordsOf(const grpc::Status& status) {
+// Returns the server's message, or what it means that there are none.
+inline std::string MessageOf(const grpc::Status& status) {
   if (!status.error_message().empty()) return status.error_message();
   return status.error_code() == grpc::StatusCode::UNIMPLEMENTED
              ? "the server there does not know this call: is it another kind of server, or older?"
@@ -25,7 +25,7 @@ inline std::string WordsOf(const grpc::Status& status) {
 
 inline absl::Status FromGrpcStatus(const grpc::Status& status) {
   if (status.ok()) return absl::OkStatus();
-  return absl::Status(static_cast<absl::StatusCode>(status.error_code()), WordsOf(status));
+  return absl::Status(static_cast<absl::StatusCode>(status.error_code()), MessageOf(status));
 }
 
 }  // namespace corbslam::services

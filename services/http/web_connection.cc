@@ -19,7 +19,7 @@ namespace http = boost::beast::http;
 std::string Text(boost::beast::string_view text) { return std::string(text.data(), text.size()); }
 
 WebResponse RefuseHost(absl::string_view host) {
-  WebResponse response = WordsResponse(
+  WebResponse response = TextResponse(
       421, absl::StrCat("this server does not go by the name \"", absl::CHexEscape(host),
                         "\": use its IP address, or start it with --web-host and that name"));
   response.headers["X-Content-Type-Options"] = "nosniff";
@@ -47,8 +47,8 @@ void LoopPoster::End() {
   context_ = nullptr;
 }
 
-WebResponse WordsResponse(int status, absl::string_view words) {
-  return {.status = status, .body = std::make_shared<const std::string>(absl::StrCat(words, "\n"))};
+WebResponse TextResponse(int status, absl::string_view text) {
+  return {.status = status, .body = std::make_shared<const std::string>(absl::StrCat(text, "\n"))};
 }
 
 std::optional<WebResponse> ReadRequest(const RequestHead& head, const WebServerOptions& options,
@@ -59,7 +59,7 @@ std::optional<WebResponse> ReadRequest(const RequestHead& head, const WebServerO
   request.if_none_match = Text(head[http::field::if_none_match]);
   request.takes_gzip = absl::StrContains(Text(head[http::field::accept_encoding]), "gzip");
   if (!ReadTarget(Text(head.target()), request)) {
-    return WordsResponse(400, "the path or query can't be read");
+    return TextResponse(400, "the path or query can't be read");
   }
   const std::string host = Text(head[http::field::host]);
   if (options.hosts && !IsOwnHost(host, *options.hosts)) return RefuseHost(host);
@@ -73,13 +73,13 @@ std::optional<WebResponse> DescribeReadError(boost::beast::error_code error,
     return std::nullopt;
   }
   if (error != http::error::header_limit && error != http::error::buffer_overflow) {
-    return WordsResponse(400, absl::StrCat("this is no HTTP/1.1: ", error.message()));
+    return TextResponse(400, absl::StrCat("this is no HTTP/1.1: ", error.message()));
   }
   // The parser takes the first line only as a whole, so that a long one leaves no target.
   if (head.target().empty()) {
-    return WordsResponse(414, absl::StrCat("the first line has over ", max_head_bytes, " bytes"));
+    return TextResponse(414, absl::StrCat("the first line has over ", max_head_bytes, " bytes"));
   }
-  return WordsResponse(431, absl::StrCat("the headers have over ", max_head_bytes, " bytes"));
+  return TextResponse(431, absl::StrCat("the headers have over ", max_head_bytes, " bytes"));
 }
 
 bool IsOfSameSite(const RequestHead& head) {

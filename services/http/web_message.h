@@ -30,19 +30,19 @@ struct WebResponse {
   std::shared_ptr<const std::string> body = nullptr;  // Null: empty.
   std::map<std::string, std::string> headers = {};    // Further ones.
   // The answer is held back for so long; the connection may make room for others meanwhile.
-  absl::Duration held_back = absl::ZeroDuration();
+  absl::Duration delay = absl::ZeroDuration();
 };
 
-// Returns an answer of one line of words.
-WebResponse WordsResponse(int status, absl::string_view words);
+// Returns an answer of one line of text.
+WebResponse TextResponse(int status, absl::string_view text);
 
 // Takes the answer to a request, once; from any thread.
 using Respond = std::function<void(WebResponse)>;
 
-// A close code of WebSocket's (4000 to 4999) and words; 0: none.
+// A close code of WebSocket's (4000 to 4999) and its reason as text; 0: none.
 struct CloseReason {
   uint16_t code = 0;
-  std::string words;
+  std::string text;
 };
 
 // What one WebSocket is sent. Its functions are called on the server's thread.
@@ -61,7 +61,7 @@ struct OpenedStream {
   uint16_t close_code = 0;
   std::string reason;
   // The refusal is held back for so long.
-  absl::Duration held_back = absl::ZeroDuration();
+  absl::Duration delay = absl::ZeroDuration();
 };
 
 class WebHandler {

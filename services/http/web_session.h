@@ -115,13 +115,13 @@ class WebSession : public WebConnection,
 
   void Upgrade(const WebRequest& request) {
     if (!IsOfSameSite(parser_->get())) {
-      return Write(WordsResponse(403, "a page of another site may not read this"), false);
+      return Write(TextResponse(403, "a page of another site may not read this"), false);
     }
     absl::StatusOr<std::shared_ptr<const void>> page =
         shared_.pages.Enter(peer_.host, shared_.handler.CallerOf(request));
     if (!page.ok()) {
       return Write(
-          WordsResponse(503, absl::StrCat("too many pages are open: ", page.status().message())),
+          TextResponse(503, absl::StrCat("too many pages are open: ", page.status().message())),
           false);
     }
     const auto socket =
@@ -149,15 +149,15 @@ class WebSession : public WebConnection,
       shared_.handler.Answer(request, std::move(respond));
     } catch (const std::exception& error) {
       LOG(ERROR) << "a web request ended with " << error.what();
-      Write(WordsResponse(500, "the answer could not be made"), false);
+      Write(TextResponse(500, "the answer could not be made"), false);
     }
   }
 
   void WriteLater(const WebResponse& answer, bool keep) {
-    if (answer.held_back <= absl::ZeroDuration()) return Write(answer, keep);
+    if (answer.delay <= absl::ZeroDuration()) return Write(answer, keep);
     // Nothing is under way meanwhile.
     use_.reset();
-    holding_back_.emplace(stream_.get_executor(), absl::ToChronoNanoseconds(answer.held_back));
+    holding_back_.emplace(stream_.get_executor(), absl::ToChronoNanoseconds(answer.delay));
     holding_back_->async_wait([weak = this->weak_from_this(), answer, keep](Error error) {
       const auto self = weak.lock();
       if (self != nullptr && !error) self->Write(answer, keep);

@@ -106,8 +106,8 @@ class WebSocket : public WebConnection, public std::enable_shared_from_this<WebS
   void OnAccepted() {
     accepted_ = true;
     if (opened_.stream == nullptr) {
-      if (opened_.held_back <= absl::ZeroDuration()) return End(opened_.close_code, opened_.reason);
-      return After(absl::ToChronoNanoseconds(opened_.held_back),
+      if (opened_.delay <= absl::ZeroDuration()) return End(opened_.close_code, opened_.reason);
+      return After(absl::ToChronoNanoseconds(opened_.delay),
                    [this] { End(opened_.close_code, opened_.reason); });
     }
     Read();
@@ -129,7 +129,7 @@ class WebSocket : public WebConnection, public std::enable_shared_from_this<WebS
       const CloseReason why = opened_.stream->WhyClose();
       if (why.code == 0) return AskWhetherItMayStay();
       Release();
-      End(why.code, why.words);
+      End(why.code, why.text);
     });
   }
 

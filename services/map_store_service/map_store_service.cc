@@ -4,7 +4,7 @@
 #include <string>
 #include <utility>
 
-#include "map_store/view/asleep_words.h"
+#include "map_store/view/asleep_error.h"
 
 namespace corbslam::services {
 

@@ -31,31 +31,32 @@ namespace {
 
 using ::testing::HasSubstr;
 
-// A clock that stands until it is set, and counts how often it was looked at.
+// A clock that stands until it is set, and counts how often it was read.
 class StandingClock {
  public:
   absl::Time Now() {
     absl::MutexLock lock(&mutex_);
-    ++looks_;
+    ++readings_;
     return now_;
   }
   void Advance(absl::Duration by) {
     absl::MutexLock lock(&mutex_);
     now_ += by;
   }
-  // Waits until somebody has looked at it so often again.
-  void AwaitLooks(int more) {
+  // Waits until somebody has read it so often again.
+  void AwaitReadings(int more) {
     absl::MutexLock lock(&mutex_);
-    const int enough = looks_ + more;
-    const auto looked = [this, enough]()
-                            ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { return looks_ >= enough; };
-    mutex_.Await(absl::Condition(&looked));
+    const int enough = readings_ + more;
+    const auto has_been_read = [this, enough]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
+      return readings_ >= enough;
+    };
+    mutex_.Await(absl::Condition(&has_been_read));
   }
 
  private:
   absl::Mutex mutex_;
   absl::Time now_ ABSL_GUARDED_BY(mutex_) = absl::FromUnixSeconds(1'700'000'000);
-  int looks_ ABSL_GUARDED_BY(mutex_) = 0;
+  int readings_ ABSL_GUARDED_BY(mutex_) = 0;
 };
 
 class CountingObserver : public SyncObserver {
@@ -154,7 +155,7 @@ TEST_F(MissionProfileServiceTest, SaysWhatIsWrongWithIt) {
   EXPECT_EQ(store_->ListMissions({})->items.size(), 0u);
 }
 
-// What a client makes of -1.
+// A client makes this of -1.
 TEST_F(MissionProfileServiceTest, NoLimitIsBeyondAllThatThereIs) {
   using Code = grpc::StatusCode;
   constexpr uint64_t kMinusOne = std::numeric_limits<uint64_t>::max();
@@ -265,7 +266,7 @@ class HeldAgentTest : public MissionProfileServiceTest {
       return 0;
     };
     EXPECT_EQ(next_answer(), 1u);
-    clock_.AwaitLooks(5);
+    clock_.AwaitReadings(5);
     EXPECT_EQ(observer_.received, opened_ + 1);
     clock_.Advance(absl::Seconds(1));
     EXPECT_EQ(next_answer(), 2u);

@@ -6,7 +6,7 @@
 #include "absl/time/clock.h"
 #include "absl/time/time.h"
 #include "map_store/ingest/quota.h"
-#include "map_store/view/asleep_words.h"
+#include "map_store/view/asleep_error.h"
 #include "services/convert/agent_report.h"
 #include "services/convert/keyframe_picture.h"
 #include "services/convert/limits.h"
@@ -312,7 +312,7 @@ absl::Status SyncReactor::Apply(const v1::MapUpdateBatch& part) {
   }
   awaited_.clear();
   timer_.Disarm();
-  ASSIGN_OR_RETURN(const Acknowledgement stored, ApplyWhole(*batch));
+  ASSIGN_OR_RETURN(const Acknowledgement stored, ApplyComplete(*batch));
   ticket_->ReleaseAll();
   v1::SyncResponse response;
   ToProto(stored, response.mutable_acknowledgement());
@@ -320,7 +320,7 @@ absl::Status SyncReactor::Apply(const v1::MapUpdateBatch& part) {
   return absl::OkStatus();
 }
 
-absl::StatusOr<Acknowledgement> SyncReactor::ApplyWhole(const MapUpdateBatch& batch) {
+absl::StatusOr<Acknowledgement> SyncReactor::ApplyComplete(const MapUpdateBatch& batch) {
   for (SyncObserver* observer : observers_) observer->OnBatch(who_, batch);
   const BatchTransfer transfer = std::exchange(transfer_, {});
   const auto stored = store_.Apply(*session_id_, batch, &transfer);

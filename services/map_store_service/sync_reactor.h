@@ -79,7 +79,7 @@ class SyncReactor : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteB
   absl::Status Apply(const v1::MapUpdateBatch& part);
   absl::Status NoteLocalised(const v1::LocalisedFrames& localised);
   absl::Status NoteReport(const v1::AgentReport& report);
-  absl::StatusOr<Acknowledgement> ApplyWhole(const MapUpdateBatch& batch);
+  absl::StatusOr<Acknowledgement> ApplyComplete(const MapUpdateBatch& batch);
   void Share();
   // Returns false if the link's budget is spent; a timer then wakes the stream when it is not any
   // more.

@@ -34,7 +34,7 @@ class WatchEventsReactor : public WatchReactor<v1::MissionEvent> {
     return absl::OkStatus();
   }
 
-  absl::StatusOr<Found> Look() override {
+  absl::StatusOr<Found> Poll() override {
     ASSIGN_OR_RETURN(const std::optional<map_store::MissionEvent> event,
                      store_.EventAfter(mission_, known_));
     if (!event.has_value()) return Found();

@@ -38,7 +38,7 @@ class WatchMapReactor : public WatchReactor<v1::WatchMapResponse> {
     return absl::OkStatus();
   }
 
-  absl::StatusOr<Found> Look() override {
+  absl::StatusOr<Found> Poll() override {
     ASSIGN_OR_RETURN(const std::optional<MapChanges> changes,
                      store_.NextChanges(mission_, kItemsInAPiece, watcher_));
     if (!changes.has_value()) return Found();

@@ -11,7 +11,7 @@
 #include "fusion_worker/local_fusion_worker.h"
 #include "services/command_line/setting.h"
 #include "services/fusion_worker_service/fusion_worker_service.h"
-#include "services/observe/kept_work/keeping_fusion_worker.h"
+#include "services/observe/adjustment_files/saving_fusion_worker.h"
 #include "services/programs/checks.h"
 #include "services/programs/observe_flags.h"
 #include "services/programs/program.h"
@@ -67,7 +67,7 @@ absl::StatusOr<std::unique_ptr<FusionWorker>> Keep(const std::string& folder,
     return absl::UnavailableError(
         absl::StrCat("--keep-adjustments ", folder, ": ", error.message()));
   }
-  return MakeKeepingFusionWorker(worker, folder);
+  return MakeSavingFusionWorker(worker, folder);
 }
 
 absl::Status Run(Flags flags) {

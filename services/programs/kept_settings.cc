@@ -8,9 +8,9 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/string_view.h"
 #include "services/security/pem_files.h"
+#include "slam/util/atomic_file.h"
 #include "slam/util/checksum.h"
 #include "slam/util/status_macros.h"
-#include "slam/util/whole_file.h"
 
 namespace corbslam::services {
 namespace {
@@ -36,7 +36,7 @@ absl::Status Damaged(const std::string& path, absl::string_view how) {
 
 }  // namespace
 
-absl::StatusOr<v1::RobotSettingsList> ReadKept(const std::string& path) {
+absl::StatusOr<v1::RobotSettingsList> ReadKeptSettings(const std::string& path) {
   std::error_code error;
   if (!std::filesystem::exists(path, error) && !error) return v1::RobotSettingsList();
   const absl::StatusOr<std::string> read = ReadListFile("--settings-kept", path);
@@ -56,8 +56,8 @@ absl::StatusOr<v1::RobotSettingsList> ReadKept(const std::string& path) {
   return Damaged(path, "can't be read as settings that a robot kept");
 }
 
-absl::Status WriteKept(const v1::RobotSettingsList& list, const std::string& path) {
-  if (absl::IsDataLoss(ReadKept(path).status())) {
+absl::Status WriteKeptSettings(const v1::RobotSettingsList& list, const std::string& path) {
+  if (absl::IsDataLoss(ReadKeptSettings(path).status())) {
     std::error_code error;
     std::filesystem::rename(path, path + ".damaged", error);
     if (error) {
@@ -67,7 +67,7 @@ absl::Status WriteKept(const v1::RobotSettingsList& list, const std::string& pat
   }
   const std::string bytes = list.SerializeAsString();
   const auto write = [&]() -> absl::Status {
-    ASSIGN_OR_RETURN(WholeFile file, WholeFile::Create(path, WholeFile::Old::kReplaced));
+    ASSIGN_OR_RETURN(AtomicFile file, AtomicFile::Create(path, AtomicFile::Old::kReplaced));
     RETURN_IF_ERROR(file.Append(HeadOf(bytes)));
     RETURN_IF_ERROR(file.Append(bytes));
     return file.Finish();

@@ -10,14 +10,15 @@
 
 namespace corbslam::services {
 
-// Reads what WriteKept wrote; empty if there is no such file. DATA_LOSS, with what to do, for one
-// that is empty, cut short or damaged, or that WriteKept did not write; UNAVAILABLE for one that
-// can't be read.
-absl::StatusOr<v1::RobotSettingsList> ReadKept(const std::string& path);
+// Reads what WriteKeptSettings wrote; empty if there is no such file. DATA_LOSS, with what to do,
+// for one that is empty, cut short or damaged, or that WriteKeptSettings did not write; UNAVAILABLE
+// for one that can't be read.
+absl::StatusOr<v1::RobotSettingsList> ReadKeptSettings(const std::string& path);
 
 // Replaces the file as a whole, and durably: a loss of power leaves the old one or the new one. A
-// file that ReadKept can't take is not overwritten, but gets ".damaged" at the end of its name.
-absl::Status WriteKept(const v1::RobotSettingsList& list, const std::string& path);
+// file that ReadKeptSettings can't take is not overwritten, but gets ".damaged" at the end of its
+// name.
+absl::Status WriteKeptSettings(const v1::RobotSettingsList& list, const std::string& path);
 
 }  // namespace corbslam::services
 

@@ -45,18 +45,18 @@ class KeptSettingsTest : public ::testing::Test {
 };
 
 TEST_F(KeptSettingsTest, WhatWasKeptIsReadAgain) {
-  ASSERT_TRUE(ReadKept(path_).ok());
-  EXPECT_THAT(ReadKept(path_)->settings(), IsEmpty());
-  ASSERT_TRUE(WriteKept(TwoSettings(), path_).ok());
-  EXPECT_EQ(ReadKept(path_)->SerializeAsString(), TwoSettings().SerializeAsString());
-  EXPECT_THAT(std::string(WriteKept(TwoSettings(), "/nowhere/kept").message()),
+  ASSERT_TRUE(ReadKeptSettings(path_).ok());
+  EXPECT_THAT(ReadKeptSettings(path_)->settings(), IsEmpty());
+  ASSERT_TRUE(WriteKeptSettings(TwoSettings(), path_).ok());
+  EXPECT_EQ(ReadKeptSettings(path_)->SerializeAsString(), TwoSettings().SerializeAsString());
+  EXPECT_THAT(std::string(WriteKeptSettings(TwoSettings(), "/nowhere/kept").message()),
               HasSubstr("/nowhere/kept"));
 }
 
 TEST_F(KeptSettingsTest, OlderAndNewerRobotsReadTheSameFile) {
   SetBytes(TwoSettings().SerializeAsString());
-  EXPECT_EQ(ReadKept(path_)->settings_size(), 2) << "an older one has written no checksum";
-  ASSERT_TRUE(WriteKept(TwoSettings(), path_).ok());
+  EXPECT_EQ(ReadKeptSettings(path_)->settings_size(), 2) << "an older one has written no checksum";
+  ASSERT_TRUE(WriteKeptSettings(TwoSettings(), path_).ok());
   v1::RobotSettingsList as_older;
   ASSERT_TRUE(as_older.ParseFromString(Bytes()));
   EXPECT_EQ(as_older.settings_size(), 2);
@@ -64,11 +64,11 @@ TEST_F(KeptSettingsTest, OlderAndNewerRobotsReadTheSameFile) {
 
 // After a loss of power or on a bad disk: never as if nothing had been kept.
 TEST_F(KeptSettingsTest, AFileThatIsEmptyCutShortOrChangedIsDamaged) {
-  ASSERT_TRUE(WriteKept(TwoSettings(), path_).ok());
+  ASSERT_TRUE(WriteKeptSettings(TwoSettings(), path_).ok());
   const std::string whole = Bytes();
   for (size_t size = 0; size < whole.size(); ++size) {
     SetBytes(whole.substr(0, size));
-    const absl::Status status = ReadKept(path_).status();
+    const absl::Status status = ReadKeptSettings(path_).status();
     ASSERT_TRUE(absl::IsDataLoss(status)) << size << " of " << whole.size() << ": " << status;
     ASSERT_THAT(std::string(status.message()), HasSubstr(path_));
   }
@@ -76,22 +76,22 @@ TEST_F(KeptSettingsTest, AFileThatIsEmptyCutShortOrChangedIsDamaged) {
     std::string changed = whole;
     changed[i] ^= 4;
     SetBytes(changed);
-    ASSERT_FALSE(ReadKept(path_).ok()) << i;
+    ASSERT_FALSE(ReadKeptSettings(path_).ok()) << i;
   }
   SetBytes("");
-  EXPECT_THAT(std::string(ReadKept(path_).status().message()), HasSubstr("is empty"));
+  EXPECT_THAT(std::string(ReadKeptSettings(path_).status().message()), HasSubstr("is empty"));
 }
 
 TEST_F(KeptSettingsTest, AFolderIsSaidAndEndsNothing) {
-  EXPECT_TRUE(absl::IsUnavailable(ReadKept(::testing::TempDir()).status()));
-  EXPECT_FALSE(WriteKept(TwoSettings(), ::testing::TempDir()).ok());
+  EXPECT_TRUE(absl::IsUnavailable(ReadKeptSettings(::testing::TempDir()).status()));
+  EXPECT_FALSE(WriteKeptSettings(TwoSettings(), ::testing::TempDir()).ok());
 }
 
 TEST_F(KeptSettingsTest, WhatIsNoneOfItsFilesIsNotOverwritten) {
   SetBytes("somebody's notes");
-  EXPECT_TRUE(absl::IsDataLoss(ReadKept(path_).status()));
-  ASSERT_TRUE(WriteKept(TwoSettings(), path_).ok());
-  EXPECT_EQ(ReadKept(path_)->settings_size(), 2);
+  EXPECT_TRUE(absl::IsDataLoss(ReadKeptSettings(path_).status()));
+  ASSERT_TRUE(WriteKeptSettings(TwoSettings(), path_).ok());
+  EXPECT_EQ(ReadKeptSettings(path_)->settings_size(), 2);
   EXPECT_EQ(std::filesystem::file_size(path_ + ".damaged"), 16u);
 }
 

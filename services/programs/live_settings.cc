@@ -20,7 +20,7 @@ namespace corbslam::services {
 namespace {
 
 constexpr absl::Duration kAskFor = absl::Seconds(10);
-// Of refusals that the statistics name.
+// The statistics name so many refusals.
 constexpr size_t kMostRefusals = 20;
 
 absl::StatusOr<v1::RobotSettingsList> AskStore(const std::shared_ptr<grpc::Channel>& channel,
@@ -74,7 +74,7 @@ SettableFlags LiveSettings::Begin(const absl::StatusOr<v1::RobotSettingsList>& t
   absl::MutexLock lock(&mutex_);
   ReadKeys();
   if (!options_.files.kept.empty() && book_.has_value()) {
-    const absl::StatusOr<v1::RobotSettingsList> kept = ReadKept(options_.files.kept);
+    const absl::StatusOr<v1::RobotSettingsList> kept = ReadKeptSettings(options_.files.kept);
     if (!kept.ok()) Refuse(kept.status());
     if (kept.ok()) Take(*kept, /*keep=*/false);
   }
@@ -123,7 +123,7 @@ bool LiveSettings::Take(const v1::RobotSettingsList& list, bool keep) {
 
 void LiveSettings::Keep() {
   if (options_.files.kept.empty()) return;
-  const absl::Status kept = WriteKept(book_->list(), options_.files.kept);
+  const absl::Status kept = WriteKeptSettings(book_->list(), options_.files.kept);
   LOG_IF(ERROR, !kept.ok()) << kept;
 }
 

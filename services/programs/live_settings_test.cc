@@ -172,7 +172,7 @@ TEST_F(LiveSettingsTest, AFileThatIsDamagedIsToldAndEndsNothing) {
   v1::RobotSettings settings = Settings(4);
   settings.set_max_frame_rate_hz(5);
   live->OnSettings(Sign(settings));
-  EXPECT_EQ(ReadKept(kept_)->settings_size(), 1);
+  EXPECT_EQ(ReadKeptSettings(kept_)->settings_size(), 1);
 }
 
 TEST_F(LiveSettingsTest, AKeyThatCannotBeReadIsReadWhenItComes) {

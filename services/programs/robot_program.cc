@@ -37,8 +37,8 @@
 #include "services/programs/start_lines.h"
 #include "services/server/self_watch.h"
 #include "services/server/server.h"
+#include "slam/util/atomic_file.h"
 #include "slam/util/status_macros.h"
-#include "slam/util/whole_file.h"
 #include "slam/vocabulary/vocabulary.h"
 
 namespace corbslam::services {
@@ -132,7 +132,7 @@ absl::Status WriteResults(const RobotFlags& flags, const Agent& agent, const Tol
   if (!flags.told.empty()) RETURN_IF_ERROR(WriteToldPaths(told.paths(), flags.told));
   LOG(INFO) << WhoOf(flags) << DescribeEnd(report);
   if (flags.stats.empty()) return absl::OkStatus();
-  return WriteWhole(flags.stats, ToJson(report).dump(2) + "\n");
+  return WriteAtomically(flags.stats, ToJson(report).dump(2) + "\n");
 }
 
 std::unique_ptr<LiveSettings> MakeLiveSettings(const RobotFlags& flags,

@@ -55,7 +55,7 @@ absl::Status CheckSettingsFiles(const SettingsFlags& flags) {
         absl::StrCat("--settings-key ", flags.key, ": ", keys.message()));
   }
   if (flags.kept.empty()) return absl::OkStatus();
-  const absl::Status kept = ReadKept(flags.kept).status();
+  const absl::Status kept = ReadKeptSettings(flags.kept).status();
   return kept.ok() ? kept : absl::InvalidArgumentError(kept.message());
 }
 

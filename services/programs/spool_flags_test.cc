@@ -66,12 +66,12 @@ TEST(SpoolFlagsTest, WhatOlderRobotsLeftIsRead) {
   while (std::getline(expected, line)) {
     if (line.empty() || line.front() == '#') continue;
     SCOPED_TRACE(line);
-    std::istringstream words(line);
+    std::istringstream fields(line);
     SpoolFlags flags;
     std::string name;
     size_t records = 0;
     size_t keyframes = 0;
-    ASSERT_TRUE(words >> name >> records >> keyframes);
+    ASSERT_TRUE(fields >> name >> records >> keyframes);
     flags.folder = (fs::path(::testing::TempDir()) / name).string();
     fs::remove_all(flags.folder);
     fs::copy(golden / name, flags.folder, fs::copy_options::recursive);

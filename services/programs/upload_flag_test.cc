@@ -27,7 +27,7 @@ TEST(UploadFlagTest, SaysWhatGoesUpOfAKeyframe) {
 }
 
 TEST(UploadFlagTest, WhatItIsNotIsRefusedByName) {
-  for (const auto& [upload, words] : std::vector<std::pair<std::string, std::string>>{
+  for (const auto& [upload, text] : std::vector<std::pair<std::string, std::string>>{
            {"", "must be features=all"},
            {"all", "must be features=all"},
            {"features=all&", "must be features=all"},
@@ -43,7 +43,7 @@ TEST(UploadFlagTest, WhatItIsNotIsRefusedByName) {
            {"pictures=320", "must be features=all"}}) {
     const absl::Status status = Parse(upload).status();
     EXPECT_TRUE(absl::IsInvalidArgument(status)) << upload << ": " << status;
-    EXPECT_THAT(std::string(status.message()), HasSubstr(words)) << upload;
+    EXPECT_THAT(std::string(status.message()), HasSubstr(text)) << upload;
   }
 }
 

@@ -21,37 +21,37 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// An address as /proc/net/tcp writes it: words of 32 bits in the processor's own order.
+// An address as /proc/net/tcp writes it: pieces of 32 bits in the processor's own order.
 struct LocalAddress {
   std::string ip;
   std::string port;
 };
 
 template <typename T>
-std::string WordsOf(const T& bytes) {
-  std::string words;
+std::string HexOf(const T& bytes) {
+  std::string fields;
   for (size_t i = 0; i < sizeof(bytes); i += sizeof(uint32_t)) {
     uint32_t word = 0;
     std::memcpy(&word, reinterpret_cast<const char*>(&bytes) + i, sizeof(word));
-    absl::StrAppendFormat(&words, "%08X", word);
+    absl::StrAppendFormat(&fields, "%08X", word);
   }
-  return words;
+  return fields;
 }
 
 // Returns the IPv4 part of a mapped address: gRPC's servers listen on IPv4's addresses by sockets
 // of IPv6 (::ffff:127.0.0.1).
 std::string WithoutMapping(const std::string& ip) {
-  const std::string prefix = absl::StrCat("0000000000000000", WordsOf(htonl(0xffff)));
+  const std::string prefix = absl::StrCat("0000000000000000", HexOf(htonl(0xffff)));
   return absl::StartsWith(ip, prefix) ? ip.substr(prefix.size()) : ip;
 }
 
 LocalAddress AddressOf(const sockaddr_storage& address) {
   if (address.ss_family == AF_INET6) {
     const auto& v6 = reinterpret_cast<const sockaddr_in6&>(address);
-    return {WithoutMapping(WordsOf(v6.sin6_addr)), absl::StrFormat("%04X", ntohs(v6.sin6_port))};
+    return {WithoutMapping(HexOf(v6.sin6_addr)), absl::StrFormat("%04X", ntohs(v6.sin6_port))};
   }
   const auto& v4 = reinterpret_cast<const sockaddr_in&>(address);
-  return {WordsOf(v4.sin_addr), absl::StrFormat("%04X", ntohs(v4.sin_port))};
+  return {HexOf(v4.sin_addr), absl::StrFormat("%04X", ntohs(v4.sin_port))};
 }
 
 bool IsAny(const std::string& ip) { return ip.find_first_not_of('0') == std::string::npos; }
@@ -74,13 +74,13 @@ void ReadHolders(const char* table, const LocalAddress& wanted, Holders& holders
   std::string line;
   std::getline(sockets, line);  // The first line has the headings.
   while (std::getline(sockets, line)) {
-    const std::vector<std::string> words = absl::StrSplit(line, ' ', absl::SkipEmpty());
-    if (words.size() <= kInode || words[kInode] == "0") continue;
-    const std::vector<std::string> local = absl::StrSplit(words[kAddress], ':');
+    const std::vector<std::string> fields = absl::StrSplit(line, ' ', absl::SkipEmpty());
+    if (fields.size() <= kInode || fields[kInode] == "0") continue;
+    const std::vector<std::string> local = absl::StrSplit(fields[kAddress], ':');
     if (local.size() != 2 || !ExcludeEachOther({WithoutMapping(local[0]), local[1]}, wanted)) {
       continue;
     }
-    (words[kState] == "0A" ? holders.listening : holders.connected).insert(words[kInode]);
+    (fields[kState] == "0A" ? holders.listening : holders.connected).insert(fields[kInode]);
   }
 }
 

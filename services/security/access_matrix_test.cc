@@ -56,14 +56,14 @@ const std::map<char, std::string>& Grants() {
 }
 
 // Everybody who may look into missions/lab, and who may administer it.
-constexpr char kLookers[] = "abgpv";
+constexpr char kMayLook[] = "abgpv";
 constexpr char kOperators[] = "gp";
 
 struct Row {
   std::string method;
   std::string request;
-  std::string may;    // The callers whom it lets in.
-  std::string words;  // What the others are told that they may not do.
+  std::string may;      // The callers whom it lets in.
+  std::string refusal;  // What the others are told that they may not do.
 };
 
 // Nothing is there of what these ask for, so that every call ends soon; what CreateMission makes
@@ -72,14 +72,14 @@ const std::vector<Row>& StoreRows() {
   static const auto& rows = *new std::vector<Row>{
       {"Sync", R"({"open": {"mission": "missions/lab", "agent": "alpha", "localise_only": true}})",
        "a", "upload to "},
-      {"WatchMap", R"({"mission": "missions/lab"})", kLookers, "look into "},
-      {"ReplayMap", R"({"mission": "missions/lab"})", kLookers, "look into "},
-      {"WatchEvents", R"({"mission": "missions/lab"})", kLookers, "look into "},
+      {"WatchMap", R"({"mission": "missions/lab"})", kMayLook, "look into "},
+      {"ReplayMap", R"({"mission": "missions/lab"})", kMayLook, "look into "},
+      {"WatchEvents", R"({"mission": "missions/lab"})", kMayLook, "look into "},
       {"ListMissions", "{}", "abefgopv", "list missions"},
-      {"GetMission", R"({"name": "missions/lab"})", kLookers, "look into "},
+      {"GetMission", R"({"name": "missions/lab"})", kMayLook, "look into "},
       {"UpdateMission", R"({"mission": {"name": "missions/lab"}})", kOperators, "administer "},
       {"SetRobotSettings", R"({"name": "missions/lab/agents/alpha"})", kOperators, "administer "},
-      {"GetRobotSettings", R"({"name": "missions/lab/agents/alpha"})", kLookers, "look into "},
+      {"GetRobotSettings", R"({"name": "missions/lab/agents/alpha"})", kMayLook, "look into "},
       {"DeleteMission", R"({"name": "missions/lab"})", kOperators, "administer "},
       {"SleepMission", R"({"name": "missions/lab"})", kOperators, "administer "},
       {"BackupMission", R"({"name": "missions/lab"})", kOperators, "administer "},
@@ -95,19 +95,19 @@ const std::vector<Row>& StoreRows() {
       {"VerifyStoredBackup", R"({"backup": "missions/lab/backups/1"})", kOperators, "administer "},
       {"DeleteStoredBackup", R"({"backup": "missions/lab/backups/1"})", kOperators, "administer "},
       {"ArchiveMission", R"({"name": "missions/lab"})", kOperators, "administer "},
-      {"ListAgents", R"({"parent": "missions/lab"})", kLookers, "look into "},
-      {"ListLocalMaps", R"({"parent": "missions/lab"})", kLookers, "look into "},
-      {"GetLocalMap", R"({"name": "missions/lab/localMaps/1"})", kLookers, "look into "},
-      {"ListKeyframes", R"({"parent": "missions/lab/localMaps/1"})", kLookers, "look into "},
-      {"GetKeyframe", R"({"name": "missions/lab/localMaps/1/keyframes/1"})", kLookers,
+      {"ListAgents", R"({"parent": "missions/lab"})", kMayLook, "look into "},
+      {"ListLocalMaps", R"({"parent": "missions/lab"})", kMayLook, "look into "},
+      {"GetLocalMap", R"({"name": "missions/lab/localMaps/1"})", kMayLook, "look into "},
+      {"ListKeyframes", R"({"parent": "missions/lab/localMaps/1"})", kMayLook, "look into "},
+      {"GetKeyframe", R"({"name": "missions/lab/localMaps/1/keyframes/1"})", kMayLook,
        "look into "},
       {"AskForExactPlaces", R"({"name": "missions/lab/agents/alpha"})", kOperators, "administer "},
-      {"GetStatistics", R"({"mission": "missions/lab"})", kLookers, "look into "},
-      {"Localize", R"({"mission": "missions/lab"})", kLookers, "look into "},
-      {"LocalizeStream", R"({"mission": "missions/lab"})", kLookers, "look into "},
-      {"GetTrajectory", R"({"name": "missions/lab/agents/-", "frame": 1})", kLookers, "look into "},
-      {"ListOverlaps", R"({"parent": "missions/lab"})", kLookers, "look into "},
-      {"GetOverlap", R"({"name": "missions/lab/overlaps/1"})", kLookers, "look into "},
+      {"GetStatistics", R"({"mission": "missions/lab"})", kMayLook, "look into "},
+      {"Localize", R"({"mission": "missions/lab"})", kMayLook, "look into "},
+      {"LocalizeStream", R"({"mission": "missions/lab"})", kMayLook, "look into "},
+      {"GetTrajectory", R"({"name": "missions/lab/agents/-", "frame": 1})", kMayLook, "look into "},
+      {"ListOverlaps", R"({"parent": "missions/lab"})", kMayLook, "look into "},
+      {"GetOverlap", R"({"name": "missions/lab/overlaps/1"})", kMayLook, "look into "},
       {"RetractOverlap", R"({"name": "missions/lab/overlaps/1"})", kOperators, "administer "},
       {"ForgetLocalMaps", R"({"parent": "missions/lab/agents/alpha"})", kOperators, "administer "},
       {"RederiveGlobalLayer", R"({"name": "missions/lab"})", kOperators, "administer "},
@@ -128,11 +128,11 @@ const std::vector<Row>& WorkerRows() {
 // Those of agent alpha of missions/lab.
 const std::vector<Row>& AgentRows() {
   static const auto& rows =
-      *new std::vector<Row>{{"WatchPose", "{}", kLookers, "look into missions/lab"},
-                            {"WatchEvents", "{}", kLookers, "look into missions/lab"},
-                            {"WatchMap", "{}", kLookers, "look into missions/lab"},
-                            {"GetStatus", "{}", kLookers, "look into missions/lab"},
-                            {"GetTrajectory", "{}", kLookers, "look into missions/lab"},
+      *new std::vector<Row>{{"WatchPose", "{}", kMayLook, "look into missions/lab"},
+                            {"WatchEvents", "{}", kMayLook, "look into missions/lab"},
+                            {"WatchMap", "{}", kMayLook, "look into missions/lab"},
+                            {"GetStatus", "{}", kMayLook, "look into missions/lab"},
+                            {"GetTrajectory", "{}", kMayLook, "look into missions/lab"},
                             {"PauseMapping", "{}", "agp", "give orders to alpha of missions/lab"},
                             {"ResumeMapping", "{}", "agp", "give orders to alpha of missions/lab"},
                             {"OpenNewMap", "{}", "agp", "give orders to alpha of missions/lab"},
@@ -235,7 +235,7 @@ class AccessMatrixTest : public ::testing::Test {
     } else {
       EXPECT_EQ(status.code(), absl::StatusCode::kPermissionDenied) << who << ": " << status;
       EXPECT_TRUE(absl::StartsWith(status.message(),
-                                   absl::StrCat(Grants().at(caller), " may not ", row.words)))
+                                   absl::StrCat(Grants().at(caller), " may not ", row.refusal)))
           << who << ": " << status;
     }
   }

@@ -110,10 +110,10 @@ void CredentialWatch::Start() {
 }
 
 void CredentialWatch::Run() {
-  while (!stop_.WaitForNotificationWithTimeout(interval_)) Look();
+  while (!stop_.WaitForNotificationWithTimeout(interval_)) Poll();
 }
 
-void CredentialWatch::Look() {
+void CredentialWatch::Poll() {
   absl::MutexLock lock(&mutex_);
   for (Watched& watched : watched_) LookAt(watched);
 }

@@ -70,10 +70,10 @@ class CredentialWatch {
   // Does the same, but one that is bad is said in the log and watched all the same: nothing is in
   // force until it is good.
   void AddOrWait(Source source);
-  // Begins to look. Called once.
+  // Begins to poll. Called once.
   void Start();
   // Reads all sources now.
-  void Look() ABSL_LOCKS_EXCLUDED(mutex_);
+  void Poll() ABSL_LOCKS_EXCLUDED(mutex_);
 
   std::vector<CredentialState> states() const ABSL_LOCKS_EXCLUDED(mutex_);
 

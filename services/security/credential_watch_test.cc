@@ -28,11 +28,11 @@ class CredentialWatchTest : public ::testing::Test {
 
 TEST_F(CredentialWatchTest, TakesWhatIsNewOnce) {
   EXPECT_EQ(taken_, "first");
-  watch_.Look();
+  watch_.Poll();
   EXPECT_EQ(State().taken, 0u);
   file_ = "second";
-  watch_.Look();
-  watch_.Look();
+  watch_.Poll();
+  watch_.Poll();
   EXPECT_EQ(taken_, "second");
   EXPECT_EQ(State().taken, 1u);
 }
@@ -40,10 +40,10 @@ TEST_F(CredentialWatchTest, TakesWhatIsNewOnce) {
 // Key and certificate are written one after the other.
 TEST_F(CredentialWatchTest, BearsWithAFileThatIsBadForAMoment) {
   file_ = absl::InvalidArgumentError("the key is another's");
-  watch_.Look();
+  watch_.Poll();
   EXPECT_FALSE(State().refused);
   file_ = "second";
-  watch_.Look();
+  watch_.Poll();
   EXPECT_EQ(taken_, "second");
   EXPECT_FALSE(State().refused);
 }
@@ -53,13 +53,13 @@ TEST_F(CredentialWatchTest, KeepsTheOldWhileTheNewIsBad) {
        {absl::StatusOr<std::string>(absl::InvalidArgumentError("gone")),
         absl::StatusOr<std::string>("broken")}) {
     file_ = bad;
-    watch_.Look();
-    watch_.Look();
+    watch_.Poll();
+    watch_.Poll();
     EXPECT_TRUE(State().refused);
     EXPECT_EQ(taken_, "first");
   }
   file_ = "first";
-  watch_.Look();
+  watch_.Poll();
   EXPECT_FALSE(State().refused);
   EXPECT_EQ(State().taken, 0u);
 }
@@ -83,10 +83,10 @@ TEST_F(CredentialWatchTest, WhatMayComeIsWatchedAndTaken) {
                    }});
   ASSERT_EQ(watch.states().size(), 1u);
   EXPECT_TRUE(watch.states()[0].refused);
-  watch.Look();
+  watch.Poll();
   EXPECT_EQ(taken, "");
   file = "new";
-  watch.Look();
+  watch.Poll();
   EXPECT_EQ(taken, "new");
   EXPECT_FALSE(watch.states()[0].refused);
   EXPECT_EQ(watch.states()[0].taken, 1u);
@@ -96,7 +96,7 @@ TEST_F(CredentialWatchTest, ThereIsAStateOfEachCredential) {
   EXPECT_EQ(CredentialStates().size(), 5u);
   watch_.Start();
   file_ = "second";
-  watch_.Look();
+  watch_.Poll();
   const CredentialState state = CredentialStates().at(static_cast<size_t>(Credential::kTokenKeys));
   EXPECT_EQ(state.credential, Credential::kTokenKeys);
   EXPECT_EQ(state.taken, 1u);

@@ -16,7 +16,7 @@ namespace corbslam::services {
 namespace {
 
 // gRPC looks at the files so often, in seconds.
-constexpr unsigned kLookInterval_s = 1;
+constexpr unsigned kPollInterval_s = 1;
 
 absl::Status NoMemoryFile() {
   return absl::ResourceExhaustedError(
@@ -75,7 +75,7 @@ absl::Status KeyMaterial::SetAuthorities(absl::string_view pem) {
 std::shared_ptr<grpc::experimental::CertificateProviderInterface> KeyMaterial::MakeProvider()
     const {
   return std::make_shared<grpc::experimental::FileWatcherCertificateProvider>(
-      pair_.path(), pair_.path(), authorities_.path(), kLookInterval_s);
+      pair_.path(), pair_.path(), authorities_.path(), kPollInterval_s);
 }
 
 }  // namespace corbslam::services

@@ -93,8 +93,8 @@ absl::StatusOr<RevokedList> ParseRevoked(const std::string& path, const std::str
 }
 
 // Has the watch look after a source, which may not be good yet where the options say so.
-absl::Status Look(const SecurityOptions& options, CredentialWatch::Source source,
-                  CredentialWatch& watch) {
+absl::Status WatchSource(const SecurityOptions& options, CredentialWatch::Source source,
+                         CredentialWatch& watch) {
   if (!options.files_may_come) return watch.Add(std::move(source));
   watch.AddOrWait(std::move(source));
   return absl::OkStatus();
@@ -120,10 +120,10 @@ absl::Status WatchPair(const SecurityOptions& options, Living& living) {
     RETURN_IF_ERROR(
         living.material.SetPair(absl::StrCat(nobodys.key_pem, "\n", nobodys.certificate_pem)));
   }
-  return Look(options,
-              {Credential::kCertificate, read,
-               [&living](const std::string& pem) { return living.material.SetPair(pem); }},
-              living.watch);
+  return WatchSource(options,
+                     {Credential::kCertificate, read,
+                      [&living](const std::string& pem) { return living.material.SetPair(pem); }},
+                     living.watch);
 }
 
 absl::Status WatchAuthorities(const SecurityOptions& options, Living& living) {
@@ -132,10 +132,11 @@ absl::Status WatchAuthorities(const SecurityOptions& options, Living& living) {
     ASSIGN_OR_RETURN(const KeyPair nobodys, MakePlaceholderPair());
     RETURN_IF_ERROR(living.material.SetAuthorities(nobodys.certificate_pem));
   }
-  return Look(options,
-              {Credential::kAuthorities, [options] { return ReadAuthorities(options.ca_file); },
-               [&living](const std::string& pem) { return living.material.SetAuthorities(pem); }},
-              living.watch);
+  return WatchSource(
+      options,
+      {Credential::kAuthorities, [options] { return ReadAuthorities(options.ca_file); },
+       [&living](const std::string& pem) { return living.material.SetAuthorities(pem); }},
+      living.watch);
 }
 
 absl::Status WatchTokenKeys(const SecurityOptions& options, Living& living) {
@@ -146,14 +147,14 @@ absl::Status WatchTokenKeys(const SecurityOptions& options, Living& living) {
     RETURN_IF_ERROR(ParseTokenKeys(path, pem).status());
     return pem;
   };
-  return Look(options,
-              {Credential::kTokenKeys, read,
-               [path, &living](const std::string& pem) -> absl::Status {
-                 ASSIGN_OR_RETURN(TokenVerifier verifier, ParseTokenKeys(path, pem));
-                 living.access->SetTokens(std::move(verifier));
-                 return absl::OkStatus();
-               }},
-              living.watch);
+  return WatchSource(options,
+                     {Credential::kTokenKeys, read,
+                      [path, &living](const std::string& pem) -> absl::Status {
+                        ASSIGN_OR_RETURN(TokenVerifier verifier, ParseTokenKeys(path, pem));
+                        living.access->SetTokens(std::move(verifier));
+                        return absl::OkStatus();
+                      }},
+                     living.watch);
 }
 
 absl::Status WatchRevoked(const SecurityOptions& options, Living& living) {

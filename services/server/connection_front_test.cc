@@ -41,9 +41,9 @@ class Stranger {
 
   // Says what begins HTTP/2, as a client that will never ask.
   void Speak() const {
-    const std::string words("PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n\0\0\0\4\0\0\0\0\0", 33);
-    EXPECT_EQ(send(fd_, words.data(), words.size(), MSG_NOSIGNAL),
-              static_cast<ssize_t>(words.size()));
+    const std::string bytes("PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n\0\0\0\4\0\0\0\0\0", 33);
+    EXPECT_EQ(send(fd_, bytes.data(), bytes.size(), MSG_NOSIGNAL),
+              static_cast<ssize_t>(bytes.size()));
   }
   // Returns true if the server has ended it.
   bool IsOver() const {

@@ -48,7 +48,7 @@ absl::StatusOr<std::string> ReadWhole(const fs::path& path) {
 }
 
 WebResponse Missing(const std::string& path) {
-  return WordsResponse(404, absl::StrCat("there is no ", path.substr(0, 200)));
+  return TextResponse(404, absl::StrCat("there is no ", path.substr(0, 200)));
 }
 
 }  // namespace

@@ -102,8 +102,8 @@ Viewer::Viewer(const std::shared_ptr<grpc::Channel>& store, MissionFeeds::Robots
       pool_(4 * options.threads) {}
 
 WebResponse Viewer::AnswerPage(const WebRequest& request) const {
-  if (request.path == "/healthz") return WordsResponse(200, "ok");
-  if (!page_.ok()) return WordsResponse(503, page_.status().message());
+  if (request.path == "/healthz") return TextResponse(200, "ok");
+  if (!page_.ok()) return TextResponse(503, page_.status().message());
   return page_->Answer(request);
 }
 
@@ -113,7 +113,7 @@ void Viewer::Answer(const WebRequest& request, Respond respond) {
     respond(std::move(response));
   };
   if (request.method != "GET" && request.method != "HEAD") {
-    WebResponse refusal = WordsResponse(405, "a viewer only shows");
+    WebResponse refusal = TextResponse(405, "a viewer only shows");
     refusal.headers["Allow"] = "GET, HEAD";
     return safely(std::move(refusal));
   }
@@ -124,7 +124,7 @@ void Viewer::Answer(const WebRequest& request, Respond respond) {
     scheduled = pool_.ScheduleCall([this, request, safely, slot = *std::move(slot)] {
       WebResponse response = api_.Answer(request);
       if (response.status == 401 || response.status == 403) {
-        response.held_back = refusals_.Note(request.host, absl::Now());
+        response.delay = refusals_.Note(request.host, absl::Now());
       }
       safely(std::move(response));
     });
@@ -153,7 +153,7 @@ OpenedStream Viewer::Open(const WebRequest& request, std::function<void()> wake)
   }
   if (const absl::Status may = MayLook(request.token, name); !may.ok()) {
     OpenedStream refused = Refuse(may);
-    if (IsOfToken(may)) refused.held_back = refusals_.Note(request.host, absl::Now());
+    if (IsOfToken(may)) refused.delay = refusals_.Note(request.host, absl::Now());
     return refused;
   }
   absl::StatusOr<std::shared_ptr<MissionFeed>> feed = feeds_.Follow(name);

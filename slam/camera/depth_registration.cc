@@ -49,11 +49,11 @@ double FoldOf(const RadialTangential& lens) {
 }
 
 template <typename Depth>
-constexpr bool kIsWhole = std::is_integral_v<Depth>;
+constexpr bool kIsInteger = std::is_integral_v<Depth>;
 
 template <typename Depth>
 float ToMetres(Depth value, float units_per_m) {
-  if constexpr (kIsWhole<Depth>) {
+  if constexpr (kIsInteger<Depth>) {
     return value == std::numeric_limits<Depth>::max() ? 0 : static_cast<float>(value) / units_per_m;
   } else {
     return std::isfinite(value) ? value : 0;
@@ -63,7 +63,7 @@ float ToMetres(Depth value, float units_per_m) {
 // Returns 0 for what the type can't hold.
 template <typename Depth>
 Depth FromMetres(float z_m, float units_per_m) {
-  if constexpr (kIsWhole<Depth>) {
+  if constexpr (kIsInteger<Depth>) {
     const float units = std::round(z_m * units_per_m);
     return units < std::numeric_limits<Depth>::max() ? static_cast<Depth>(units) : Depth{0};
   } else {

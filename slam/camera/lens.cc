@@ -179,7 +179,7 @@ Direction Behind(const UnifiedSphere& lens, const Eigen::Vector2d& seen) {
   return Eigen::Vector3d(factor * m.x(), factor * m.y(), factor - lens.xi).normalized();
 }
 
-std::string Words(const RadialTangential& lens) {
+std::string TextOf(const RadialTangential& lens) {
   if (lens.IsZero()) return "no distortion";
   std::string text = absl::StrCat("radial-tangential distortion k1 ", lens.k1, " k2 ", lens.k2,
                                   " p1 ", lens.p1, " p2 ", lens.p2, " k3 ", lens.k3);
@@ -189,17 +189,17 @@ std::string Words(const RadialTangential& lens) {
   return text;
 }
 
-std::string Words(const Equidistant& lens) {
+std::string TextOf(const Equidistant& lens) {
   return absl::StrCat("equidistant fisheye k1 ", lens.k1, " k2 ", lens.k2, " k3 ", lens.k3, " k4 ",
                       lens.k4);
 }
 
-std::string Words(const DoubleSphere& lens) {
+std::string TextOf(const DoubleSphere& lens) {
   return absl::StrCat("double sphere xi ", lens.xi, " alpha ", lens.alpha);
 }
 
-std::string Words(const UnifiedSphere& lens) {
-  return absl::StrCat("unified sphere xi ", lens.xi, ", ", Words(lens.distortion));
+std::string TextOf(const UnifiedSphere& lens) {
+  return absl::StrCat("unified sphere xi ", lens.xi, ", ", TextOf(lens.distortion));
 }
 
 }  // namespace
@@ -215,7 +215,7 @@ absl::string_view NameOf(const LensModel& model) {
 }
 
 std::string DescribeLens(const LensModel& model) {
-  return std::visit([](const auto& lens) { return Words(lens); }, model);
+  return std::visit([](const auto& lens) { return TextOf(lens); }, model);
 }
 
 std::optional<Eigen::Vector2d> SeenAt(const LensModel& model, const Eigen::Vector3d& direction) {

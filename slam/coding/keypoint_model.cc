@@ -62,7 +62,7 @@ int64_t NearbyKeypoints::RowOf(int32_t y_px64) const {
 void NearbyKeypoints::Add(const CodedKeypoint& keypoint) {
   Cell& cell =
       cells_[static_cast<size_t>(RowOf(keypoint.y_px64) * kCells + ColumnOf(keypoint.x_px64))];
-  cell.keypoints[cell.added++ % kKept] = keypoint;
+  cell.keypoints[cell.added++ % kMaxKeypoints] = keypoint;
 }
 
 const CodedKeypoint* NearbyKeypoints::FindNearest(int32_t x_px64, int32_t y_px64) const {
@@ -75,7 +75,7 @@ const CodedKeypoint* NearbyKeypoints::FindNearest(int32_t x_px64, int32_t y_px64
     for (int64_t c = std::max<int64_t>(column - 1, 0);
          c <= std::min<int64_t>(column + 1, kCells - 1); ++c) {
       const Cell& cell = cells_[static_cast<size_t>(r * kCells + c)];
-      for (size_t i = 0; i < std::min(cell.added, kKept); ++i) {
+      for (size_t i = 0; i < std::min(cell.added, kMaxKeypoints); ++i) {
         const int64_t distance = std::abs(int64_t{cell.keypoints[i].x_px64} - x_px64) +
                                  std::abs(int64_t{cell.keypoints[i].y_px64} - y_px64);
         if (distance >= least) continue;

@@ -59,9 +59,9 @@ class NearbyKeypoints {
 
  private:
   static constexpr int kCells = 32;  // Cells along each side.
-  static constexpr size_t kKept = 4;
+  static constexpr size_t kMaxKeypoints = 4;
   struct Cell {
-    std::array<CodedKeypoint, kKept> keypoints;
+    std::array<CodedKeypoint, kMaxKeypoints> keypoints;
     size_t added = 0;
   };
 

@@ -9,7 +9,7 @@
 
 namespace corbslam {
 
-// A status crosses the wire as its code and words alone, and ABORTED has other reasons, too.
+// A status crosses the wire as its code and message alone, and ABORTED has other reasons, too.
 inline constexpr char kMissionWasDeleted[] = " was deleted";
 
 // The ABORTED that ends the sessions of a mission that is deleted.

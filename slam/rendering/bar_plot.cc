@@ -58,19 +58,19 @@ double RowCentre(size_t row) { return kTop_px + (static_cast<double>(row) + 0.5)
 
 }  // namespace
 
-std::string DrawBarPlot(const BarPlot& plot, SvgLook look) {
+std::string DrawBarPlot(const BarPlot& plot, SvgStyle style) {
   const size_t count = std::min(plot.bars.size(), kMostBars);
   std::vector<std::string> names;
   std::vector<double> values;
   double text_px = 0;  // Room for the values behind the bars.
-  const SvgSurface measure(kPlotWidth_px, 1, look);
+  const SvgSurface measure(kPlotWidth_px, 1, style);
   for (size_t i = 0; i < count; ++i) {
     names.push_back(Shorten(plot.bars[i].name, kMostNameLetters));
     values.push_back(std::max(0.0, plot.bars[i].value));
     text_px = std::max(text_px, measure.TextWidth(plot.bars[i].text, kPlotLetter_px));
   }
   const Rows rows = ArrangeRows(names, measure);
-  SvgSurface surface(kPlotWidth_px, count == 0 ? 120 : rows.height_px, look);
+  SvgSurface surface(kPlotWidth_px, count == 0 ? 120 : rows.height_px, style);
   if (count == 0) {
     DrawNothing(120, "no values", surface);
     return surface.Finish(plot.title);
@@ -92,7 +92,7 @@ std::string DrawBarPlot(const BarPlot& plot, SvgLook look) {
   return surface.Finish(plot.title);
 }
 
-std::string DrawTimeline(const Timeline& timeline, SvgLook look) {
+std::string DrawTimeline(const Timeline& timeline, SvgStyle style) {
   std::vector<std::string> names;
   std::vector<double> times;
   for (const Timeline::Lane& lane : timeline.lanes) {
@@ -102,9 +102,9 @@ std::string DrawTimeline(const Timeline& timeline, SvgLook look) {
     }
     times.insert(times.end(), lane.marks.begin(), lane.marks.end());
   }
-  const SvgSurface measure(kPlotWidth_px, 1, look);
+  const SvgSurface measure(kPlotWidth_px, 1, style);
   const Rows rows = ArrangeRows(names, measure);
-  SvgSurface surface(kPlotWidth_px, times.empty() ? 120 : rows.height_px, look);
+  SvgSurface surface(kPlotWidth_px, times.empty() ? 120 : rows.height_px, style);
   if (times.empty()) {
     DrawNothing(120, "nothing happened", surface);
     return surface.Finish(timeline.title);

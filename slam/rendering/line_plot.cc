@@ -19,7 +19,7 @@ void DrawSeries(const LinePlot::Series& series, const Axis& x, const Axis& y, Sv
 
 }  // namespace
 
-std::string DrawLinePlot(const LinePlot& plot, SvgLook look) {
+std::string DrawLinePlot(const LinePlot& plot, SvgStyle style) {
   LegendEntries entries;
   std::vector<double> xs;
   std::vector<double> ys;
@@ -31,10 +31,10 @@ std::string DrawLinePlot(const LinePlot& plot, SvgLook look) {
       ys.push_back(point.y());
     }
   }
-  const SvgSurface measure(kPlotWidth_px, 1, look);
+  const SvgSurface measure(kPlotWidth_px, 1, style);
   const double top_px = DrawEntries(entries, 0, measure, nullptr) + 28;
   const double height_px = top_px + kArea_px + kPlotBottom_px;
-  SvgSurface surface(kPlotWidth_px, height_px, look);
+  SvgSurface surface(kPlotWidth_px, height_px, style);
   DrawEntries(entries, 0, measure, &surface);
   if (ys.empty()) {
     DrawNothing(height_px, "no values", surface);

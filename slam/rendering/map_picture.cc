@@ -10,7 +10,7 @@
 #include "slam/rendering/canvas.h"
 #include "slam/rendering/map_cell.h"
 #include "slam/rendering/map_legend.h"
-#include "slam/util/whole_file.h"
+#include "slam/util/atomic_file.h"
 
 namespace corbslam {
 namespace {
@@ -75,13 +75,13 @@ absl::StatusOr<cv::Mat> RenderMap(const MapPicture& picture, const MapPictureOpt
   }
 }
 
-absl::StatusOr<std::string> RenderMapSvg(const MapPicture& picture, SvgLook look,
+absl::StatusOr<std::string> RenderMapSvg(const MapPicture& picture, SvgStyle style,
                                          const MapPictureOptions& options) {
   if (const absl::Status status = Check(picture, options); !status.ok()) return status;
   const MapView view = ChooseView(picture);
   const PictureLayout layout =
-      ArrangePicture(picture, view, options.width_px, SvgSurface(1, 1, look));
-  SvgSurface surface(options.width_px, layout.height_px, look);
+      ArrangePicture(picture, view, options.width_px, SvgSurface(1, 1, style));
+  SvgSurface surface(options.width_px, layout.height_px, style);
   Draw(picture, view, layout, surface);
   return surface.Finish(picture.title);
 }
@@ -99,7 +99,7 @@ absl::Status WriteImage(const cv::Mat& image, const std::string& path) {
     return absl::InvalidArgumentError(absl::StrCat(
         "can't write ", path, ": no kind of picture ends with '", ending, "', .png is one"));
   }
-  return WriteWhole(path, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+  return WriteAtomically(path, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
 }
 
 }  // namespace corbslam

@@ -46,11 +46,11 @@ struct MapPictureOptions {
 absl::StatusOr<cv::Mat> RenderMap(const MapPicture& picture, const MapPictureOptions& options = {});
 
 // Draws the same as SVG.
-absl::StatusOr<std::string> RenderMapSvg(const MapPicture& picture, SvgLook look,
+absl::StatusOr<std::string> RenderMapSvg(const MapPicture& picture, SvgStyle style,
                                          const MapPictureOptions& options = {});
 
 // Writes a picture of the kind that the path's ending names, .png say. INVALID_ARGUMENT names an
-// ending that no kind has; other errors are WriteWhole's.
+// ending that no kind has; other errors are WriteAtomically's.
 absl::Status WriteImage(const cv::Mat& image, const std::string& path);
 
 }  // namespace corbslam

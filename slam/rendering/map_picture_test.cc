@@ -76,19 +76,19 @@ TEST(RenderMapTest, ShowsEverything) {
 TEST(RenderMapSvgTest, ShowsTheSame) {
   MapPicture picture = MakeStreet();
   picture.robots[1].name = "<bravo>";
-  const absl::StatusOr<std::string> svg = RenderMapSvg(picture, SvgLook::kAlone);
+  const absl::StatusOr<std::string> svg = RenderMapSvg(picture, SvgStyle::kAlone);
   ASSERT_TRUE(svg.ok()) << svg.status();
   EXPECT_THAT(*svg, ::testing::HasSubstr("test street"));
   EXPECT_THAT(*svg, ::testing::HasSubstr("others&#39; keyframes: &lt;bravo&gt; (18)"));
   EXPECT_THAT(*svg, ::testing::HasSubstr("stroke-dasharray"));
   EXPECT_THAT(*svg, ::testing::HasSubstr(" m</text>"));
-  EXPECT_FALSE(RenderMapSvg({}, SvgLook::kAlone).ok());
+  EXPECT_FALSE(RenderMapSvg({}, SvgStyle::kAlone).ok());
 }
 
 // Returns the texts of a drawing and how far right each one ends, as wide as Surface takes them.
 std::vector<std::pair<std::string, double>> TextEnds(const std::string& svg, double letter_px) {
   std::vector<std::pair<std::string, double>> ends;
-  const SvgSurface measure(1, 1, SvgLook::kAlone);
+  const SvgSurface measure(1, 1, SvgStyle::kAlone);
   for (size_t at = svg.find("<text x=\""); at != std::string::npos;
        at = svg.find("<text x=\"", at + 1)) {
     const size_t begin = svg.find('>', at) + 1;
@@ -108,14 +108,14 @@ TEST(RenderMapSvgTest, CutsNoTextOff) {
     picture.robots.back().name = "a_robot_of_a_long_name_" + std::to_string(i);
   }
   for (const int width_px : {200, 400, 900, 1200}) {
-    const auto svg = RenderMapSvg(picture, SvgLook::kAlone, {width_px});
+    const auto svg = RenderMapSvg(picture, SvgStyle::kAlone, {width_px});
     ASSERT_TRUE(svg.ok()) << svg.status();
     const double letter_px = std::clamp(width_px / 50.0, 8.0, 14.0);
     for (const auto& [text, end_px] : TextEnds(*svg, letter_px)) {
       EXPECT_LE(end_px, width_px + 8) << width_px << ": " << text;
     }
   }
-  const auto svg = RenderMapSvg(picture, SvgLook::kAlone);
+  const auto svg = RenderMapSvg(picture, SvgStyle::kAlone);
   EXPECT_THAT(*svg, ::testing::HasSubstr("\xE2\x80\xA6 (234)"));  // What it counts is not cut off.
   EXPECT_THAT(*svg, ::testing::HasSubstr("zulu (12 keyframes)"));
 }
@@ -128,12 +128,12 @@ TEST(CanvasTest, ShowsAnEllipsisAsDots) {
 TEST(RenderMapSvgTest, SaysHowManyOfThePointsItShows) {
   MapPicture picture = MakeStreet();
   picture.points.resize(10);
-  EXPECT_THAT(*RenderMapSvg(picture, SvgLook::kAlone), ::testing::HasSubstr("map points (10)"));
+  EXPECT_THAT(*RenderMapSvg(picture, SvgStyle::kAlone), ::testing::HasSubstr("map points (10)"));
   picture.points.push_back({1e5, 0, 1e5});
-  EXPECT_THAT(*RenderMapSvg(picture, SvgLook::kAlone),
+  EXPECT_THAT(*RenderMapSvg(picture, SvgStyle::kAlone),
               ::testing::HasSubstr("map points (10 of 11)"));
   picture.all_points = 12'345;
-  EXPECT_THAT(*RenderMapSvg(picture, SvgLook::kAlone),
+  EXPECT_THAT(*RenderMapSvg(picture, SvgStyle::kAlone),
               ::testing::HasSubstr("map points (10 of 12345)"));
 }
 

@@ -96,10 +96,10 @@ void DrawColourBar(const PathPlot& plot, double largest, SvgSurface& surface) {
 
 }  // namespace
 
-std::string DrawPathPlot(const PathPlot& plot, SvgLook look) {
+std::string DrawPathPlot(const PathPlot& plot, SvgStyle style) {
   Bounds bounds;
   if (!FindBounds(plot, bounds)) {
-    SvgSurface surface(kPlotWidth_px, 200, look);
+    SvgSurface surface(kPlotWidth_px, 200, style);
     DrawNothing(200, "no values", surface);
     return surface.Finish(plot.title);
   }
@@ -107,7 +107,7 @@ std::string DrawPathPlot(const PathPlot& plot, SvgLook look) {
   const Eigen::Vector2d size = bounds.Size();
   const double area_px = std::clamp(width_px * size.y() / size.x(), 80.0, kMostHeight_px - kTop_px);
   const double height_px = kTop_px + area_px + 34;
-  SvgSurface surface(kPlotWidth_px, height_px, look);
+  SvgSurface surface(kPlotWidth_px, height_px, style);
   const CellLayout layout = FitCell(bounds, {{4, kTop_px}, {4 + width_px, kTop_px + area_px}});
   const double largest = EndOfScale(plot);
   for (const PathPlot::Path& path : plot.paths) DrawPath(path, largest, layout, surface);

@@ -25,7 +25,7 @@ struct LinePlot {
   std::string y_label;
   std::vector<Series> series;
 };
-std::string DrawLinePlot(const LinePlot& plot, SvgLook look);
+std::string DrawLinePlot(const LinePlot& plot, SvgStyle style);
 
 // Paths from above, coloured by a value, with equal axes, a colour bar and a scale bar; true paths
 // are dashed.
@@ -40,7 +40,7 @@ struct PathPlot {
   std::vector<Path> paths;
   std::vector<std::vector<Eigen::Vector2d>> truth;
 };
-std::string DrawPathPlot(const PathPlot& plot, SvgLook look);
+std::string DrawPathPlot(const PathPlot& plot, SvgStyle style);
 
 // What happened when: a lane for each robot, with spans and marks.
 struct Timeline {
@@ -58,7 +58,7 @@ struct Timeline {
   std::string x_label;
   std::vector<Lane> lanes;
 };
-std::string DrawTimeline(const Timeline& timeline, SvgLook look);
+std::string DrawTimeline(const Timeline& timeline, SvgStyle style);
 
 // Horizontal bars, one below the other.
 struct BarPlot {
@@ -72,7 +72,7 @@ struct BarPlot {
   std::string x_label;
   std::vector<Bar> bars;  // Of more than 40 the last are left out, and counted.
 };
-std::string DrawBarPlot(const BarPlot& plot, SvgLook look);
+std::string DrawBarPlot(const BarPlot& plot, SvgStyle style);
 
 }  // namespace corbslam
 

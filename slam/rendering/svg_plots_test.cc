@@ -36,7 +36,7 @@ LinePlot MakePlot(std::vector<Eigen::Vector2d> points) {
 }
 
 TEST(LinePlotTest, HasCurveLabelsAndLegend) {
-  const std::string svg = DrawLinePlot(MakePlot({{0, 1}, {1, 3}, {2, 2}}), SvgLook::kAlone);
+  const std::string svg = DrawLinePlot(MakePlot({{0, 1}, {1, 3}, {2, 2}}), SvgStyle::kAlone);
   EXPECT_THAT(svg,
               AllOf(IsDrawing(), HasSubstr("time (s)"), HasSubstr("error (m)"),
                     HasSubstr("&lt;alpha&gt;"), HasSubstr("#0072b2"), Not(HasSubstr("<alpha>"))));
@@ -50,10 +50,10 @@ TEST(LinePlotTest, TakesAnyNumbers) {
                                                      {{1e300, 1}, {-1e300, 2}},
                                                      {{0, 0}, {0, 0}},
                                                      {{0, 1e14}, {1, -1e14}}}) {
-    EXPECT_THAT(DrawLinePlot(MakePlot(points), SvgLook::kInAPage), IsDrawing());
+    EXPECT_THAT(DrawLinePlot(MakePlot(points), SvgStyle::kInAPage), IsDrawing());
   }
-  EXPECT_THAT(DrawLinePlot(MakePlot({}), SvgLook::kInAPage), HasSubstr("no values"));
-  EXPECT_THAT(DrawLinePlot({}, SvgLook::kInAPage), HasSubstr("no values"));
+  EXPECT_THAT(DrawLinePlot(MakePlot({}), SvgStyle::kInAPage), HasSubstr("no values"));
+  EXPECT_THAT(DrawLinePlot({}, SvgStyle::kInAPage), HasSubstr("no values"));
 }
 
 TEST(LinePlotTest, ManyNamesGetRows) {
@@ -62,7 +62,7 @@ TEST(LinePlotTest, ManyNamesGetRows) {
     plot.series.push_back(
         {absl::StrCat("a robot with a long name, number ", i), SeriesPaint(0), {{0, 1}, {1, 2}}});
   }
-  EXPECT_THAT(DrawLinePlot(plot, SvgLook::kAlone), AllOf(IsDrawing(), HasSubstr("\xE2\x80\xA6")));
+  EXPECT_THAT(DrawLinePlot(plot, SvgStyle::kAlone), AllOf(IsDrawing(), HasSubstr("\xE2\x80\xA6")));
 }
 
 TEST(PathPlotTest, IsColouredByValue) {
@@ -70,7 +70,7 @@ TEST(PathPlotTest, IsColouredByValue) {
   plot.value_label = "error (m)";
   plot.paths = {{{{0, 0}, {10, 0}, {20, 5}}, {0, 0.5, 1}}};
   plot.truth = {{{0, 0}, {20, 4}}};
-  const std::string svg = DrawPathPlot(plot, SvgLook::kAlone);
+  const std::string svg = DrawPathPlot(plot, SvgStyle::kAlone);
   EXPECT_THAT(svg, AllOf(IsDrawing(), HasSubstr("error (m)"), HasSubstr("stroke-dasharray"),
                          HasSubstr(" m</text>"), HasSubstr("truth")));
 }
@@ -80,7 +80,7 @@ TEST(PathPlotTest, TheColourBarEndsWithANumber) {
   plot.value_label = "error (m)";
   for (const auto& [largest, end] : {std::pair(0.0298, "0.03"), {1.02, "1.5"}, {7.0, "8"}}) {
     plot.paths = {{{{0, 0}, {10, 0}, {20, 5}}, {0, 0.5 * largest, largest}}};
-    EXPECT_THAT(DrawPathPlot(plot, SvgLook::kAlone),
+    EXPECT_THAT(DrawPathPlot(plot, SvgStyle::kAlone),
                 HasSubstr(absl::StrCat("text-anchor=\"middle\">", end, "</text>")));
   }
 }
@@ -93,9 +93,9 @@ TEST(PathPlotTest, TakesAnyNumbers) {
         Path{{{0, 0}, {1, 1}, {2, 2}}, {1}}, Path{{{5, 5}, {5, 5}}, {0, 0}}}) {
     PathPlot plot;
     plot.paths = {path};
-    EXPECT_THAT(DrawPathPlot(plot, SvgLook::kAlone), IsDrawing());
+    EXPECT_THAT(DrawPathPlot(plot, SvgStyle::kAlone), IsDrawing());
   }
-  EXPECT_THAT(DrawPathPlot({}, SvgLook::kAlone), HasSubstr("no values"));
+  EXPECT_THAT(DrawPathPlot({}, SvgStyle::kAlone), HasSubstr("no values"));
 }
 
 TEST(TimelineTest, HasALaneForEachRobot) {
@@ -103,28 +103,29 @@ TEST(TimelineTest, HasALaneForEachRobot) {
   timeline.x_label = "time (s)";
   timeline.lanes = {{"alpha", SeriesPaint(0), {{0, 4}, {5, 9}}, {5}},
                     {"bravo", SeriesPaint(1), {}, {}}};
-  EXPECT_THAT(DrawTimeline(timeline, SvgLook::kAlone),
+  EXPECT_THAT(DrawTimeline(timeline, SvgStyle::kAlone),
               AllOf(IsDrawing(), HasSubstr("alpha"), HasSubstr("bravo"), HasSubstr("time (s)")));
   timeline.lanes = {{"alpha", SeriesPaint(0), {{kNaN, 3}, {2, 2}}, {kInfinity}}};
-  EXPECT_THAT(DrawTimeline(timeline, SvgLook::kAlone), IsDrawing());
-  EXPECT_THAT(DrawTimeline({}, SvgLook::kAlone), AllOf(IsDrawing(), HasSubstr("nothing happened")));
+  EXPECT_THAT(DrawTimeline(timeline, SvgStyle::kAlone), IsDrawing());
+  EXPECT_THAT(DrawTimeline({}, SvgStyle::kAlone),
+              AllOf(IsDrawing(), HasSubstr("nothing happened")));
 }
 
 TEST(BarPlotTest, SaysWhatItLeavesOut) {
   BarPlot plot;
   for (int i = 0; i < 50; ++i)
     plot.bars.push_back({"bar", SeriesPaint(0), 1.0 * i, absl::StrCat(i)});
-  EXPECT_THAT(DrawBarPlot(plot, SvgLook::kAlone), AllOf(IsDrawing(), HasSubstr("and 10 more")));
+  EXPECT_THAT(DrawBarPlot(plot, SvgStyle::kAlone), AllOf(IsDrawing(), HasSubstr("and 10 more")));
   plot.bars = {{"bar", SeriesPaint(0), kNaN, "-"}, {"bar", SeriesPaint(0), -3, "-3"}};
-  EXPECT_THAT(DrawBarPlot(plot, SvgLook::kAlone), IsDrawing());
-  EXPECT_THAT(DrawBarPlot({}, SvgLook::kAlone), AllOf(IsDrawing(), HasSubstr("no values")));
+  EXPECT_THAT(DrawBarPlot(plot, SvgStyle::kAlone), IsDrawing());
+  EXPECT_THAT(DrawBarPlot({}, SvgStyle::kAlone), AllOf(IsDrawing(), HasSubstr("no values")));
 }
 
 // One point between two gaps, as of a robot that was lost before and behind it.
 TEST(LinePlotTest, ALonePointCanBeSeen) {
   LinePlot plot = MakePlot({{0, 1}, {kNaN, kNaN}, {1, 3}, {kNaN, kNaN}, {2, 2}, {3, 2}});
   plot.series[0].has_marks = false;
-  const std::string svg = DrawLinePlot(plot, SvgLook::kAlone);
+  const std::string svg = DrawLinePlot(plot, SvgStyle::kAlone);
   const size_t curve = svg.find("stroke=\"#0072b2\" stroke-width=\"1.8\"");
   ASSERT_NE(curve, std::string::npos);
   const std::string data = svg.substr(svg.rfind("<path d=", curve), 200);
@@ -138,7 +139,7 @@ TEST(TimelineTest, AMomentCanBeSeen) {
   Timeline timeline;
   timeline.lanes = {{"alpha", SeriesPaint(0), {{0, 9}}, {}},
                     {"bravo", SeriesPaint(1), {{4, 4}}, {}}};
-  const std::string svg = DrawTimeline(timeline, SvgLook::kAlone);
+  const std::string svg = DrawTimeline(timeline, SvgStyle::kAlone);
   const size_t bar = svg.find("stroke=\"#c94f00\"");
   ASSERT_NE(bar, std::string::npos);
   const size_t begin = svg.rfind("<path d=\"M", bar) + 10;

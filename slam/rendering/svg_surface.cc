@@ -55,11 +55,11 @@ const char* AnchorName(Anchor anchor) {
 
 }  // namespace
 
-SvgSurface::SvgSurface(double width_px, double height_px, SvgLook look)
-    : width_px_(width_px), height_px_(height_px), look_(look) {}
+SvgSurface::SvgSurface(double width_px, double height_px, SvgStyle style)
+    : width_px_(width_px), height_px_(height_px), style_(style) {}
 
 std::string SvgSurface::Colour(const Paint& paint) const {
-  if (look_ == SvgLook::kInAPage && paint.variable != nullptr) {
+  if (style_ == SvgStyle::kInAPage && paint.variable != nullptr) {
     return absl::StrCat("var(--", paint.variable, ")");
   }
   return absl::StrFormat("#%02x%02x%02x", paint.red, paint.green, paint.blue);
@@ -123,7 +123,7 @@ std::string SvgSurface::Finish(const std::string& title) const {
   const std::string size =
       absl::StrCat("viewBox=\"0 0 ", Number(width_px_), " ", Number(height_px_), "\" role=\"img\"");
   const std::string name = EscapeMarkup(title);
-  if (look_ == SvgLook::kInAPage) {
+  if (style_ == SvgStyle::kInAPage) {
     return absl::StrCat("<svg ", size, " aria-label=\"", name, "\">\n", body_, "</svg>\n");
   }
   return absl::StrCat("<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"", Number(width_px_),

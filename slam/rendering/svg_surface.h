@@ -9,7 +9,7 @@
 
 namespace corbslam {
 
-enum class SvgLook {
+enum class SvgStyle {
   kAlone,    // A file of its own: colours as they are, on white.
   kInAPage,  // Part of an HTML page, which sets the colours as CSS variables; no ground.
 };
@@ -18,7 +18,7 @@ enum class SvgLook {
 // styles that stand at elements. What is not finite is left out.
 class SvgSurface : public Surface {
  public:
-  SvgSurface(double width_px, double height_px, SvgLook look);
+  SvgSurface(double width_px, double height_px, SvgStyle style);
   double width_px() const override { return width_px_; }
 
   void Line(const Point& from, const Point& to, const Paint& paint, double width_px) override;
@@ -43,7 +43,7 @@ class SvgSurface : public Surface {
 
   const double width_px_;
   const double height_px_;
-  const SvgLook look_;
+  const SvgStyle style_;
   std::string body_;
 };
 

@@ -46,7 +46,7 @@ TEST(FormatShortTest, HasNoZerosToSpare) {
 }
 
 TEST(SvgSurfaceTest, StandsAloneOnWhite) {
-  SvgSurface surface(100, 50, SvgLook::kAlone);
+  SvgSurface surface(100, 50, SvgStyle::kAlone);
   surface.Line({0, 0}, {10.25, 3}, kOwn, 2);
   const std::string svg = surface.Finish("a <b>");
   EXPECT_THAT(svg, StartsWith("<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"100\""));
@@ -57,7 +57,7 @@ TEST(SvgSurfaceTest, StandsAloneOnWhite) {
 }
 
 TEST(SvgSurfaceTest, TakesThePagesColours) {
-  SvgSurface surface(100, 50, SvgLook::kInAPage);
+  SvgSurface surface(100, 50, SvgStyle::kInAPage);
   surface.Text("x", {1, 2}, 10, kInk);
   surface.Discs({{1, 2}, {3, 4}}, 1.5, kOthers);
   const std::string svg = surface.Finish("\"quoted\"");
@@ -68,7 +68,7 @@ TEST(SvgSurfaceTest, TakesThePagesColours) {
 }
 
 TEST(SvgSurfaceTest, LeavesOutWhatIsNotFinite) {
-  SvgSurface surface(100, 50, SvgLook::kAlone);
+  SvgSurface surface(100, 50, SvgStyle::kAlone);
   surface.Line({0, kNaN}, {1, 1}, kInk, 1);
   surface.FilledPolygon({{0, 0}, {1e300, 0}, {1, 1}}, kInk, kInk);
   surface.Discs({{kNaN, 0}}, 1, kInk);

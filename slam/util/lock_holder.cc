@@ -31,10 +31,10 @@ std::optional<pid_t> FindLockHolder(const std::string& path) {
   // A line is "1: POSIX  ADVISORY  WRITE 3568 fd:00:2531452 0 EOF", or "1: -> ..." for a process
   // that waits.
   for (std::string line; std::getline(locks, line);) {
-    const std::vector<std::string> words = absl::StrSplit(line, ' ', absl::SkipEmpty());
+    const std::vector<std::string> fields = absl::StrSplit(line, ' ', absl::SkipEmpty());
     pid_t pid = 0;
-    if (words.size() < 6 || words[5] != name) continue;
-    if (absl::SimpleAtoi(words[4], &pid) && pid > 0) return pid;
+    if (fields.size() < 6 || fields[5] != name) continue;
+    if (absl::SimpleAtoi(fields[4], &pid) && pid > 0) return pid;
   }
   return std::nullopt;
 }

@@ -17,7 +17,7 @@ constexpr uint64_t kLeast_bytes = 4 << 20;
 }  // namespace
 
 MemoryReturner::MemoryReturner()
-    : MemoryReturner([kept = KeptMemory(kLeast_bytes)]() mutable { kept.GiveBack(); }) {}
+    : MemoryReturner([kept = HeapTrimmer(kLeast_bytes)]() mutable { kept.GiveBack(); }) {}
 
 void MemoryReturner::Start() {
   thread_ = StartThread("memory returner", [this] { Run(); });

@@ -16,17 +16,17 @@ std::string FormatWholeBytes(uint64_t bytes) {
   return absl::StrCat(bytes, kUnits[unit]);
 }
 
-std::string DescribeBound(double bound, const NumberRange& range, bool is_whole) {
+std::string DescribeBound(double bound, const NumberRange& range, bool is_integer) {
   if (range.is_bytes) return FormatWholeBytes(static_cast<uint64_t>(bound));
-  return is_whole ? absl::StrCat(static_cast<int64_t>(bound)) : absl::StrCat(bound);
+  return is_integer ? absl::StrCat(static_cast<int64_t>(bound)) : absl::StrCat(bound);
 }
 
 }  // namespace
 
-std::string DescribeRange(const NumberRange& range, bool is_whole) {
-  const std::string least = DescribeBound(range.least, range, is_whole);
+std::string DescribeRange(const NumberRange& range, bool is_integer) {
+  const std::string least = DescribeBound(range.least, range, is_integer);
   if (std::isinf(range.most)) return absl::StrCat(least, " or more");
-  return absl::StrCat(least, " to ", DescribeBound(range.most, range, is_whole),
+  return absl::StrCat(least, " to ", DescribeBound(range.most, range, is_integer),
                       range.zero == nullptr ? "" : absl::StrCat(", or 0 for ", range.zero));
 }
 

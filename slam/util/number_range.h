@@ -23,7 +23,7 @@ struct NumberRange {
 };
 
 // Returns "50 to 20000" or "98 MiB to 1 PiB, or 0 for no bound"; whole numbers have all digits.
-std::string DescribeRange(const NumberRange& range, bool is_whole);
+std::string DescribeRange(const NumberRange& range, bool is_integer);
 
 }  // namespace corbslam
 

@@ -41,7 +41,7 @@ uint64_t UsedBytes() {
 #endif
 }
 
-uint64_t KeptBytes() {
+uint64_t FreeHeapBytes() {
 #ifdef __GLIBC__
   const Resident resident = ReadResident();
   const struct mallinfo2 allocated = mallinfo2();
@@ -52,12 +52,12 @@ uint64_t KeptBytes() {
 #endif
 }
 
-bool KeptMemory::GiveBack() {
-  const uint64_t kept = KeptBytes();
+bool HeapTrimmer::GiveBack() {
+  const uint64_t kept = FreeHeapBytes();
   left_bytes_ = std::min(left_bytes_, kept);
   if (kept - left_bytes_ < least_bytes_) return false;
   ReturnFreeMemoryAbove(0);
-  left_bytes_ = KeptBytes();
+  left_bytes_ = FreeHeapBytes();
   return true;
 }
 
@@ -69,7 +69,7 @@ void ReturnFreeMemory() {
 
 void ReturnFreeMemoryAbove(uint64_t least_bytes) {
 #ifdef __GLIBC__
-  if (KeptBytes() > least_bytes) malloc_trim(0);
+  if (FreeHeapBytes() > least_bytes) malloc_trim(0);
 #else
   static_cast<void>(least_bytes);
 #endif

@@ -15,19 +15,19 @@ uint64_t UsedBytes();
 
 // Returns how much of the process's own memory is freed and kept by the allocator, about; what it
 // has given back does not count. It looks at all of the heap.
-uint64_t KeptBytes();
+uint64_t FreeHeapBytes();
 
 // Gives memory that the process has freed back to the system, if it is much: the allocator would
 // keep it, for ever where something small lies above it.
 void ReturnFreeMemory();
-// Does so if it is more than `least_bytes`, for a thread that nobody waits for.
+// Returns it if it is more than `least_bytes`, for a thread that nobody waits for.
 void ReturnFreeMemoryAbove(uint64_t least_bytes);
 
 // Gives back what the allocator keeps whenever that has grown by `least_bytes`: what is left each
 // time lies in pages of something that is used, and can't be had. One thread uses it at a time.
-class KeptMemory {
+class HeapTrimmer {
  public:
-  explicit KeptMemory(uint64_t least_bytes) : least_bytes_(least_bytes) {}
+  explicit HeapTrimmer(uint64_t least_bytes) : least_bytes_(least_bytes) {}
 
   // Returns whether it was worth while.
   bool GiveBack();
@@ -37,7 +37,7 @@ class KeptMemory {
   uint64_t left_bytes_ = 0;
 };
 
-// Does so at the end of its scope, when what is declared after it is gone.
+// Returns free memory at the end of its scope, when what is declared after it is gone.
 class ReturnsFreeMemory {
  public:
   ReturnsFreeMemory() = default;

@@ -39,10 +39,10 @@ TEST_F(ResidentMemoryTest, WhatWasFreedGoesBackThoughSomethingLiesAboveIt) {
     const ReturnsFreeMemory after;
     EXPECT_GT(ResidentBytes(), before + kAll_bytes / 2) << "kept until then";
     EXPECT_LT(UsedBytes(), before + kAll_bytes / 4) << "what is kept is not used";
-    EXPECT_GT(KeptBytes(), kAll_bytes / 2);
+    EXPECT_GT(FreeHeapBytes(), kAll_bytes / 2);
   }
   EXPECT_LT(ResidentBytes(), before + kAll_bytes / 4);
-  EXPECT_LT(KeptBytes(), kAll_bytes / 4);
+  EXPECT_LT(FreeHeapBytes(), kAll_bytes / 4);
 }
 
 TEST_F(ResidentMemoryTest, WhatIsKeptGoesBackOnceItIsMore) {
@@ -52,9 +52,9 @@ TEST_F(ResidentMemoryTest, WhatIsKeptGoesBackOnceItIsMore) {
   for (size_t i = 0; i < kPieces; ++i) {
     if (i % 4 != 0) pieces_[i].reset();
   }
-  KeptMemory kept(kAll_bytes / 8);
+  HeapTrimmer kept(kAll_bytes / 8);
   EXPECT_TRUE(kept.GiveBack());
-  EXPECT_GT(KeptBytes(), kAll_bytes / 8) << "of pages that something lies in";
+  EXPECT_GT(FreeHeapBytes(), kAll_bytes / 8) << "of pages that something lies in";
   EXPECT_FALSE(kept.GiveBack()) << "none of that can be had";
   for (size_t i = 4; i + 4 < kPieces; i += 4) pieces_[i].reset();
   EXPECT_TRUE(kept.GiveBack());

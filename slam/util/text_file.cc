@@ -13,8 +13,8 @@
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_split.h"
 #include "absl/strings/strip.h"
+#include "slam/util/atomic_file.h"
 #include "slam/util/status_macros.h"
-#include "slam/util/whole_file.h"
 
 namespace corbslam {
 namespace {
@@ -125,7 +125,7 @@ std::string FormatReal(double number) {
 absl::Status WriteLines(const std::vector<std::string>& lines, const std::string& path) {
   std::string text;
   for (const std::string& line : lines) absl::StrAppend(&text, line, "\n");
-  return WriteWhole(path, text);
+  return WriteAtomically(path, text);
 }
 
 }  // namespace corbslam

@@ -38,7 +38,7 @@ std::string FormatSeconds(int64_t timestamp_ns);
 std::string FormatReal(double number);
 
 // Writes the lines, each with its end: a file that can't be written whole stays what it was. Errors
-// are WriteWhole's.
+// are WriteAtomically's.
 absl::Status WriteLines(const std::vector<std::string>& lines, const std::string& path);
 
 }  // namespace corbslam

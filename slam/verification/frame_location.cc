@@ -36,8 +36,9 @@ struct Votes {
 
 // Elects for each feature, and for each point, at most one partner: the pair that most keyframes
 // propose, then the nearest.
-std::vector<Sight> MatchByLooks(const Map& view, const std::vector<const Keyframe*>& keyframes,
-                                const Keyframe& frame) {
+std::vector<Sight> MatchByDescriptors(const Map& view,
+                                      const std::vector<const Keyframe*>& keyframes,
+                                      const Keyframe& frame) {
   absl::btree_map<std::pair<uint32_t, MapPointId>, Votes> votes;
   for (const Keyframe* keyframe : keyframes) {
     for (const auto& [i, j] : MatchByWords(frame, *keyframe, {.need_points_a = false})) {
@@ -151,7 +152,7 @@ LocateFrameResult TryCandidate(const Keyframe& frame, const Map& view, KeyframeI
   LocateFrameResult result;
   const std::vector<const Keyframe*> keyframes = Neighbourhood(view, candidate, options.neighbours);
   if (keyframes.empty()) return result;
-  const std::vector<Sight> alike = MatchByLooks(view, keyframes, frame);
+  const std::vector<Sight> alike = MatchByDescriptors(view, keyframes, frame);
   result.word_matches = static_cast<int>(alike.size());
   result.stage = LocateStage::kFewMatches;
   if (result.word_matches < options.min_word_matches) return result;

@@ -14,8 +14,8 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "slam/util/atomic_file.h"
 #include "slam/util/status_macros.h"
-#include "slam/util/whole_file.h"
 #include "slam/vocabulary/vocabulary.h"
 
 namespace corbslam {
@@ -73,7 +73,7 @@ absl::Status CheckHeader(const Header& header, const MappedFile& file) {
 }
 
 template <typename T>
-absl::Status WriteArray(WholeFile& file, const std::vector<T>& values) {
+absl::Status WriteArray(AtomicFile& file, const std::vector<T>& values) {
   return file.Append({reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T)});
 }
 
@@ -153,8 +153,8 @@ absl::Status WriteVocabulary(const VocabularyTree& tree, const std::string& path
   header.fingerprint = ComputeFingerprint(view);
 
   // The file is renamed when it is complete: a process that has the old one mapped keeps it.
-  ASSIGN_OR_RETURN(WholeFile file, WholeFile::Create(path, WholeFile::Old::kReplaced,
-                                                     WholeFile::Readers::kOthersToo));
+  ASSIGN_OR_RETURN(AtomicFile file, AtomicFile::Create(path, AtomicFile::Old::kReplaced,
+                                                       AtomicFile::Readers::kOthersToo));
   RETURN_IF_ERROR(file.Append({reinterpret_cast<const char*>(&header), sizeof(header)}));
   RETURN_IF_ERROR(WriteArray(file, tree.descriptors));
   RETURN_IF_ERROR(WriteArray(file, tree.first_child));

@@ -14,7 +14,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "fusion_worker/local_fusion_worker.h"
-#include "services/observe/kept_work/kept_adjustment.h"
+#include "services/observe/adjustment_files/adjustment_file.h"
 #include "services/simulated_source/simulated_source.h"
 #include "services/tool/evaluation/accuracy.h"
 #include "slam/evaluation/trajectory_error.h"

@@ -19,8 +19,8 @@
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
 #include "client_agent/spool/testing/unsynced_loss_files.h"
-#include "client_agent/upload/held_items.h"
-#include "client_agent/upload/kept_map_reading.h"
+#include "client_agent/upload/held_back_items.h"
+#include "client_agent/upload/spooled_map_reading.h"
 #include "services/programs/spool_flags.h"
 #include "tests/fault/fault_fixture.h"
 #include "tests/integration/mission_fixture.h"
@@ -28,10 +28,10 @@
 namespace corbslam::tests {
 
 using client_agent::CutPower;
-using client_agent::KeptMap;
 using client_agent::PowerCutLoss;
-using client_agent::ReadNewestKeptMap;
-using client_agent::TellHeld;
+using client_agent::ReadNewestSpooledMap;
+using client_agent::SpooledMap;
+using client_agent::TellHeldBack;
 using services::OpenSpool;
 using services::SpoolFlags;
 
@@ -83,9 +83,9 @@ class KilledRobotTest : public FaultTest {
     auto spool = OpenSpool(Spool(kill), "mortal");
     EXPECT_TRUE(spool.ok()) << spool.status();
     if (!spool.ok()) return 0;
-    const absl::Status told = TellHeld(**spool);
+    const absl::Status told = TellHeldBack(**spool);
     EXPECT_TRUE(told.ok()) << told;
-    const absl::StatusOr<KeptMap> kept = ReadNewestKeptMap(**spool);
+    const absl::StatusOr<SpooledMap> kept = ReadNewestSpooledMap(**spool);
     EXPECT_TRUE(kept.ok() || absl::IsNotFound(kept.status())) << kept.status();
     return kept.ok() ? kept->next_keyframe() : 0;
   }

@@ -4,7 +4,7 @@
 
 #include <utility>
 
-#include "map_store/testing/recover_whole.h"
+#include "map_store/testing/recover_undamaged.h"
 #include "map_store/testing/store_dump.h"
 #include "services/programs/default_vocabulary.h"
 #include "tests/integration/mission_fixture.h"
@@ -39,7 +39,7 @@ std::unique_ptr<MapStore> ReplayFaultTest::Reopen(const RocksJournalOptions& jou
   MapStoreOptions options;
   options.deterministic = deterministic;
   auto store = std::make_unique<MapStore>(options, vocabulary_, *std::move(journal), worker);
-  const absl::Status recovered = testing::RecoverWhole(*store);
+  const absl::Status recovered = testing::RecoverUndamaged(*store);
   if (recovered.ok()) return store;
   LOG(WARNING) << recovered;
   return nullptr;

@@ -8,7 +8,7 @@
 #include <memory>
 
 #include "map_store/testing/byte_journal.h"
-#include "map_store/testing/recover_whole.h"
+#include "map_store/testing/recover_undamaged.h"
 #include "tests/fuzz/agreeable_worker.h"
 #include "tests/fuzz/live_store.h"
 #include "tests/fuzz/messages.h"
@@ -35,7 +35,7 @@ absl::StatusOr<std::unique_ptr<MapStore>> Open(const std::shared_ptr<JournalByte
   auto store =
       std::make_unique<MapStore>(LiveStoreOptions(), nullptr, std::make_unique<ByteJournal>(bytes),
                                  worker, [] { return absl::UnixEpoch(); });
-  const absl::Status recovered = testing::RecoverWhole(*store);
+  const absl::Status recovered = testing::RecoverUndamaged(*store);
   if (!recovered.ok()) return recovered;
   return store;
 }

@@ -27,34 +27,34 @@ std::vector<std::string> ReadBlocks(const std::string& markdown) {
 }
 
 // Splits a line as a shell does; single quotes only.
-std::vector<std::string> SplitWords(const std::string& line) {
-  std::vector<std::string> words;
+std::vector<std::string> SplitArguments(const std::string& line) {
+  std::vector<std::string> arguments;
   bool quoted = false;
   bool begun = false;
   for (const char c : line) {
     if (c == '\'') quoted = !quoted;
     const bool between = !quoted && (c == ' ' || c == '\n');
-    if (!between && !begun) words.emplace_back();
-    if (!between && c != '\'') words.back().push_back(c);
+    if (!between && !begun) arguments.emplace_back();
+    if (!between && c != '\'') arguments.back().push_back(c);
     begun = !between;
   }
-  return words;
+  return arguments;
 }
 
 absl::StatusOr<GrpcurlCall> ParseCall(const std::string& line) {
   GrpcurlCall call;
   call.line = line;
   std::vector<std::string> rest;
-  const std::vector<std::string> words = SplitWords(line);
-  for (size_t i = 1; i < words.size(); ++i) {
-    if (words[i] == "-plaintext") continue;
-    const bool has_value = i + 1 < words.size();
-    if (words[i] == "-d" && has_value) {
-      call.request = words[++i];
-    } else if (words[i] == "-max-time" && has_value) {
-      if (!absl::SimpleAtod(words[++i], &call.max_time_s)) break;
+  const std::vector<std::string> arguments = SplitArguments(line);
+  for (size_t i = 1; i < arguments.size(); ++i) {
+    if (arguments[i] == "-plaintext") continue;
+    const bool has_value = i + 1 < arguments.size();
+    if (arguments[i] == "-d" && has_value) {
+      call.request = arguments[++i];
+    } else if (arguments[i] == "-max-time" && has_value) {
+      if (!absl::SimpleAtod(arguments[++i], &call.max_time_s)) break;
     } else {
-      rest.push_back(words[i]);
+      rest.push_back(arguments[i]);
     }
   }
   if (rest.size() < 2) return absl::InvalidArgumentError(absl::StrCat("not a call: ", line));

@@ -98,7 +98,7 @@ const std::map<absl::string_view, Heights>& Ladders() {
            {"convert/work", 1},
            {"client/reflection", 2},
            {"client/remote", 2},
-           {"observe/kept_work", 2},
+           {"observe/adjustment_files", 2},
            {"server", 2},
            {"http", 3},
            {"agent_service", 3},

@@ -29,11 +29,11 @@ bool Has(const json& sample, const std::map<std::string, std::string>& labels) {
   return true;
 }
 
-// Returns the address behind these words in a log.
-std::string FindAddress(const std::string& log, const std::string& words) {
-  const size_t at = log.find(words);
+// Returns the address behind this text in a log.
+std::string FindAddress(const std::string& log, const std::string& text) {
+  const size_t at = log.find(text);
   if (at == std::string::npos) return "";
-  const size_t begin = at + words.size();
+  const size_t begin = at + text.size();
   return log.substr(begin, log.find('\n', begin) - begin);
 }
 

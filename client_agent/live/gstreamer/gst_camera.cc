@@ -103,7 +103,7 @@ class GstCamera : public LiveCamera {
           "it)",
           HintFor(options_.first)));
     }
-    const absl::Status status = absl::UnavailableError(WordsOf(options_, message));
+    const absl::Status status = absl::UnavailableError(TextOf(options_, message));
     gst_message_unref(message);
     return status;
   }
@@ -165,10 +165,10 @@ class GstCamera : public LiveCamera {
   std::optional<absl::Status> Judge(GstMessage* message, const SideWatch& watch) const {
     switch (GST_MESSAGE_TYPE(message)) {
       case GST_MESSAGE_WARNING:
-        LOG(WARNING) << WordsOf(options_, message);
+        LOG(WARNING) << TextOf(options_, message);
         return std::nullopt;
       case GST_MESSAGE_ERROR:
-        return absl::UnavailableError(WordsOf(options_, message));
+        return absl::UnavailableError(TextOf(options_, message));
       case GST_MESSAGE_EOS:
         watch.TellCounts();
         return absl::OkStatus();

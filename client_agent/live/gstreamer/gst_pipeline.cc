@@ -76,7 +76,7 @@ std::string DescribePipeline(const GstCameraOptions& options) {
                                          : GreySink(options.second, LiveSide::kSecond));
 }
 
-// Where Debian has the elements that cameras want.
+// Debian has the elements that cameras want in these packages.
 constexpr std::pair<absl::string_view, absl::string_view> kPackages[] = {
     {"aravissrc", "libaravis-0.8-0"},         {"bayer2rgb", "gstreamer1.0-plugins-bad"},
     {"v4l2src", "gstreamer1.0-plugins-good"}, {"jpegdec", "gstreamer1.0-plugins-good"},
@@ -237,7 +237,7 @@ std::string HintFor(absl::string_view pipelines) {
   return "";
 }
 
-std::string WordsOf(const GstCameraOptions& options, GstMessage* message) {
+std::string TextOf(const GstCameraOptions& options, GstMessage* message) {
   GError* error = nullptr;
   gchar* detail = nullptr;
   if (GST_MESSAGE_TYPE(message) == GST_MESSAGE_WARNING) {
@@ -247,16 +247,16 @@ std::string WordsOf(const GstCameraOptions& options, GstMessage* message) {
   }
   const std::optional<LiveSide> side =
       options.layout == GstLayout::kTwoPipelines ? SideOf(message->src) : std::nullopt;
-  std::string words =
+  std::string text =
       absl::StrCat(side.has_value() ? absl::StrCat(NameOfSide(options, *side), ": ") : "",
                    GST_OBJECT_NAME(message->src), ": ", error->message,
                    detail != nullptr ? absl::StrCat(" (", detail, ")") : "");
   if (GST_MESSAGE_TYPE(message) == GST_MESSAGE_ERROR && GST_IS_ELEMENT(message->src)) {
-    absl::StrAppend(&words, HintFor(KindOf(GST_ELEMENT(message->src))));
+    absl::StrAppend(&text, HintFor(KindOf(GST_ELEMENT(message->src))));
   }
   g_error_free(error);
   g_free(detail);
-  return words;
+  return text;
 }
 
 }  // namespace corbslam::client_agent

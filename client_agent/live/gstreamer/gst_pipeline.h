@@ -1,4 +1,4 @@
-// Makes a camera's GStreamer pipeline out of its words, and words out of its messages.
+// Makes a camera's GStreamer pipeline out of its text, and text for people out of its messages.
 #ifndef CORBSLAM_CLIENT_AGENT_LIVE_GSTREAMER_GST_PIPELINE_H_
 #define CORBSLAM_CLIENT_AGENT_LIVE_GSTREAMER_GST_PIPELINE_H_
 
@@ -40,7 +40,7 @@ std::string HintFor(absl::string_view pipelines);
 
 // Returns what an error or a warning of the bus says, with its element and, of two pipelines, the
 // one that it is in.
-std::string WordsOf(const GstCameraOptions& options, GstMessage* message);
+std::string TextOf(const GstCameraOptions& options, GstMessage* message);
 
 }  // namespace corbslam::client_agent
 

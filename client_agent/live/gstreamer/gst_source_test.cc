@@ -80,16 +80,16 @@ Played Play(FrameStream& stream, size_t most = 1000) {
 
 class Listener : public google::LogSink {
  public:
-  explicit Listener(std::string words) : words_(std::move(words)) { google::AddLogSink(this); }
+  explicit Listener(std::string text) : text_(std::move(text)) { google::AddLogSink(this); }
   ~Listener() override { google::RemoveLogSink(this); }
   void send(google::LogSeverity, const char*, const char*, int, const struct ::tm*,
             const char* message, size_t length) override {
-    told_ += absl::StrContains(absl::string_view(message, length), words_) ? 1 : 0;
+    told_ += absl::StrContains(absl::string_view(message, length), text_) ? 1 : 0;
   }
   int told() const { return told_; }
 
  private:
-  const std::string words_;
+  const std::string text_;
   std::atomic<int> told_ = 0;
 };
 
@@ -248,7 +248,7 @@ TEST(GstSourceTest, ACameraThatWentAwayIsWaitedFor) {
   EXPECT_LT(longest_ns, 10'000'000'000);
 }
 
-// Those of the machine's monotonic clock, as the times that other pictures have.
+// Such times are those of the machine's monotonic clock, as the times that other pictures have.
 TEST(GstSourceTest, PicturesWithoutTimesHaveThoseAtWhichTheyCameAndItIsSaidOnce) {
   const Listener listener("gives no times");
   const auto stream =
@@ -436,7 +436,7 @@ TEST(GstSourceTest, APlaybackThatNobodyHoldsBackIsSaid) {
   EXPECT_EQ(listener.told(), 1);
 }
 
-// As a recording's: the numbers of pictures of another size.
+// The rig has the numbers of pictures of another size, as a recording's may.
 TEST(GstSourceTest, AnImprobableRigMustBeTrusted) {
   const std::string askew = absl::StrReplaceAll(kSmallStereoRig, {{"[80, 60]", "[120, 60]"}});
   const std::string source =

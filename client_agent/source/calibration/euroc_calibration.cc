@@ -7,7 +7,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
-#include "client_agent/source/calibration/lens_words.h"
+#include "client_agent/source/calibration/lens_names.h"
 #include "client_agent/source/calibration/yaml_fields.h"
 #include "client_agent/source/calibration/yaml_numbers.h"
 #include "slam/util/status_macros.h"
@@ -31,7 +31,7 @@ absl::StatusOr<LensModel> ReadLens(const YAML::Node& file, const std::string& pa
       ExpectWord(file, path, "distortion_model", {"radial-tangential", "radtan", "equidistant"}));
   const char* field = "distortion_coefficients";
   ASSIGN_OR_RETURN(const std::vector<double> numbers, ReadNumbers(file[field], path, field, 4, 8));
-  auto lens = LensOfWords(file["distortion_model"].Scalar(), numbers);
+  auto lens = LensOfName(file["distortion_model"].Scalar(), numbers);
   if (lens.ok()) return lens;
   return absl::InvalidArgumentError(absl::StrCat(path, ": ", field, ": ", lens.status().message()));
 }

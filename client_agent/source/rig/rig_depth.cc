@@ -38,9 +38,9 @@ absl::StatusOr<DepthPreparation> DepthPreparation::Make(const Rig& rig,
   ASSIGN_OR_RETURN(DepthRegistration registration, DepthRegistration::Make(DepthGeometryOf(rig)));
   preparation.registration_ = std::make_shared<const DepthRegistration>(std::move(registration));
   preparation.raw_size_ = cv::Size(rig.depth.camera->width_px, rig.depth.camera->height_px);
-  preparation.in_words_ = absl::StrFormat("registered from a camera of %dx%d, %.1f mm beside",
-                                          rig.depth.camera->width_px, rig.depth.camera->height_px,
-                                          1000 * rig.depth.colour_from_depth.translation.norm());
+  preparation.description_ = absl::StrFormat(
+      "registered from a camera of %dx%d, %.1f mm beside", rig.depth.camera->width_px,
+      rig.depth.camera->height_px, 1000 * rig.depth.colour_from_depth.translation.norm());
   return preparation;
 }
 

@@ -32,7 +32,7 @@ class DepthPreparation {
   // registered already.
   std::optional<cv::Size> raw_size() const { return raw_size_; }
   // Says what is done, for people; empty: nothing.
-  const std::string& in_words() const { return in_words_; }
+  const std::string& description() const { return description_; }
   // Returns the picture without what the rig says is no depth, registered. Returns INVALID_ARGUMENT
   // as DepthRegistration does.
   absl::StatusOr<cv::Mat> Prepare(const cv::Mat& depth) const;
@@ -41,7 +41,7 @@ class DepthPreparation {
   double units_per_m_ = 0;
   std::vector<double> no_depth_;
   std::optional<cv::Size> raw_size_;
-  std::string in_words_;
+  std::string description_;
   std::shared_ptr<const DepthRegistration> registration_;
 };
 

@@ -34,7 +34,7 @@ TEST(DepthPreparationTest, RegistersWhereTheRigHasACameraOfDepth) {
   ASSERT_TRUE(preparation.ok()) << preparation.status();
   EXPECT_TRUE(preparation->registers());
   EXPECT_EQ(preparation->raw_size(), cv::Size(20, 16));
-  EXPECT_THAT(preparation->in_words(), HasSubstr("from a camera of 20x16, 0.0 mm beside"));
+  EXPECT_THAT(preparation->description(), HasSubstr("from a camera of 20x16, 0.0 mm beside"));
   cv::Mat depth = Depth(20, 16);
   depth.at<uint16_t>(3, 4) = 0;
   const auto prepared = preparation->Prepare(depth);
@@ -53,7 +53,7 @@ TEST(DepthPreparationTest, LeavesWhatIsRegisteredAlready) {
     ASSERT_TRUE(preparation.ok()) << preparation.status();
     EXPECT_FALSE(preparation->registers());
     EXPECT_FALSE(preparation->raw_size().has_value());
-    EXPECT_THAT(preparation->in_words(), IsEmpty());
+    EXPECT_THAT(preparation->description(), IsEmpty());
     const cv::Mat depth = Depth(40, 32);
     EXPECT_EQ(preparation->Prepare(depth)->data, depth.data) << "it is shared";
   }

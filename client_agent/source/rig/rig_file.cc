@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
-#include "client_agent/source/calibration/lens_words.h"
+#include "client_agent/source/calibration/lens_names.h"
 #include "client_agent/source/calibration/yaml_fields.h"
 #include "client_agent/source/calibration/yaml_numbers.h"
 #include "client_agent/source/rig/rig_part.h"
@@ -46,7 +46,7 @@ absl::StatusOr<RigCamera> ReadCamera(const Part& part, const std::set<std::strin
                                  "' has: give them, or leave lens out for a pinhole that "
                                  "does not distort"));
   }
-  const auto lens = LensOfWords(word, numbers);
+  const auto lens = LensOfName(word, numbers);
   if (!lens.ok()) return part.Bad(absl::StrCat(part.Named("lens"), ": ", lens.status().message()));
   camera.raw.lens = *lens;
   return camera;

@@ -3,7 +3,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
-#include "client_agent/source/calibration/lens_words.h"
+#include "client_agent/source/calibration/lens_names.h"
 #include "client_agent/source/rig/rig_file.h"
 #include "client_agent/source/rig/rig_part.h"
 #include "slam/util/text_file.h"

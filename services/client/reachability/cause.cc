@@ -71,9 +71,9 @@ absl::Status AskHow(const std::shared_ptr<grpc::Channel>& channel, absl::Duratio
   return is_answer ? absl::OkStatus() : status;
 }
 
-// Returns the cause in gRPC's own words, for when every probe went well and gRPC still gets no
+// Returns the cause that gRPC's own message names, for when every probe went well and gRPC gets no
 // answer.
-Cause CauseInGrpcsWords(const ServerTarget& target, const absl::Status& status) {
+Cause CauseThatGrpcNames(const ServerTarget& target, const absl::Status& status) {
   Cause cause{std::string(status.message()), "", /*is_certain=*/false};
   const bool has_identity = target.security.insecure || !target.security.certificate_file.empty();
   if (!has_identity) {
@@ -127,7 +127,7 @@ std::optional<Cause> FindCause(const ServerTarget& target, absl::Duration patien
   if (auto cause = FindCauseOfTransport(target, patience); cause.has_value()) return cause;
   const std::shared_ptr<grpc::Channel> channel = MakeChannel(target.address, *credentials);
   const absl::Status asked = AskHow(channel, patience);
-  if (!asked.ok()) return CauseInGrpcsWords(target, asked);
+  if (!asked.ok()) return CauseThatGrpcNames(target, asked);
   return FindCauseOfService(target, channel, patience);
 }
 

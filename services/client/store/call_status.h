@@ -32,7 +32,7 @@ inline void SetStreamDeadline(grpc::ClientContext& context) {
 inline absl::Status ToStatus(const grpc::Status& status, absl::string_view call) {
   if (status.ok()) return absl::OkStatus();
   return absl::Status(static_cast<absl::StatusCode>(status.error_code()),
-                      absl::StrCat(call, ": ", WordsOf(status)));
+                      absl::StrCat(call, ": ", MessageOf(status)));
 }
 
 }  // namespace corbslam::services

@@ -15,18 +15,18 @@ absl::Status ReadWholeMap(v1::MapStore::Stub& stub, const std::string& mission, 
   request.set_include_points(with_points);
   const auto reader = stub.WatchMap(&context, request);
   v1::WatchMapResponse response;
-  bool is_whole = false;
+  bool is_complete = false;
   absl::Status taken;
-  while (!is_whole && taken.ok() && reader->Read(&response)) {
+  while (!is_complete && taken.ok() && reader->Read(&response)) {
     taken = take(response);
-    is_whole = !response.continues();
+    is_complete = !response.continues();
   }
   // The call is cancelled, since later revisions would follow. A stream that the store ended keeps
   // its own reason.
-  if (is_whole || !taken.ok()) context.TryCancel();
+  if (is_complete || !taken.ok()) context.TryCancel();
   const grpc::Status status = reader->Finish();
   RETURN_IF_ERROR(taken);
-  if (is_whole) return absl::OkStatus();
+  if (is_complete) return absl::OkStatus();
   if (status.ok()) return absl::DataLossError("WatchMap: the map came only in part");
   return ToStatus(status, "WatchMap");
 }

@@ -81,7 +81,7 @@ void ExpectSameSights(const Map& a, const Map& b) {
   }
 }
 
-void ExpectSameLooks(const Map& a, const Map& b) {
+void ExpectSameDescriptors(const Map& a, const Map& b) {
   for (const auto& [id, keyframe] : a.keyframes()) {
     const Keyframe& other = *b.FindKeyframe(id);
     EXPECT_EQ(keyframe.keypoints(), other.keypoints());
@@ -167,7 +167,7 @@ TEST(WorkTest, CandidatesCarryOnlyFeaturesWithPoints) {
   ASSERT_EQ(read->candidates.size(), 2u);
   EXPECT_EQ(read->candidates[1].shared_words, 12);
   ExpectSameGraph(*request.query_view, *read->query_view);
-  ExpectSameLooks(*request.query_view, *read->query_view);
+  ExpectSameDescriptors(*request.query_view, *read->query_view);
   ExpectSameCovisibility(*request.query_view, *read->query_view);
   ExpectSameGraph(request.candidate_view, read->candidate_view);
   const Keyframe& candidate = *read->candidate_view.FindKeyframe({kOtherMap, 2});

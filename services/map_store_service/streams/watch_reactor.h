@@ -22,7 +22,7 @@
 
 namespace corbslam::services {
 
-enum class WatchJob { kNone, kWrite, kFinish, kLook };
+enum class WatchJob { kNone, kWrite, kFinish, kPoll };
 
 // Looks whenever something has changed and what was found before is written, so that a slow reader
 // costs no more memory than one look finds. Derived classes say where to look. Owns itself once it
@@ -61,16 +61,16 @@ class WatchReactor : public grpc::ServerWriteReactor<Response>, private StreamTa
   }
 
  protected:
-  // What one look has found.
+  // One poll finds this.
   struct Found {
     std::vector<Response> messages;
-    bool more = false;  // There is more already: look again once these are written.
+    bool more = false;  // There is more already: poll again once these are written.
   };
 
   // These are called by one thread at a time, without locks. Subscribe comes first, until it is OK;
   // an error ends the stream. `listener` may be called from any thread, at any time.
   virtual absl::Status Subscribe(std::function<void()> listener) = 0;
-  virtual absl::StatusOr<Found> Look() = 0;
+  virtual absl::StatusOr<Found> Poll() = 0;
   // Called last, after a Subscribe that was OK.
   virtual void Unsubscribe() = 0;
 
@@ -86,19 +86,19 @@ class WatchReactor : public grpc::ServerWriteReactor<Response>, private StreamTa
     if (writing_) return WatchJob::kNone;
     if (cancelled_ || end_) return WatchJob::kFinish;
     if (!messages_.empty()) return WatchJob::kWrite;
-    return changed_ ? WatchJob::kLook : WatchJob::kNone;
+    return changed_ ? WatchJob::kPoll : WatchJob::kNone;
   }
 
   void BeginJob(WatchJob job) override ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
     if (job == WatchJob::kWrite) writing_ = true;
-    if (job == WatchJob::kLook) changed_ = false;
+    if (job == WatchJob::kPoll) changed_ = false;
   }
 
   void DoJob(WatchJob job) override {
     if (job == WatchJob::kWrite) WriteNext();
-    if (job == WatchJob::kLook) {
-      absl::Status status = LookAndKeep();
-      if (!status.ok()) status = LookAgain(status);
+    if (job == WatchJob::kPoll) {
+      absl::Status status = PollAndKeep();
+      if (!status.ok()) status = PollAgain(status);
       absl::MutexLock lock(&mutex_);
       if (!status.ok()) end_ = status;
     }
@@ -115,10 +115,10 @@ class WatchReactor : public grpc::ServerWriteReactor<Response>, private StreamTa
     this->StartWrite(message);
   }
 
-  absl::Status LookAndKeep() {
+  absl::Status PollAndKeep() {
     if (!subscribed_) RETURN_IF_ERROR(Subscribe(link_.Guard([this] { OnChange(); })));
     subscribed_ = true;
-    ASSIGN_OR_RETURN(Found found, Look());
+    ASSIGN_OR_RETURN(Found found, Poll());
     absl::MutexLock lock(&mutex_);
     held_.reset();
     changed_ = changed_ || found.more;
@@ -126,8 +126,8 @@ class WatchReactor : public grpc::ServerWriteReactor<Response>, private StreamTa
     return absl::OkStatus();
   }
 
-  // Looks again once what was not there is; returns the error if it never will be.
-  absl::Status LookAgain(const absl::Status& error) {
+  // Polls again once what was not there is; returns the error if it never will be.
+  absl::Status PollAgain(const absl::Status& error) {
     return pool().Defer(error, link_.Guard([this](const auto& ready) {
       Note([this, &ready]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
         changed_ = ready.ok();
@@ -165,7 +165,7 @@ class WatchReactor : public grpc::ServerWriteReactor<Response>, private StreamTa
   bool cancelled_ ABSL_GUARDED_BY(mutex_) = false;
   std::optional<absl::Status> end_ ABSL_GUARDED_BY(mutex_);
   std::deque<Response> messages_ ABSL_GUARDED_BY(mutex_);
-  // What the next look needs.
+  // The next poll needs this in memory.
   std::shared_ptr<const void> held_ ABSL_GUARDED_BY(mutex_);
 };
 

@@ -27,12 +27,12 @@ std::string WhatMappingDoes(const absl::Status& cause) {
 }
 
 std::string WhatLocalisingDoes(const absl::Status& cause, bool has_a_map) {
-  std::string words = has_a_map ? "; the robot localises on in what it was told of the map"
-                                : "; the robot only localises, and has no map until a session "
-                                  "stands: it is lost";
-  absl::StrAppend(&words, WhetherItAsksAgain(cause));
-  if (!absl::IsNotFound(cause)) return words;
-  return absl::StrCat(words,
+  std::string text = has_a_map ? "; the robot localises on in what it was told of the map"
+                               : "; the robot only localises, and has no map until a session "
+                                 "stands: it is lost";
+  absl::StrAppend(&text, WhetherItAsksAgain(cause));
+  if (!absl::IsNotFound(cause)) return text;
+  return absl::StrCat(text,
                       ". Is --mission right? corbslam mission list says which missions there are, "
                       "and a robot without --localise-only begins one");
 }
@@ -40,7 +40,7 @@ std::string WhatLocalisingDoes(const absl::Status& cause, bool has_a_map) {
 // So many sessions in a row that do not last are told as one trouble.
 constexpr uint64_t kFlapping = 3;
 
-std::string InWords(absl::Duration duration) {
+std::string TextOf(absl::Duration duration) {
   if (duration < absl::Seconds(1)) return "less than a second";
   return absl::FormatDuration(absl::Trunc(duration, absl::Seconds(1)));
 }
@@ -81,7 +81,7 @@ void UplinkLog::OnOpened() {
   opened_at_ = options_.clock();
   if (std::exchange(warned_, false)) {
     LOG(WARNING) << who_ << "a session with the map store stands again, after "
-                 << InWords(opened_at_ - without_since_) << " without";
+                 << TextOf(opened_at_ - without_since_) << " without";
   } else if (short_lived_ == 0) {
     LOG(INFO) << who_ << "a session with the map store stands";
   }
@@ -137,7 +137,7 @@ std::optional<absl::Status> UplinkLog::WaitForTrouble() {
 std::string UplinkLog::DescribeShortLived() const {
   if (short_lived_ < 2) return "";
   return absl::StrCat("; ", short_lived_, " sessions in a row ended within ",
-                      InWords(options_.lasting));
+                      TextOf(options_.lasting));
 }
 
 bool UplinkLog::NeedsExplanation() const {
@@ -164,7 +164,7 @@ void UplinkLog::WarnIfDue() {
   warned_ = true;
   const absl::Duration without = now - without_since_;
   LOG(WARNING) << who_ << "no session with the map store "
-               << (without >= absl::Seconds(1)          ? absl::StrCat("since ", InWords(without))
+               << (without >= absl::Seconds(1)          ? absl::StrCat("since ", TextOf(without))
                    : opened_at_ == absl::InfinitePast() ? "yet"
                                                         : "any more")
                << ": " << cause_ << DescribeShortLived()

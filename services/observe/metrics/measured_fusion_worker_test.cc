@@ -10,9 +10,9 @@ namespace {
 using testing::ValueOf;
 
 // Reads the metrics while it works; it fuses nothing.
-class LookingWorker : public FusionWorker {
+class InspectingWorker : public FusionWorker {
  public:
-  explicit LookingWorker(prometheus::Registry* registry) : registry_(*registry) {}
+  explicit InspectingWorker(prometheus::Registry* registry) : registry_(*registry) {}
 
   absl::StatusOr<VerifyOverlapResult> VerifyOverlap(const VerifyOverlapRequest& request,
                                                     const ProgressCallback&) override {
@@ -37,7 +37,7 @@ class LookingWorker : public FusionWorker {
 
 TEST(MeasuredFusionWorkerTest, RequestsAreCountedByKindAndEnd) {
   prometheus::Registry registry;
-  LookingWorker inner(&registry);
+  InspectingWorker inner(&registry);
   const auto worker = MakeMeasuredFusionWorker(&inner, registry);
   VerifyOverlapRequest request;
   request.base_revision = 7;

@@ -29,11 +29,11 @@ class ScrapeHandler : public WebHandler {
  private:
   WebResponse Answer(const WebRequest& request) const {
     if (request.method != "GET" && request.method != "HEAD") {
-      WebResponse refusal = WordsResponse(405, "metrics are only read");
+      WebResponse refusal = TextResponse(405, "metrics are only read");
       refusal.headers["Allow"] = "GET, HEAD";
       return refusal;
     }
-    if (request.path != "/metrics") return WordsResponse(404, "there is nothing but /metrics");
+    if (request.path != "/metrics") return TextResponse(404, "there is nothing but /metrics");
     return {.body = std::make_shared<const std::string>(Scrape(collectables_))};
   }
 

@@ -6,12 +6,12 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
-#include "client_agent/source/calibration/lens_words.h"
+#include "client_agent/source/calibration/lens_names.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::services {
 
-using client_agent::LensOfWords;
+using client_agent::LensOfName;
 using client_agent::NumbersOf;
 using client_agent::Rig;
 using client_agent::RigKind;
@@ -78,8 +78,8 @@ Camera CameraOf(const Json& json) {
 }
 
 absl::StatusOr<LensModel> LensOf(const Json& json) {
-  return LensOfWords(json.at("lens").get<std::string>(),
-                     json.at("lens_numbers").get<std::vector<double>>());
+  return LensOfName(json.at("lens").get<std::string>(),
+                    json.at("lens_numbers").get<std::vector<double>>());
 }
 
 absl::StatusOr<RawCamera> RawOf(const Json& json) {

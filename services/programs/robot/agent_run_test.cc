@@ -193,25 +193,25 @@ TEST_F(PlayStreamTest, ARobotThatOnlyLocalisesIsToldWhatIsSo) {
   stream_.PutFrame(0, 0);
   stream_.Put(StreamEnd());
   EXPECT_TRUE(Play().ok());
-  const auto words = [this](const RobotTask& task) {
+  const auto text = [this](const RobotTask& task) {
     return CollectWarnings({}, agent_, stream_, frames_, task).back().text;
   };
   RobotTask task{.localise_only = true, .mission = "labb", .session = {}};
   task.session = absl::NotFoundError("there is no mission labb");
-  EXPECT_THAT(words(task), AllOf(HasSubstr("there is no mission labb"),
-                                 HasSubstr("--mission right"), Not(HasSubstr("doctor"))));
+  EXPECT_THAT(text(task), AllOf(HasSubstr("there is no mission labb"), HasSubstr("--mission right"),
+                                Not(HasSubstr("doctor"))));
   task.session = absl::UnavailableError("Connection refused");
-  EXPECT_THAT(words(task), AllOf(HasSubstr("no session"), HasSubstr("Connection refused")));
+  EXPECT_THAT(text(task), AllOf(HasSubstr("no session"), HasSubstr("Connection refused")));
   task.session = absl::OkStatus();
-  EXPECT_THAT(words(task),
+  EXPECT_THAT(text(task),
               AllOf(HasSubstr("nobody has mapped in mission labb"), Not(HasSubstr("doctor"))));
   task.shares_nearby = true;
-  EXPECT_THAT(words(task), HasSubstr("did not recognise the place"));
+  EXPECT_THAT(text(task), HasSubstr("did not recognise the place"));
   agent_.status.foreign_keyframes = 31;
-  EXPECT_THAT(words(task), AllOf(HasSubstr("recognised nowhere in the 31 keyframes"),
-                                 HasSubstr("corbslam doctor")));
+  EXPECT_THAT(text(task), AllOf(HasSubstr("recognised nowhere in the 31 keyframes"),
+                                HasSubstr("corbslam doctor")));
   agent_.status.why_no_pose = client_agent::WhyNoPose::kAnotherCamera;
-  EXPECT_THAT(words(task),
+  EXPECT_THAT(text(task),
               AllOf(HasSubstr("another camera than the rig's"), Not(HasSubstr("there is no map"))));
 }
 
@@ -220,12 +220,12 @@ TEST_F(PlayStreamTest, ARobotThatResumedIsToldThatThePlaceWasNotRecognised) {
   stream_.Put(StreamEnd());
   EXPECT_TRUE(Play().ok());
   agent_.status.keyframes = 12;
-  const std::string words =
+  const std::string text =
       CollectWarnings({}, agent_, stream_, frames_, {.resume = true, .mission = "", .session = {}})
           .back()
           .text;
-  EXPECT_THAT(words, AllOf(HasSubstr("map of 12 keyframes that --resume took up"),
-                           Not(HasSubstr("there is no map"))));
+  EXPECT_THAT(text, AllOf(HasSubstr("map of 12 keyframes that --resume took up"),
+                          Not(HasSubstr("there is no map"))));
 }
 
 TEST_F(PlayStreamTest, WhatTheStreamFoundIsAmongTheWarnings) {

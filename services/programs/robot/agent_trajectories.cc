@@ -9,8 +9,8 @@
 #include "absl/strings/str_cat.h"
 #include "slam/evaluation/pose_header.h"
 #include "slam/evaluation/trajectory_io.h"
+#include "slam/util/atomic_file.h"
 #include "slam/util/status_macros.h"
-#include "slam/util/whole_file.h"
 
 namespace corbslam::services {
 

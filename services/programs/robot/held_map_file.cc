@@ -7,7 +7,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "services/agent_service/near_map_message.h"
-#include "slam/util/whole_file.h"
+#include "slam/util/atomic_file.h"
 
 namespace corbslam::services {
 
@@ -30,7 +30,7 @@ absl::Status WriteHeldMap(const std::optional<NearMap>& held, const std::string&
     ToProto(*held, &proto);
     bytes = proto.SerializeAsString();
   }
-  return WriteWhole(path, bytes);
+  return WriteAtomically(path, bytes);
 }
 
 absl::StatusOr<std::optional<NearMap>> ReadHeldMap(const std::string& path) {

@@ -10,7 +10,7 @@
 
 namespace corbslam::services {
 
-using client_agent::DescribeInWords;
+using client_agent::DescribeInLines;
 using client_agent::FindingLevel;
 using client_agent::FrameReader;
 using client_agent::InspectSource;
@@ -43,7 +43,7 @@ absl::StatusOr<InspectedSource> OpenInspectedSource(const SourceSpec& spec, bool
 
 std::string FormatDescription(const SourceDescription& description) {
   std::vector<std::string> lines;
-  for (const auto& [name, value] : DescribeInWords(description)) {
+  for (const auto& [name, value] : DescribeInLines(description)) {
     lines.push_back(absl::StrCat("  ", name, ": ", value));
   }
   return absl::StrJoin(lines, "\n");

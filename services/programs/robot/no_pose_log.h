@@ -1,4 +1,4 @@
-// Says in words why a robot doesn't know where it is, for as long as it doesn't.
+// Logs for people why a robot doesn't know where it is, for as long as it doesn't.
 #ifndef CORBSLAM_SERVICES_PROGRAMS_ROBOT_NO_POSE_LOG_H_
 #define CORBSLAM_SERVICES_PROGRAMS_ROBOT_NO_POSE_LOG_H_
 

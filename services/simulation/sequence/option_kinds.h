@@ -54,7 +54,7 @@ inline SimulationOption Real(absl::string_view name, double least, double most,
 
 // Any whole number that the field holds.
 template <typename Integer>
-SimulationOption Whole(absl::string_view name, Access<Integer> access) {
+SimulationOption IntegerOption(absl::string_view name, Access<Integer> access) {
   return {name, "a whole number",
           [access](absl::string_view value, SimulationSpec& spec) {
             return absl::SimpleAtoi(value, &access(spec));
@@ -62,8 +62,9 @@ SimulationOption Whole(absl::string_view name, Access<Integer> access) {
           [access](const SimulationSpec& spec) { return absl::StrCat(Get(access, spec)); }};
 }
 
-inline SimulationOption Whole(absl::string_view name, int least, int most, Access<int> access) {
-  SimulationOption option = Whole<int>(name, access);
+inline SimulationOption IntegerOption(absl::string_view name, int least, int most,
+                                      Access<int> access) {
+  SimulationOption option = IntegerOption<int>(name, access);
   option.numbers = [access](const SimulationSpec& spec) {
     return std::vector<double>{static_cast<double>(Get(access, spec))};
   };

@@ -58,7 +58,7 @@ Option RoomsOption() {
 }
 
 std::vector<Option> WorldOptions() {
-  return {Whole<uint64_t>("seed", [](Spec& s) -> uint64_t& { return s.seed; }),
+  return {IntegerOption<uint64_t>("seed", [](Spec& s) -> uint64_t& { return s.seed; }),
           {"world", "a whole number",
            [](absl::string_view value, Spec& spec) {
              return absl::SimpleAtoi(value, &spec.world_seed.emplace());
@@ -75,7 +75,7 @@ std::vector<Option> WorldOptions() {
            [](const Spec& spec) { return spec.poses; }},
           RoomsOption(),
           Flag("look_alike", [](Spec& s) -> bool& { return s.look_alike; }),
-          Whole("moving_cars", 0, 10'000, [](Spec& s) -> int& { return s.moving_cars; })};
+          IntegerOption("moving_cars", 0, 10'000, [](Spec& s) -> int& { return s.moving_cars; })};
 }
 
 Option RigOption() {
@@ -152,14 +152,14 @@ std::vector<Option> PictureOptions() {
       Real("exposure_drift", 0, 1, [](Spec& s) -> double& { return s.lens.exposure_drift; }),
       Real("blur_px", 0, 10, [](Spec& s) -> double& { return s.lens.blur_px; }),
       Real("rolling_shutter_ms", 0, 100, [](Spec& s) -> double& { return s.rolling_shutter_ms; }),
-      Whole<uint64_t>("noise_seed", [](Spec& s) -> uint64_t& { return s.lens.noise_seed; }),
+      IntegerOption<uint64_t>("noise_seed", [](Spec& s) -> uint64_t& { return s.lens.noise_seed; }),
       Real("epipolar_error_px", -20, 20, [](Spec& s) -> double& { return s.epipolar_error_px; }),
       Real("disparity_error_px", -20, 20, [](Spec& s) -> double& { return s.disparity_error_px; }),
       Real("scale_error", -0.5, 0.5, [](Spec& s) -> double& { return s.scale_error; }),
       Real("depth_aside_m", -0.5, 0.5, [](Spec& s) -> double& { return s.depth_aside_m; }),
       Real("truth_error_m", 0, 10, [](Spec& s) -> double& { return s.truth_error_m; }),
       Real("truth_error_deg", 0, 10, [](Spec& s) -> double& { return s.truth_error_deg; }),
-      Whole("threads", 1, 256, [](Spec& s) -> int& { return s.threads; })};
+      IntegerOption("threads", 1, 256, [](Spec& s) -> int& { return s.threads; })};
 }
 
 const Option* FindOption(absl::string_view key) {

@@ -123,7 +123,7 @@ void FurnishRoom(const FloorBox& room, int index, uint64_t seed, Furnisher* furn
 void FurnishCorridor(const FloorPlan& plan, int index, Furnisher* furnisher) {
   const FloorBox& corridor = plan.corridors[static_cast<size_t>(index)];
   const bool along_x = index <= plan.options.rooms_z;
-  Dice dice = Dice::For(plan.options.seed, kCorridorDice, LookOf(plan.options, index));
+  Dice dice = Dice::For(plan.options.seed, kCorridorDice, AppearanceOf(plan.options, index));
   const Vector2d size = corridor.high - corridor.low;
   const int attempts = static_cast<int>(size.maxCoeff() * 0.8);
   for (int attempt = 0; attempt < attempts; ++attempt) {

@@ -78,7 +78,7 @@ void AddWallWithDoor(const FloorBox& room, int room_index, int corridor, FloorPl
   const int column = room_index % plan->options.rooms_x;
   Dice inside = DiceFor(plan->options, FloorDice::kRoomWall, room_index);
   Dice outside = DiceFor(plan->options, FloorDice::kCorridorWall,
-                         LookOf(plan->options, corridor) * 2 + (front ? 1 : 0), column);
+                         AppearanceOf(plan->options, corridor) * 2 + (front ? 1 : 0), column);
   const uint32_t room_seed = inside.Seed();
   const uint32_t corridor_seed = outside.Seed();
   // The direction +x has its first side at +z.

@@ -35,7 +35,7 @@ FloorLanes LanesOf(const FloorPlan& plan);
 void Furnish(FloorPlan* plan);
 
 // Returns which corridor a corridor looks like: itself, but for look-alike ones.
-inline int LookOf(const FloorOptions& options, int corridor) {
+inline int AppearanceOf(const FloorOptions& options, int corridor) {
   return options.look_alike_corridors && corridor == 2 ? 1 : corridor;
 }
 

@@ -131,7 +131,7 @@ void AddFloors(const FloorPlan& plan, Mesh* mesh) {
     AddLevels(plan.rooms[i], floor, dice.Seed(), mesh);
   }
   for (int i = 0; i <= plan.options.rooms_z; ++i) {
-    Dice dice = dice_for(-1 - LookOf(plan.options, i));
+    Dice dice = dice_for(-1 - AppearanceOf(plan.options, i));
     const Finish floor = FloorFinish(&dice);
     AddLevels(plan.corridors[static_cast<size_t>(i)], floor, dice.Seed(), mesh);
   }

@@ -162,9 +162,9 @@ absl::Status BackUpAllMissions(const MissionArguments& arguments) {
   MissionAdmin admin(channel);
   nlohmann::ordered_json files = nlohmann::ordered_json::array();
   const auto note = [&files](const std::string& mission, const absl::StatusOr<std::string>& file) {
-    const std::string words(file.ok() ? *file : std::string(file.status().message()));
-    Say(absl::StrCat(mission, ": ", words, "\n"));
-    files.push_back({{"mission", mission}, {file.ok() ? "file" : "error", words}});
+    const std::string text(file.ok() ? *file : std::string(file.status().message()));
+    Say(absl::StrCat(mission, ": ", text, "\n"));
+    files.push_back({{"mission", mission}, {file.ok() ? "file" : "error", text}});
   };
   const absl::Status status =
       BackUpAll(admin, {arguments.folder, arguments.keep}, absl::Now(), note);

@@ -20,9 +20,9 @@
 #include "services/tool/output/result.h"
 #include "slam/camera/recorded_camera.h"
 #include "slam/evaluation/pose_header.h"
+#include "slam/util/atomic_file.h"
 #include "slam/util/status_macros.h"
 #include "slam/util/text_file.h"
-#include "slam/util/whole_file.h"
 
 namespace corbslam::services {
 

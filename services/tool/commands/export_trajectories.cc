@@ -18,10 +18,10 @@
 #include "services/tool/output/result.h"
 #include "slam/evaluation/pose_header.h"
 #include "slam/evaluation/trajectory_io.h"
+#include "slam/util/atomic_file.h"
 #include "slam/util/folders.h"
 #include "slam/util/status_macros.h"
 #include "slam/util/text_file.h"
-#include "slam/util/whole_file.h"
 
 namespace corbslam::services {
 namespace {

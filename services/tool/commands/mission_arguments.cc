@@ -6,8 +6,8 @@
 #include "services/client/store/store_reader.h"
 #include "services/security/flags.h"
 #include "services/tool/output/progress.h"
+#include "slam/util/atomic_file.h"
 #include "slam/util/text_file.h"
-#include "slam/util/whole_file.h"
 
 namespace corbslam::services {
 

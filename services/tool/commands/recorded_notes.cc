@@ -6,7 +6,7 @@
 #include "absl/time/time.h"
 #include "services/client/store/local_map_names.h"
 #include "services/convert/resource_names.h"
-#include "services/tool/mission/event_words.h"
+#include "services/tool/mission/event_text.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::services {

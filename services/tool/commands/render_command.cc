@@ -15,8 +15,8 @@
 #include "services/tool/evaluation/picture.h"
 #include "services/tool/output/progress.h"
 #include "services/tool/output/result.h"
+#include "slam/util/atomic_file.h"
 #include "slam/util/status_macros.h"
-#include "slam/util/whole_file.h"
 
 namespace corbslam::services {
 
@@ -99,8 +99,8 @@ absl::Status Draw(const ServedMap& map, const std::string& own, const FusedAccur
   const MapPicture picture = ComposePicture(map, own, accuracy, DrivenOf(robots));
   if (IsSvg(arguments.out)) {
     ASSIGN_OR_RETURN(const std::string svg,
-                     RenderMapSvg(picture, SvgLook::kAlone, arguments.picture));
-    return WriteWhole(arguments.out, svg);
+                     RenderMapSvg(picture, SvgStyle::kAlone, arguments.picture));
+    return WriteAtomically(arguments.out, svg);
   }
   ASSIGN_OR_RETURN(const cv::Mat image, RenderMap(picture, arguments.picture));
   return WriteImage(image, arguments.out);

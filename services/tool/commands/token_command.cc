@@ -8,8 +8,8 @@
 #include "services/security/token.h"
 #include "services/tool/commands/commands.h"
 #include "services/tool/output/result.h"
+#include "slam/util/atomic_file.h"
 #include "slam/util/status_macros.h"
-#include "slam/util/whole_file.h"
 
 namespace corbslam::services {
 namespace {
@@ -26,8 +26,8 @@ struct TokenArguments {
 
 // Writes a file that only its owner can read, also where one was that others could.
 absl::Status WriteSecret(const std::string& text, const std::string& path) {
-  ASSIGN_OR_RETURN(WholeFile file, WholeFile::Create(path, WholeFile::Old::kReplaced,
-                                                     WholeFile::Readers::kOwnerAlways));
+  ASSIGN_OR_RETURN(AtomicFile file, AtomicFile::Create(path, AtomicFile::Old::kReplaced,
+                                                       AtomicFile::Readers::kOwnerAlways));
   RETURN_IF_ERROR(file.Append(text));
   return file.FinishUnsynced();
 }

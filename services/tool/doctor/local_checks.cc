@@ -21,7 +21,7 @@
 
 namespace corbslam::services {
 
-using client_agent::DescribeInWords;
+using client_agent::DescribeInLines;
 using client_agent::FindingLevel;
 using client_agent::FrameReader;
 using client_agent::InspectSource;
@@ -62,7 +62,7 @@ constexpr SampleOptions kThorough = {.places = 16, .stereo_row = 3, .rgbd_row = 
 
 Findings LookInto(const FrameReader& reader, const SourceSpec& spec, bool strict) {
   Findings findings;
-  for (const auto& [name, value] : DescribeInWords(reader.description())) {
+  for (const auto& [name, value] : DescribeInLines(reader.description())) {
     findings.push_back({Level::kOk, kSource, absl::StrCat(name, ": ", value), ""});
   }
   SourceFindings all = InspectSource(reader, spec, kThorough);

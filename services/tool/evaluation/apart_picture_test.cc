@@ -72,7 +72,7 @@ TEST_F(ApartPictureTest, SaysWhatThePictureOfNowHasNotGot) {
   EXPECT_GT(now->elsewhere.points.at("b"), 0u);
   const MapPicture picture = ComposePicture(*now, "a", {});
   EXPECT_THAT(picture.note, HasSubstr("b ("));
-  const absl::StatusOr<std::string> svg = RenderMapSvg(picture, SvgLook::kAlone);
+  const absl::StatusOr<std::string> svg = RenderMapSvg(picture, SvgStyle::kAlone);
   ASSERT_TRUE(svg.ok()) << svg.status();
   EXPECT_THAT(*svg, HasSubstr("nothing connects it"));
 }

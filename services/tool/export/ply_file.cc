@@ -4,7 +4,7 @@
 #include <bit>
 
 #include "absl/strings/str_cat.h"
-#include "slam/util/whole_file.h"
+#include "slam/util/atomic_file.h"
 
 namespace corbslam::services {
 namespace {
@@ -33,7 +33,7 @@ absl::Status WritePly(const std::vector<ColouredPoint>& points,
     text.append(reinterpret_cast<const char*>(position.data()), 3 * sizeof(float));
     text.append(reinterpret_cast<const char*>(colour.data()), colour.size());
   }
-  return WriteWhole(path, text);
+  return WriteAtomically(path, text);
 }
 
 }  // namespace corbslam::services

@@ -16,7 +16,7 @@ struct ColouredPoint {
   Colour colour;
 };
 
-// `comments` stand in the header, a line each. Errors are WriteWhole's.
+// `comments` stand in the header, a line each. Errors are WriteAtomically's.
 absl::Status WritePly(const std::vector<ColouredPoint>& points,
                       const std::vector<std::string>& comments, const std::string& path);
 

@@ -75,7 +75,7 @@ TEST(BackupTimeTest, WantsAZone) {
   }
 }
 
-TEST(BackupWordsTest, ATableAndJsonSayTheSame) {
+TEST(BackupTextTest, ATableAndJsonSayTheSame) {
   v1::StoredBackup backup;
   backup.set_name("missions/lab/backups/3");
   backup.set_created_ns(10 * kMinute_ns);

@@ -8,8 +8,8 @@
 #include "absl/time/time.h"
 #include "services/client/store/call_status.h"
 #include "services/convert/resource_names.h"
+#include "slam/util/atomic_file.h"
 #include "slam/util/status_macros.h"
-#include "slam/util/whole_file.h"
 
 namespace corbslam::services {
 namespace {
@@ -116,7 +116,7 @@ absl::Status MissionAdmin::ReadBackup(
 
 absl::StatusOr<uint64_t> MissionAdmin::BackUp(const std::string& mission, const std::string& path,
                                               const Progress& on_progress) {
-  ASSIGN_OR_RETURN(WholeFile file, WholeFile::Create(path));
+  ASSIGN_OR_RETURN(AtomicFile file, AtomicFile::Create(path));
   uint64_t bytes = 0;
   RETURN_IF_ERROR(ReadBackup(mission, [&](const std::string& piece) {
     bytes += piece.size();

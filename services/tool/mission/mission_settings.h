@@ -1,5 +1,5 @@
 // Turns what people write on the command line about a mission into messages of the contract, and
-// back into words.
+// back into text.
 #ifndef CORBSLAM_SERVICES_TOOL_MISSION_MISSION_SETTINGS_H_
 #define CORBSLAM_SERVICES_TOOL_MISSION_MISSION_SETTINGS_H_
 
@@ -15,7 +15,7 @@
 
 namespace corbslam::services {
 
-// What was given; nullopt and empty lists: nothing was.
+// Has what was given; nullopt and empty lists: nothing was.
 struct MissionSettings {
   std::optional<std::string> description = std::nullopt;
   std::vector<std::string> labels = {};         // KEY=VALUE

@@ -45,7 +45,7 @@ std::string FormatMissions(const std::vector<v1::Mission>& missions);
 // Returns "idle", "busy", "waits for a worker" or "has no worker".
 std::string DescribeFusion(const v1::Mission& mission);
 
-// Returns words such as "too few keypoints look alike".
+// Returns text such as "too few keypoints look alike".
 std::string DescribeVerdict(v1::OverlapVerdict verdict);
 
 }  // namespace corbslam::services

@@ -211,7 +211,7 @@ TEST(MissionSummaryTest, CountsOverlapsOfPartsWithTheirWholes) {
                     HasSubstr("  alpha/1, loops: 2 accepted (up to 60 inliers)\n")));
 }
 
-constexpr char kNoWords[] = "no two keyframes share enough words";
+constexpr char kNothingShared[] = "no two keyframes share enough words";
 
 void AddUncompared(int query, int against, uint64_t waiting, uint64_t failed,
                    MissionSummary& summary) {
@@ -238,7 +238,7 @@ TEST(MissionSummaryTest, NeverSpeaksOfWordsWhereNobodyLooked) {
                   HasSubstr("(no fusion worker answers at w:1: Connection refused)"),
                   HasSubstr("bravo/1 and alpha/2, apart: 12 look-ups waiting for a fusion "
                             "worker; 1 look-up given up because fusion workers failed\n")));
-  EXPECT_EQ(text.find(kNoWords), std::string::npos) << text;
+  EXPECT_EQ(text.find(kNothingShared), std::string::npos) << text;
   const nlohmann::ordered_json json = ToJson(summary);
   EXPECT_EQ(json["mission"]["waiting_queries"], 12);
   for (const auto& pair : json["pairs"]) {
@@ -254,15 +254,15 @@ TEST(MissionSummaryTest, NeverSpeaksOfWordsWhereNothingCouldBeLookedAt) {
   none.mission.set_waiting_queries(3);
   AddUncompared(3, 2, 3, 0, none);
   EXPECT_THAT(FormatSummary(none), AllOf(HasSubstr("3 look-ups waiting: the store has no fusion"),
-                                         ::testing::Not(HasSubstr(kNoWords))));
+                                         ::testing::Not(HasSubstr(kNothingShared))));
   MissionSummary early = MakeSummary();
   early.local_maps[2].set_settled_keyframes(0);
   EXPECT_THAT(FormatSummary(early), AllOf(HasSubstr("too few keyframes to be compared yet"),
-                                          ::testing::Not(HasSubstr(kNoWords))));
+                                          ::testing::Not(HasSubstr(kNothingShared))));
   MissionSummary failed = MakeSummary();
   failed.statistics.set_failed_requests(9);
   EXPECT_THAT(FormatSummary(failed), AllOf(HasSubstr("9 requests of this mission failed"),
-                                           ::testing::Not(HasSubstr(kNoWords))));
+                                           ::testing::Not(HasSubstr(kNothingShared))));
 }
 
 TEST(MissionSummaryTest, HasTheSameAsJson) {

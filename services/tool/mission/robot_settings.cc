@@ -65,7 +65,7 @@ absl::StatusOr<v1::RobotSettings> BeginFrom(const v1::SignedRobotSettings& now,
   v1::RobotSettings before;
   if (replace) {
     v1::RobotSettings said;
-    // What can't be read has no version that counts.
+    // Settings that can't be read count as version 0.
     if (said.ParseFromString(now.settings())) before.set_version(said.version());
     return before;
   }
@@ -87,7 +87,7 @@ absl::StatusOr<uint64_t> VersionAfter(uint64_t last, absl::Time time) {
                    "): versions are seconds since 1970; set the clock right"));
 }
 
-// Visits what is set, with the flag's name and its value in words.
+// Visits what is set, with the flag's name and its value as text.
 void VisitSettings(const v1::RobotSettings& settings,
                    const std::function<void(const char*, const std::string&)>& visit) {
   for (const RobotSetting& row : RobotSettingTable()) {
@@ -108,11 +108,11 @@ std::string PutSetting(const RobotSetting& row, const std::string& text,
   }
   const auto unit = static_cast<double>(row.tool_unit);
   const NumberRange in = {row.in.least / unit, row.in.most / unit, row.in.zero};
-  uint64_t whole = 0;
+  uint64_t integer = 0;
   double real = 0;
-  std::string wrong = IsWhole(row) ? ReadSetting({row.tool_flag, &whole, "", {.in = in}}, text)
-                                   : ReadSetting({row.tool_flag, &real, "", {.in = in}}, text);
-  SetNumber(row, unit * (IsWhole(row) ? static_cast<double>(whole) : real), settings);
+  std::string wrong = IsInteger(row) ? ReadSetting({row.tool_flag, &integer, "", {.in = in}}, text)
+                                     : ReadSetting({row.tool_flag, &real, "", {.in = in}}, text);
+  SetNumber(row, unit * (IsInteger(row) ? static_cast<double>(integer) : real), settings);
   return wrong;
 }
 

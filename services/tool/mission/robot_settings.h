@@ -1,4 +1,4 @@
-// Makes what an operator signs for a mission's robots, and says in words what is set.
+// Makes what an operator signs for a mission's robots, and describes for people what is set.
 #ifndef CORBSLAM_SERVICES_TOOL_MISSION_ROBOT_SETTINGS_H_
 #define CORBSLAM_SERVICES_TOOL_MISSION_ROBOT_SETTINGS_H_
 
@@ -15,7 +15,7 @@
 
 namespace corbslam::services {
 
-// What was given on the command line.
+// Has what was given on the command line.
 struct RobotSettingsFlags {
   // Values as texts, by their rows' tool_flag (services/convert/robot_setting_table.h).
   std::map<std::string, std::string> given = {};

@@ -1,5 +1,4 @@
-// What a report says as tables and lines, in the words of people; report.md and report.html show
-// the same.
+// Makes tables and lines for people of what a report says; report.md and report.html show the same.
 #ifndef CORBSLAM_SERVICES_TOOL_REPORT_REPORT_TABLES_H_
 #define CORBSLAM_SERVICES_TOOL_REPORT_REPORT_TABLES_H_
 

@@ -113,7 +113,7 @@ absl::StatusOr<LiveSample> TakeLiveSample(FrameStream& stream, absl::Duration du
                    sample.left_out.last.empty() ? "" : absl::StrCat("; ", sample.left_out.last)));
 }
 
-std::vector<std::pair<std::string, std::string>> DescribeInWords(const LiveSample& sample) {
+std::vector<std::pair<std::string, std::string>> DescribeInLines(const LiveSample& sample) {
   std::vector<std::pair<std::string, std::string>> lines;
   lines.emplace_back("frames", absl::StrFormat("%d taken in %.1f s, %.2f frames/s came",
                                                sample.taken, sample.seconds, sample.rate_hz));

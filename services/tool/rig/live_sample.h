@@ -37,7 +37,7 @@ absl::StatusOr<LiveSample> TakeLiveSample(client_agent::FrameStream& stream,
                                           const client_agent::SampleOptions& options);
 
 // Returns names and values for people: rate, gaps, frames that were missed, times apart.
-std::vector<std::pair<std::string, std::string>> DescribeInWords(const LiveSample& sample);
+std::vector<std::pair<std::string, std::string>> DescribeInLines(const LiveSample& sample);
 
 // Finds a rate far below `expected_hz`, gaps, times of several clocks, pictures without a
 // counterpart, a camera that failed.

@@ -75,7 +75,7 @@ TEST(LiveSampleTest, MeasuresRateAndGapsByTheFramesOwnTimes) {
   EXPECT_EQ(sample->gaps, 1u) << "what was overtaken is no gap";
   EXPECT_NEAR(sample->longest_s, 0.12, 1e-9);
   EXPECT_THAT(CheckLiveSample(*sample, 20), IsEmpty());
-  const auto lines = DescribeInWords(*sample);
+  const auto lines = DescribeInLines(*sample);
   EXPECT_EQ(lines[0].second, "37 taken in 2.0 s, 19.31 frames/s came");
 }
 
@@ -106,7 +106,7 @@ TEST(LiveSampleTest, TellsWhatIsWrongWithTheCamera) {
   for (const SourceFinding& finding : CheckLiveSample(*sample, 30)) codes.push_back(finding.code);
   EXPECT_THAT(codes, ::testing::ElementsAre("camera-failed", "camera-slow", "camera-gaps",
                                             "pair-unpaired"));
-  EXPECT_THAT(DescribeInWords(*sample)[3].second, HasSubstr("+4.00 ms later"));
+  EXPECT_THAT(DescribeInLines(*sample)[3].second, HasSubstr("+4.00 ms later"));
 }
 
 TEST(LiveSampleTest, ACameraWithoutFramesIsAnError) {

@@ -148,7 +148,7 @@ absl::StatusOr<RigCheck> CheckRig(const FrameReader& reader, const SourceSpec& s
     // What a simulation draws is not checked for what a camera does; its rows are measured.
     inspection.pairs = JudgeSample(reader.calibration(), inspection.sample).pairs;
   }
-  return Report(reader.calibration(), DescribeInWords(reader.description()), inspection);
+  return Report(reader.calibration(), DescribeInLines(reader.description()), inspection);
 }
 
 absl::StatusOr<RigCheck> CheckLiveRig(FrameStream& stream, const SourceDescription& description,
@@ -163,8 +163,8 @@ absl::StatusOr<RigCheck> CheckLiveRig(FrameStream& stream, const SourceDescripti
     findings.push_back(std::move(found));
   }
   findings.insert(findings.end(), judged.findings.begin(), judged.findings.end());
-  std::vector<std::pair<std::string, std::string>> lines = DescribeInWords(description);
-  for (auto& line : DescribeInWords(taken)) lines.push_back(std::move(line));
+  std::vector<std::pair<std::string, std::string>> lines = DescribeInLines(description);
+  for (auto& line : DescribeInLines(taken)) lines.push_back(std::move(line));
   return Report(stream.calibration(), std::move(lines),
                 {std::move(taken.frames), std::move(findings), std::move(judged.pairs)});
 }

@@ -21,10 +21,9 @@ inline std::string CaseName(absl::string_view text) {
 }
 
 // Names cases by one of their fields: NamedBy(&Case::name).
-template <typename Case, typename Words>
-auto NamedBy(Words Case::*words) {
-  return
-      [words](const ::testing::TestParamInfo<Case>& info) { return CaseName(info.param.*words); };
+template <typename Case, typename Text>
+auto NamedBy(Text Case::*text) {
+  return [text](const ::testing::TestParamInfo<Case>& info) { return CaseName(info.param.*text); };
 }
 
 }  // namespace corbslam::testing

@@ -30,20 +30,20 @@ std::shared_ptr<const Camera> MakeCamera(bool is_metric) {
 }
 
 // Returns the descriptor that each of the world's points has for one map.
-std::vector<size_t> Looks(const SyntheticWorld& world, double share_of_mistaken,
-                          std::mt19937_64& random) {
-  std::vector<size_t> looks(world.positions_m.size());
-  for (size_t i = 0; i < looks.size(); ++i) looks[i] = i;
+std::vector<size_t> Appearances(const SyntheticWorld& world, double share_of_mistaken,
+                                std::mt19937_64& random) {
+  std::vector<size_t> appearances(world.positions_m.size());
+  for (size_t i = 0; i < appearances.size(); ++i) appearances[i] = i;
   std::vector<size_t> mistaken;
   std::uniform_real_distribution<double> unit(0, 1);
-  for (size_t i = 0; i < looks.size(); ++i) {
+  for (size_t i = 0; i < appearances.size(); ++i) {
     if (unit(random) < share_of_mistaken) mistaken.push_back(i);
   }
-  // Neighbours in the list, which are far apart in the world, swap looks.
+  // Neighbours in the list, which are far apart in the world, swap appearances.
   for (size_t k = 0; k < mistaken.size(); ++k) {
-    looks[mistaken[k]] = mistaken[(k + 1) % mistaken.size()];
+    appearances[mistaken[k]] = mistaken[(k + 1) % mistaken.size()];
   }
-  return looks;
+  return appearances;
 }
 
 struct Seen {
@@ -53,7 +53,7 @@ struct Seen {
 };
 
 std::vector<Seen> See(const SyntheticWorld& world, const Rigid3d& camera_from_world,
-                      const Camera& camera, const std::vector<size_t>& looks,
+                      const Camera& camera, const std::vector<size_t>& appearances,
                       const SyntheticMapOptions& options, std::mt19937_64& random) {
   std::normal_distribution<double> noise(0, 1);
   std::vector<Seen> seen;
@@ -70,7 +70,7 @@ std::vector<Seen> See(const SyntheticWorld& world, const Rigid3d& camera_from_wo
       keypoint.disparity_px = static_cast<float>(DisparityFromDepth(camera, x.z()) +
                                                  options.pixel_noise_px * noise(random));
     }
-    Descriptor descriptor = world.descriptors[looks[i]];
+    Descriptor descriptor = world.descriptors[appearances[i]];
     for (int flip = 0; flip < options.flipped_bits; ++flip) {
       const uint64_t bit = random() % 256;
       descriptor.words[bit / 64] ^= uint64_t{1} << (bit % 64);
@@ -81,11 +81,11 @@ std::vector<Seen> See(const SyntheticWorld& world, const Rigid3d& camera_from_wo
 }
 
 std::shared_ptr<const Words> MakeWords(const std::vector<Seen>& seen,
-                                       const std::vector<size_t>& looks) {
+                                       const std::vector<size_t>& appearances) {
   auto words = std::make_shared<Words>();
   std::map<uint32_t, std::vector<uint32_t>> nodes;
   for (uint32_t i = 0; i < seen.size(); ++i) {
-    nodes[static_cast<uint32_t>(looks[seen[i].point]) % kNodes].push_back(i);
+    nodes[static_cast<uint32_t>(appearances[seen[i].point]) % kNodes].push_back(i);
   }
   for (auto& [node, features] : nodes) words->direct_index.push_back({node, std::move(features)});
   return words;
@@ -182,7 +182,7 @@ std::vector<Rigid3d> PosesOnRing(double begin_degrees, double step_degrees, int 
 SyntheticMap MakeSyntheticMap(const SyntheticWorld& world, const std::vector<Rigid3d>& poses,
                               const SyntheticMapOptions& options) {
   std::mt19937_64 random(options.seed);
-  const std::vector<size_t> looks = Looks(world, options.share_of_mistaken, random);
+  const std::vector<size_t> appearances = Appearances(world, options.share_of_mistaken, random);
   const auto camera = MakeCamera(options.scale == 1);
   SyntheticMap result;
   std::vector<std::vector<Seen>> seen;
@@ -195,7 +195,7 @@ SyntheticMap MakeSyntheticMap(const SyntheticWorld& world, const std::vector<Rig
     }
     const KeyframeId id{options.local_map, k};
     result.true_camera_from_world[id] = poses[k];
-    seen.push_back(See(world, poses[k], *camera, looks, options, random));
+    seen.push_back(See(world, poses[k], *camera, appearances, options, random));
     Features features;
     for (const Seen& one : seen.back()) {
       features.keypoints.push_back(one.keypoint);
@@ -203,7 +203,7 @@ SyntheticMap MakeSyntheticMap(const SyntheticWorld& world, const std::vector<Rig
     }
     Keyframe keyframe;
     keyframe.payload = MakeKeyframePayload(id, k, 0, camera, std::move(features));
-    keyframe.words = MakeWords(seen.back(), looks);
+    keyframe.words = MakeWords(seen.back(), appearances);
     keyframe.camera_from_map = camera_from_map;
     if (k > 0) keyframe.parent = {options.local_map, k - 1};
     result.map.AddKeyframe(std::move(keyframe));

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "absl/strings/str_cat.h"
-#include "client_agent/source/calibration/lens_words.h"
+#include "client_agent/source/calibration/lens_names.h"
 #include "client_agent/source/calibration/yaml_fields.h"
 #include "client_agent/source/rig/convert/rig_readers.h"
 #include "slam/util/status_macros.h"
@@ -55,7 +55,7 @@ absl::StatusOr<RigCamera> ReadCamera(const YAML::Node& value, size_t index,
     const std::string within = field + ".intrinsics";
     ASSIGN_OR_RETURN(const auto k, ReadNamed(intrinsics, {"fx", "fy", "cx", "cy"}, path, within));
     ASSIGN_OR_RETURN(const auto numbers, ReadNamed(intrinsics, model.numbers, path, within));
-    ASSIGN_OR_RETURN(const LensModel lens, LensOfWords(model.lens, numbers));
+    ASSIGN_OR_RETURN(const LensModel lens, LensOfName(model.lens, numbers));
     ASSIGN_OR_RETURN(
         const PictureSize size,
         ReadSize(value["resolution"][index], path, absl::StrCat("value0.resolution[", index, "]")));

@@ -1,6 +1,6 @@
 // Calibrations that list their cameras: SVO's (rpg_svo_pro) and OKVIS2's.
 #include "absl/strings/str_cat.h"
-#include "client_agent/source/calibration/lens_words.h"
+#include "client_agent/source/calibration/lens_names.h"
 #include "client_agent/source/calibration/yaml_fields.h"
 #include "client_agent/source/rig/convert/rig_readers.h"
 #include "slam/util/status_macros.h"
@@ -34,7 +34,7 @@ absl::StatusOr<std::vector<double>> ReadMatrix(const YAML::Node& node, const std
 
 absl::StatusOr<LensModel> LensOf(const std::string& word, const std::vector<double>& numbers,
                                  const std::string& path, const std::string& field) {
-  const auto lens = LensOfWords(word, numbers);
+  const auto lens = LensOfName(word, numbers);
   if (lens.ok()) return lens;
   return Bad(path, absl::StrCat(field, ": ", lens.status().message()));
 }
@@ -89,7 +89,7 @@ absl::StatusOr<Listed> ReadOkvisCamera(const YAML::Node& node, const std::string
                    ReadMatrix(node["principal_point"], path, field + ".principal_point", 2, 2));
   listed.camera.raw = {f[0], f[1], c[0], c[1], {}};
   std::string word = WordOf(node["distortion_type"]);
-  // Its own words, and ours.
+  // Its own names of lenses, and ours.
   if (word == "radialtangential" || word == "radialtangential8") word = "radial-tangential";
   if (word.empty()) return Bad(path, absl::StrCat(field, ".distortion_type is missing"));
   ASSIGN_OR_RETURN(const auto numbers, ReadLensNumbers(node["distortion_coefficients"], path,

@@ -2,7 +2,7 @@
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
-#include "client_agent/source/calibration/lens_words.h"
+#include "client_agent/source/calibration/lens_names.h"
 #include "client_agent/source/calibration/yaml_fields.h"
 #include "client_agent/source/rig/convert/rig_readers.h"
 #include "slam/util/status_macros.h"
@@ -60,7 +60,7 @@ absl::StatusOr<LensModel> ReadLens(const YAML::Node& camera, const Model& model,
                absl::StrCat(name, ".distortion_model is '", distortion, "' of a camera that is ",
                             model.name, ", known are none and radtan"));
   }
-  const auto lens = LensOfWords(model.lens.empty() ? distortion : model.lens, numbers);
+  const auto lens = LensOfName(model.lens.empty() ? distortion : model.lens, numbers);
   if (lens.ok()) return lens;
   return Bad(path, absl::StrCat(name, ".distortion_model: ", lens.status().message()));
 }

@@ -2,7 +2,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
-#include "client_agent/source/calibration/lens_words.h"
+#include "client_agent/source/calibration/lens_names.h"
 #include "client_agent/source/calibration/yaml_fields.h"
 #include "client_agent/source/rig/convert/rig_readers.h"
 #include "slam/util/status_macros.h"
@@ -64,7 +64,7 @@ absl::StatusOr<LensModel> ReadLens(const Found& d, const std::string& name, cons
                      " has 4 numbers: of cv::fisheye (k1 k2 k3 k4) give --lens equidistant, of "
                      "calibrateCamera (k1 k2 p1 p2) --lens radial-tangential"));
   }
-  const auto lens = LensOfWords(files.lens.empty() ? "radial-tangential" : files.lens, d.numbers);
+  const auto lens = LensOfName(files.lens.empty() ? "radial-tangential" : files.lens, d.numbers);
   if (lens.ok()) return lens;
   return absl::InvalidArgumentError(
       absl::StrCat(d.path, ": ", name, ": ", lens.status().message()));

@@ -2,7 +2,7 @@
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
-#include "client_agent/source/calibration/lens_words.h"
+#include "client_agent/source/calibration/lens_names.h"
 #include "client_agent/source/calibration/yaml_fields.h"
 #include "client_agent/source/rig/convert/rig_readers.h"
 #include "slam/util/status_macros.h"
@@ -51,7 +51,7 @@ class Settings {
 
 absl::StatusOr<LensModel> LensOf(const Settings& settings, const std::string& field,
                                  absl::string_view word, const std::vector<double>& numbers) {
-  const auto lens = LensOfWords(word, numbers);
+  const auto lens = LensOfName(word, numbers);
   if (lens.ok()) return lens;
   return settings.Bad(absl::StrCat(field, ": ", lens.status().message()));
 }

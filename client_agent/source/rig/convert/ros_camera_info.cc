@@ -2,7 +2,7 @@
 #include <tuple>
 
 #include "absl/strings/str_cat.h"
-#include "client_agent/source/calibration/lens_words.h"
+#include "client_agent/source/calibration/lens_names.h"
 #include "client_agent/source/calibration/yaml_fields.h"
 #include "client_agent/source/rig/convert/rig_readers.h"
 #include "slam/util/status_macros.h"
@@ -56,7 +56,7 @@ absl::StatusOr<LensModel> ReadLens(const YAML::Node& file, const std::string& pa
                                    const Names& names) {
   ASSIGN_OR_RETURN(const std::vector<double> numbers, ReadMatrix(file, path, names.d, 0, 14));
   const YAML::Node word = file["distortion_model"];
-  const auto lens = LensOfWords(word.IsDefined() && word.IsScalar() ? word.Scalar() : "", numbers);
+  const auto lens = LensOfName(word.IsDefined() && word.IsScalar() ? word.Scalar() : "", numbers);
   if (lens.ok()) return lens;
   return absl::InvalidArgumentError(
       absl::StrCat(path, ": distortion_model: ", lens.status().message()));

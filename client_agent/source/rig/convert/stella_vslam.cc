@@ -1,7 +1,7 @@
 // stella_vslam's configuration: Camera with setup, model and the numbers; StereoRectifier of pairs
 // that it rectifies itself.
 #include "absl/strings/str_cat.h"
-#include "client_agent/source/calibration/lens_words.h"
+#include "client_agent/source/calibration/lens_names.h"
 #include "client_agent/source/calibration/yaml_fields.h"
 #include "client_agent/source/rig/convert/rig_readers.h"
 #include "slam/util/status_macros.h"
@@ -42,7 +42,7 @@ absl::StatusOr<LensModel> ReadLens(const YAML::Node& camera, const std::string& 
     }
     ASSIGN_OR_RETURN(numbers.emplace_back(), NumberOf(camera, name, path));
   }
-  return LensOfWords(is_fisheye ? "equidistant" : "radial-tangential", numbers);
+  return LensOfName(is_fisheye ? "equidistant" : "radial-tangential", numbers);
 }
 
 absl::StatusOr<RigCamera> ReadCamera(const YAML::Node& camera, const std::string& path) {
@@ -77,7 +77,7 @@ absl::StatusOr<std::pair<RigCamera, Eigen::Matrix3d>> ReadRaw(const YAML::Node& 
   camera.raw = {k[0], k[4], k[2], k[5], {}};
   const bool is_fisheye = WordOf(rectifier["model"]) == "fisheye";
   ASSIGN_OR_RETURN(camera.raw.lens,
-                   LensOfWords(is_fisheye ? "equidistant" : "radial-tangential", d));
+                   LensOfName(is_fisheye ? "equidistant" : "radial-tangential", d));
   Eigen::Matrix3d rotation;
   rotation << r[0], r[1], r[2], r[3], r[4], r[5], r[6], r[7], r[8];
   return std::pair(camera, rotation);

@@ -3,7 +3,7 @@
 #include <filesystem>
 
 #include "absl/strings/str_cat.h"
-#include "client_agent/source/calibration/lens_words.h"
+#include "client_agent/source/calibration/lens_names.h"
 #include "client_agent/source/calibration/yaml_fields.h"
 #include "client_agent/source/rig/convert/rig_readers.h"
 #include "slam/util/status_macros.h"
@@ -64,7 +64,7 @@ absl::Status ReadCameraOf(const YAML::Node& file, const std::string& path, RigCa
     for (const auto& [part, names] : model.lens_numbers) {
       RETURN_IF_ERROR(AddNumbers(file, part, names, path, numbers));
     }
-    ASSIGN_OR_RETURN(const LensModel lens, LensOfWords(model.lens, numbers));
+    ASSIGN_OR_RETURN(const LensModel lens, LensOfName(model.lens, numbers));
     std::vector<double> k;
     RETURN_IF_ERROR(AddNumbers(file, "projection_parameters", model.projection, path, k));
     ASSIGN_OR_RETURN(const double width, ReadNumber(file["image_width"], path, "image_width"));

@@ -36,8 +36,8 @@ void McapWriter::Span::Add(uint64_t time_ns) {
 
 absl::StatusOr<McapWriter> McapWriter::Create(const std::string& path, absl::string_view library,
                                               size_t chunk_bytes) {
-  ASSIGN_OR_RETURN(WholeFile file, WholeFile::Create(path, WholeFile::Old::kReplaced,
-                                                     WholeFile::Readers::kOthersToo));
+  ASSIGN_OR_RETURN(AtomicFile file, AtomicFile::Create(path, AtomicFile::Old::kReplaced,
+                                                       AtomicFile::Readers::kOthersToo));
   McapWriter writer(std::move(file), chunk_bytes);
   McapBytes header;
   header.Add(kNoProfile).Add(library);

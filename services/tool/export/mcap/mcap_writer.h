@@ -12,7 +12,7 @@
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
 #include "services/tool/export/mcap/mcap_bytes.h"
-#include "slam/util/whole_file.h"
+#include "slam/util/atomic_file.h"
 
 namespace corbslam::services {
 
@@ -24,7 +24,7 @@ struct McapSchema {
 
 // One file, in chunks without compression, with the indexes and checksums that readers use. It
 // holds one chunk and the indexes of those before. Not thread-safe. Errors of the file name it, and
-// are those of WholeFile; after an error the caller gives the writer up.
+// are those of AtomicFile; after an error the caller gives the writer up.
 class McapWriter {
  public:
   using Metadata = std::map<std::string, std::string>;
@@ -58,7 +58,7 @@ class McapWriter {
     void Add(uint64_t time_ns);
   };
 
-  McapWriter(WholeFile file, size_t chunk_bytes)
+  McapWriter(AtomicFile file, size_t chunk_bytes)
       : file_(std::move(file)), chunk_bytes_(chunk_bytes) {}
 
   absl::Status Append(absl::string_view bytes);
@@ -68,7 +68,7 @@ class McapWriter {
   absl::Status WriteChunk();
   absl::Status WriteSummary();
 
-  WholeFile file_;
+  AtomicFile file_;
   size_t chunk_bytes_;
   uint64_t offset_ = 0;
   uint32_t crc_ = 0;  // Of all that was appended.

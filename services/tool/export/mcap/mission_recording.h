@@ -20,7 +20,7 @@
 
 namespace corbslam::services {
 
-// Something that is said in words once the map has reached a revision.
+// A text that is recorded once the map has reached a revision.
 struct RecordedNote {
   uint64_t revision = 0;
   bool is_warning = false;

@@ -31,7 +31,7 @@ double Number(const std::string& text) {
   return absl::SimpleAtod(text, &number) ? number : std::numeric_limits<double>::quiet_NaN();
 }
 
-int64_t Whole(const std::string& text) {
+int64_t ToInteger(const std::string& text) {
   int64_t number = -2;
   return absl::SimpleAtoi(text, &number) ? number : -2;
 }
@@ -47,9 +47,9 @@ absl::Status ReadCameras(const std::string& path, ColmapModel& model) {
     if (distortion == distortions.end() || f.size() != 8 + distortion->second) {
       return Bad("a camera's line");
     }
-    ColmapCamera& camera = model.cameras[Whole(f[0])];
-    camera = {static_cast<int>(Whole(f[2])),
-              static_cast<int>(Whole(f[3])),
+    ColmapCamera& camera = model.cameras[ToInteger(f[0])];
+    camera = {static_cast<int>(ToInteger(f[2])),
+              static_cast<int>(ToInteger(f[3])),
               Number(f[4]),
               Number(f[5]),
               Number(f[6]),
@@ -81,16 +81,16 @@ absl::Status ReadImages(const std::string& path, ColmapModel& model) {
     const Fields& f = lines[i];
     const Fields& keypoints = lines[i + 1];
     if (f.size() != 10 || keypoints.size() % 3 != 0) return Bad("an image's lines");
-    ColmapImage& image = model.images[Whole(f[0])];
+    ColmapImage& image = model.images[ToInteger(f[0])];
     image.camera_from_world = {
         Eigen::Quaterniond(Number(f[1]), Number(f[2]), Number(f[3]), Number(f[4])),
         {Number(f[5]), Number(f[6]), Number(f[7])}};
-    image.camera = Whole(f[8]);
+    image.camera = ToInteger(f[8]);
     image.name = f[9];
     if (!model.cameras.contains(image.camera)) return Bad("an image's camera");
     for (size_t k = 0; k < keypoints.size(); k += 3) {
       image.keypoints.push_back(
-          {{Number(keypoints[k]), Number(keypoints[k + 1])}, Whole(keypoints[k + 2])});
+          {{Number(keypoints[k]), Number(keypoints[k + 1])}, ToInteger(keypoints[k + 2])});
     }
   }
   return absl::OkStatus();
@@ -100,12 +100,12 @@ absl::Status ReadPoints(const std::string& path, ColmapModel& model) {
   ASSIGN_OR_RETURN(const std::vector<Fields> lines, ReadFields(path));
   for (const Fields& f : lines) {
     if (f.size() < 10 || f.size() % 2 != 0) return Bad("a point's line");
-    ColmapPoint& point = model.points[Whole(f[0])];
+    ColmapPoint& point = model.points[ToInteger(f[0])];
     point.position = {Number(f[1]), Number(f[2]), Number(f[3])};
     point.rgb = Eigen::Vector3d(Number(f[4]), Number(f[5]), Number(f[6])).cast<int>();
     point.error_px = Number(f[7]);
     for (size_t k = 8; k < f.size(); k += 2) {
-      point.track.emplace_back(Whole(f[k]), static_cast<size_t>(Whole(f[k + 1])));
+      point.track.emplace_back(ToInteger(f[k]), static_cast<size_t>(ToInteger(f[k + 1])));
     }
   }
   return absl::OkStatus();

@@ -72,7 +72,7 @@ std::string CompanyPlots(const RunReport& report) {
       "<div class=\"plots\">\n",
       Figure("Absolute error in the global frame, with company and alone",
              "Of robots that are alone the map is fused, too, and nothing of that is told to them.",
-             DrawBarPlot(plot, SvgLook::kInAPage)),
+             DrawBarPlot(plot, SvgStyle::kInAPage)),
       "</div>\n");
 }
 

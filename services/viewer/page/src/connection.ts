@@ -1,7 +1,7 @@
 import type { MissionPulse } from '@gen/corbslam/v1/viewer_pb';
 import type { StreamState } from './feed/stream';
-import { plainWords } from './model/plain_words';
-import { missionTrouble } from './model/words';
+import { plainText } from './model/plain_text';
+import { missionTrouble } from './model/texts';
 
 const REFUSALS = { token: 'The token was refused.', mission: 'This token does not open this mission.' };
 const ASKS_FOR_TOKEN = 'This viewer shows missions to those who have a token for them.';
@@ -99,7 +99,7 @@ export class Connection {
 }
 
 function reason(error: string): string {
-  return error ? `: ${plainWords(error).replace(/\.$/, '')}` : '';
+  return error ? `: ${plainText(error).replace(/\.$/, '')}` : '';
 }
 
 function sentence(words: string): string {

@@ -2,7 +2,7 @@ import { RecordedRest, parseRecording } from './feed/recording';
 import { Rest, RestError } from './feed/rest';
 import { StartScreen } from './panels/start';
 import { MissionPage } from './mission_page';
-import { plainWords } from './model/plain_words';
+import { plainText } from './model/plain_text';
 import { keepToken, takeToken } from './token';
 import { parseState } from './view_state';
 import { applyTheme } from './theme';
@@ -54,8 +54,8 @@ async function showMissions(): Promise<void> {
   try {
     start.missions(await rest.missions());
   } catch (error) {
-    if (error instanceof RestError && error.status === 401) return start.askToken(plainWords(error.message));
-    start.fail(plainWords(error instanceof Error ? error.message : String(error)));
+    if (error instanceof RestError && error.status === 401) return start.askToken(plainText(error.message));
+    start.fail(plainText(error instanceof Error ? error.message : String(error)));
   }
   timer = setTimeout(() => void (page === undefined && showMissions()), LOOK_AGAIN_MS);
 }

@@ -1,6 +1,6 @@
 import type { Vector3 } from 'three';
 import { h, setText } from './panels/dom';
-import { distanceWords } from './model/place_words';
+import { distanceText } from './model/place_text';
 import { pickPlace } from './scene/picking';
 import type { Stage } from './scene/stage';
 import type { ViewState } from './view_state';
@@ -47,7 +47,7 @@ export class Measure {
     const [a, b] = this.places;
     if (!b) return 'Now on another one.';
     if (a.island !== b.island) return 'These lie in two islands that nothing connects: how far apart they are is not known.';
-    return distanceWords(a.at.toArray(), b.at.toArray());
+    return distanceText(a.at.toArray(), b.at.toArray());
   }
 
   private show(words: string): void {

@@ -14,11 +14,11 @@ import { KeepInSight } from './keep_in_sight';
 import { Live } from './live';
 import { Measure } from './measure';
 import { type KeyframeId, lastSegment, parseKeyframeName } from './model/ids';
-import { driftWords } from './model/drift';
+import { driftText } from './model/drift';
 import type { Landmark } from './model/sights';
 import { RobotSeries } from './model/robot_series';
 import { type Found, search } from './model/search';
-import { mapWords, timeOfDay } from './model/words';
+import { mapText, timeOfDay } from './model/texts';
 import { MapNames } from './model/map_names';
 import type { IslandChange, MapModel } from './model/map_model';
 import { DetailsPanel } from './panels/details';
@@ -116,7 +116,7 @@ export class MissionPage {
     this.robots = new RobotsPanel({
       toggle: (robot) => this.toggleRobot(robot), select: (robot) => change({ robot }),
       colour: (robot) => this.painter.legendColour(robot, this.state, this.model.islandsOf(robot)),
-      drift: (robot) => (rest.isServed ? driftWords(this.drifts.of(robot)) : ''),
+      drift: (robot) => (rest.isServed ? driftText(this.drifts.of(robot)) : ''),
       hasLocalised: (robot) => this.fetched.lastLocalised(robot) !== undefined,
     }, this.names);
     this.overlapsPanel = new OverlapsPanel((overlap) => this.selection.overlap(overlap));
@@ -316,7 +316,7 @@ export class MissionPage {
       ...now, receivedBytes, drawnPoints: this.stage.figures.drawnPoints, truth: this.truth.words(),
       ofNow: [...(state.frames ? ['Every frame'] : []), ...(state.layer === 'global' ? [] : ['Local layer'])],
     });
-    this.layout.describe(`The map: ${mapWords(model)}`);
+    this.layout.describe(`The map: ${mapText(model)}`);
     this.overlapsPanel.update(this.fetched.overlaps, state.refused, this.stage.chosenOverlap,
       (name) => this.names.keyframe(name), { note: overlapsNote(now.isPast, this.fetched.overlaps.length), version: this.names.version });
   }

@@ -1,8 +1,8 @@
 import type { Rest } from './feed/rest';
 import type { MissionEvent } from '@gen/corbslam/v1/events_pb';
 import { History } from './model/history';
-import { plainWords } from './model/plain_words';
-import { count, timeOfDay } from './model/words';
+import { plainText } from './model/plain_text';
+import { count, timeOfDay } from './model/texts';
 import type { IslandChange, MapModel } from './model/map_model';
 import { type TimelineMark, Timeline } from './panels/timeline';
 
@@ -100,7 +100,7 @@ export class Past {
       await this.rest.history(this.mission, note === '', (change) => history.add(change));
       this.take(history, note);
     } catch (error) {
-      this.timeline.fail(plainWords(error instanceof Error ? error.message : String(error)));
+      this.timeline.fail(plainText(error instanceof Error ? error.message : String(error)));
     }
     this.isLoading = false;
   }

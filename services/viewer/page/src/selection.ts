@@ -3,8 +3,8 @@ import type { Keyframe } from '@gen/corbslam/v1/resources_pb';
 import type { MissionPage } from './mission_page';
 import { Pictures } from './feed/pictures';
 import { type KeyframeId, keyframeName, parseKeyframeName } from './model/ids';
-import { plainWords } from './model/plain_words';
-import { type Sights, highlightWords, sightsOf, splitLandmarks } from './model/sights';
+import { plainText } from './model/plain_text';
+import { type Sights, highlightText, sightsOf, splitLandmarks } from './model/sights';
 import { type DetailsPanel, keyframeDetails } from './panels/details';
 import { h, setText } from './panels/dom';
 import { overlapDetails } from './panels/overlaps';
@@ -57,7 +57,7 @@ export class Selection {
       const keyframe = await this.page.rest.keyframe(this.page.mission, id);
       if (this.chosen === name) this.show(keyframe);
     } catch (error) {
-      if (this.chosen === name) this.details.show([h('p', { role: 'alert' }, plainWords(error instanceof Error ? error.message : String(error)))]);
+      if (this.chosen === name) this.details.show([h('p', { role: 'alert' }, plainText(error instanceof Error ? error.message : String(error)))]);
     }
   }
 
@@ -65,7 +65,7 @@ export class Selection {
   refresh(): void {
     if (!this.sights) return;
     const { missing } = splitLandmarks(this.sights.landmarks, (id) => this.page.model.localMap(id)?.points);
-    setText(this.highlight, highlightWords(this.sights, missing, this.page.past.model !== undefined));
+    setText(this.highlight, highlightText(this.sights, missing, this.page.past.model !== undefined));
   }
 
   private show(keyframe: Keyframe): void {

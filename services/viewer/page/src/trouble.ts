@@ -1,14 +1,14 @@
 import { RestError } from './feed/rest';
-import { plainWords } from './model/plain_words';
+import { plainText } from './model/plain_text';
 
 /** What a request that failed means: the token is to be asked for again, or words for people; empty: nothing. */
 export function requestTrouble(error: unknown): { refused?: string; failed: string } {
   if (error === undefined) return { failed: '' };
   if (!(error instanceof RestError)) return { failed: error instanceof Error ? error.message : String(error) };
   if (error.status === 401) return { refused: `The token is not taken any more: ${error.message}`, failed: '' };
-  if (error.status === 403) return { refused: plainWords(error.message), failed: '' };
+  if (error.status === 403) return { refused: plainText(error.message), failed: '' };
   // A mission that went is said by the stream.
-  return { failed: error.status === 404 ? '' : plainWords(error.message) };
+  return { failed: error.status === 404 ? '' : plainText(error.message) };
 }
 
 /** Says on the page when the browser takes the graphics card away, and when it gives it back. */

@@ -1,5 +1,5 @@
 import { type Rest, RestError } from './feed/rest';
-import { many } from './model/words';
+import { many } from './model/texts';
 import { type TruePose, type TruthFit, alignTruth, dashes, dashesOfPath, parseTruth, referenceKeyframes, truthFit } from './model/truth';
 import type { MapModel } from './model/map_model';
 import { Refresher } from './refresher';

@@ -2,7 +2,7 @@ import assert from 'node:assert/strict';
 import test from 'node:test';
 import { create } from '@bufbuild/protobuf';
 import { KeyframeSchema } from '@gen/corbslam/v1/resources_pb';
-import { driftBetween, driftWords, wayAlong } from '../src/model/drift';
+import { driftBetween, driftText, wayAlong } from '../src/model/drift';
 import { KeyframeStore } from '../src/model/keyframe_store';
 import { type Quat, type Vec3, conjugate, multiply, normalised, rotate } from '../src/model/vector';
 
@@ -49,7 +49,7 @@ test('it is said in metres and of the way', () => {
   [[0, 0, 0], [3, 4, 0], [3, 4, 95]].forEach((centre, i) =>
     store.set(i, { timestampNs: BigInt(i), pose: { centre: centre as Vec3, rotation: [0, 0, 0, 1] }, placed: true }, i, 1));
   assert.equal(wayAlong(store), 100);
-  assert.equal(driftWords({ distanceM: 1.25, wayM: 100 }), '1.25 m in 100 m');
-  assert.equal(driftWords({ distanceM: 12.34, wayM: 0 }), '12.3 m');
-  assert.equal(driftWords(undefined), 'not yet');
+  assert.equal(driftText({ distanceM: 1.25, wayM: 100 }), '1.25 m in 100 m');
+  assert.equal(driftText({ distanceM: 12.34, wayM: 0 }), '12.3 m');
+  assert.equal(driftText(undefined), 'not yet');
 });

@@ -1,7 +1,7 @@
 import assert from 'node:assert/strict';
 import test from 'node:test';
 import { History } from '../src/model/history';
-import { timeOfDay } from '../src/model/words';
+import { timeOfDay } from '../src/model/texts';
 import { change, keyframe } from './messages';
 
 function past(times: [slot: number, timestampNs: bigint][]): History {

@@ -1,7 +1,7 @@
 import assert from 'node:assert/strict';
 import test from 'node:test';
 import { MapModel } from '../src/model/map_model';
-import { isUntold, untoldWords } from '../src/panels/legend';
+import { isUntold, untoldText } from '../src/panels/legend';
 import { HEX_A, change, points } from './messages';
 
 function told(numbers: number[], pointObservations: number[]) {
@@ -31,10 +31,10 @@ test('a store that does not tell is said to', () => {
   const model = new MapModel();
   model.apply([told([1, 2], [])]);
   assert.ok(isUntold(model));
-  assert.match(untoldWords(model), /does not tell/);
+  assert.match(untoldText(model), /does not tell/);
   model.apply([told([2], [0])]);
   assert.ok(!isUntold(model));
-  assert.match(untoldWords(model), /1 of which that is not told/);
+  assert.match(untoldText(model), /1 of which that is not told/);
 });
 
 test('numbers that are not one for each point are not believed', () => {

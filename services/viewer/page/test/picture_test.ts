@@ -4,7 +4,7 @@ import { create } from '@bufbuild/protobuf';
 import { FeaturesSchema } from '@gen/corbslam/v1/items_pb';
 import { OverlapSchema, OverlapVerdict } from '@gen/corbslam/v1/overlap_pb';
 import { arrange, boundsOf, fit, fullSize, placeIn, some } from '../src/model/picture';
-import { matchesWords, missingWords } from '../src/panels/seen_overlap';
+import { matchesText, missingText } from '../src/panels/seen_overlap';
 
 test('a keypoint lies in a small picture where it lay in the camera’s', () => {
   const full = fullSize({ width: 320, height: 240 }, 2);
@@ -43,7 +43,7 @@ test('a picture that is not there has the size of its keypoints', () => {
 
 test('what the lines mean is said by the verdict', () => {
   const match = { queryXPx: 1, queryYPx: 2, candidateXPx: 3, candidateYPx: 4 };
-  const words = (verdict: OverlapVerdict, matches: object[]) => matchesWords({ overlap: create(OverlapSchema, { verdict, matches }) });
+  const words = (verdict: OverlapVerdict, matches: object[]) => matchesText({ overlap: create(OverlapSchema, { verdict, matches }) });
   assert.match(words(OverlapVerdict.ACCEPTED, [match]), /^1 pair of keypoints shows the same;/);
   assert.match(words(OverlapVerdict.ACCEPTED, Array.from({ length: 60 }, () => match)), /^60 pairs .* show the same, of which some/);
   assert.match(words(OverlapVerdict.WRONG_SCALE, [match, match]), /^2 pairs of keypoints look alike, by themselves;/);
@@ -53,6 +53,6 @@ test('what the lines mean is said by the verdict', () => {
 test('why a picture is missing is said once where it is the same for both', () => {
   const features = create(FeaturesSchema);
   const side = (why: string) => ({ shown: { why }, features });
-  assert.equal(missingWords(side('gone'), side('gone')), 'gone');
-  assert.equal(missingWords(side('gone'), side('never sent')), 'Asked: gone Candidate: never sent');
+  assert.equal(missingText(side('gone'), side('gone')), 'gone');
+  assert.equal(missingText(side('gone'), side('never sent')), 'Asked: gone Candidate: never sent');
 });

@@ -4,7 +4,7 @@ import { join } from 'node:path';
 import test from 'node:test';
 import { create } from '@bufbuild/protobuf';
 import { OverlapSchema, OverlapVerdict } from '@gen/corbslam/v1/overlap_pb';
-import { BARS, decidingWords, projectedBar, stageRows } from '../src/model/refusal';
+import { BARS, decidingText, projectedBar, stageRows } from '../src/model/refusal';
 
 const overlap = (verdict: OverlapVerdict, evidence: object) => create(OverlapSchema, { verdict, evidence });
 const said = (verdict: OverlapVerdict, evidence: object) =>
@@ -15,8 +15,8 @@ test('a refusal has its number, none being one, and what was needed', () => {
   assert.equal(rows['Keypoints matched by words'], '33 of 20 needed');
   assert.equal(rows['… agree with one motion'], '0 of 15 needed !');
   assert.equal(rows['… left after refinement'], 'not reached');
-  assert.equal(decidingWords(overlap(OverlapVerdict.TOO_FEW_WORD_MATCHES, { wordMatches: 0 })), '0 of 20 keypoints look alike');
-  assert.equal(decidingWords(overlap(OverlapVerdict.NO_SECOND_KEYFRAME, { consistentKeyframes: 1 })), '1 of 2 further pairs agree');
+  assert.equal(decidingText(overlap(OverlapVerdict.TOO_FEW_WORD_MATCHES, { wordMatches: 0 })), '0 of 20 keypoints look alike');
+  assert.equal(decidingText(overlap(OverlapVerdict.NO_SECOND_KEYFRAME, { consistentKeyframes: 1 })), '1 of 2 further pairs agree');
 });
 
 test('the bar of points where they should be follows what chance finds', () => {

@@ -3,7 +3,7 @@ import test from 'node:test';
 import { create, fromJson } from '@bufbuild/protobuf';
 import { KeyframeSchema } from '@gen/corbslam/v1/resources_pb';
 import { MapModel } from '../src/model/map_model';
-import { highlightWords, sightsOf, sightsWords, splitLandmarks } from '../src/model/sights';
+import { highlightText, sightsOf, sightsText, splitLandmarks } from '../src/model/sights';
 import { change, points } from './messages';
 
 const keyframe = fromJson(KeyframeSchema, {
@@ -19,9 +19,9 @@ test('landmarks that the map has are found, the rest are counted', () => {
   assert.deepEqual(sights.landmarks.map(({ localMap }) => localMap), ['00000000000000aa', 'ffffffffffffffff']);
   const { known, missing } = splitLandmarks(sights.landmarks, (id) => model.localMap(id)?.points);
   assert.deepEqual([known[0].position, missing], [[7, 0, 0], 1]);
-  assert.equal(sightsWords(sights), '3 of 2\u2009000 keypoints see a landmark');
-  assert.match(highlightWords(sights, missing, false), /^1 of its 2 landmarks .*; 1 this page’s map does not have/);
-  assert.match(highlightWords(sights, missing, true), /past/);
+  assert.equal(sightsText(sights), '3 of 2\u2009000 keypoints see a landmark');
+  assert.match(highlightText(sights, missing, false), /^1 of its 2 landmarks .*; 1 this page’s map does not have/);
+  assert.match(highlightText(sights, missing, true), /past/);
 });
 
 test('a store that does not say which landmarks is not one that says none', () => {

@@ -2,16 +2,16 @@ import assert from 'node:assert/strict';
 import test from 'node:test';
 import { create } from '@bufbuild/protobuf';
 import { MissionSchema } from '@gen/corbslam/v1/resources_pb';
-import { byUse, nowWords } from '../src/panels/start';
+import { byUse, nowText } from '../src/panels/start';
 
 const NOW_MS = new Date(2026, 2, 2, 12).getTime();
 const mission = (name: string, init: object = {}) => create(MissionSchema, { name: `missions/${name}`, ...init });
 const ns = (agoS: number) => BigInt(NOW_MS - 1000 * agoS) * 1_000_000n;
 
 test('the list says who drives now, and when a mission was last used', () => {
-  assert.match(nowWords(mission('a', { connectedAgents: 1, createdNs: ns(60) }), NOW_MS), /^1 robot connected now · begun /);
-  assert.equal(nowWords(mission('a', { lastUsedNs: ns(7200) }), NOW_MS), 'last used 2 h 0 min ago');
-  assert.equal(nowWords(mission('a'), NOW_MS), '', 'an older store tells neither');
+  assert.match(nowText(mission('a', { connectedAgents: 1, createdNs: ns(60) }), NOW_MS), /^1 robot connected now · begun /);
+  assert.equal(nowText(mission('a', { lastUsedNs: ns(7200) }), NOW_MS), 'last used 2 h 0 min ago');
+  assert.equal(nowText(mission('a'), NOW_MS), '', 'an older store tells neither');
 });
 
 test('missions that are driven in come first, then those that were used last', () => {

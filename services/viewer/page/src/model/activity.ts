@@ -2,13 +2,13 @@
 import { AgentActivity, type MapContradiction, type MissionAgent } from '@gen/corbslam/v1/resources_pb';
 import { hexId } from './ids';
 import type { MapNames } from './map_names';
-import { count, span } from './words';
+import { count, span } from './texts';
 
 /** How a robot is marked in the list and in the map. */
 export type Doing = 'driving' | 'localising' | 'lost' | 'standing' | 'finished' | 'gone' | 'connected' | 'unknown';
 
 /** What a robot is doing, in a word or two. */
-export interface DoingWords {
+export interface DoingText {
   doing: Doing;
   words: string;
 }
@@ -17,9 +17,9 @@ export interface DoingWords {
 const SILENT_S = 15;
 
 /** `awayS`: since when the robot is away, as far as that is known. */
-export function doingOf(agent: MissionAgent | undefined, awayS?: number): DoingWords {
+export function doingOf(agent: MissionAgent | undefined, awayS?: number): DoingText {
   if (!agent) return { doing: 'unknown', words: 'not known' };
-  if (!agent.connected) return awayWords(agent, awayS);
+  if (!agent.connected) return awayText(agent, awayS);
   const { report, reportAgeS } = agent;
   // A robot of an older version says nothing of itself.
   if (!report) return { doing: agent.localiseOnly ? 'localising' : 'connected', words: agent.localiseOnly ? 'localises' : 'connected' };
@@ -34,7 +34,7 @@ export function doingOf(agent: MissionAgent | undefined, awayS?: number): DoingW
   }
 }
 
-function awayWords({ leftOnPurpose, report }: MissionAgent, awayS: number | undefined): DoingWords {
+function awayText({ leftOnPurpose, report }: MissionAgent, awayS: number | undefined): DoingText {
   const ago = awayS === undefined ? '' : ` ${span(awayS)} ago`;
   if (leftOnPurpose) return { doing: 'finished', words: `finished${ago}` };
   // Without a report it may be of an older version, which never says that it goes.
@@ -56,10 +56,10 @@ export function reportFacts(agent: MissionAgent): [string, string][] {
 
 /** Which of others' maps it goes without because they are not as its own camera measures. */
 export function contradictionFacts({ report }: MissionAgent, names: Pick<MapNames, 'of'>): [string, string][] {
-  return (report?.contradictions ?? []).map((found) => ['Goes without', `${names.of(hexId(found.localMap))}: ${contradictionWords(found)}`]);
+  return (report?.contradictions ?? []).map((found) => ['Goes without', `${names.of(hexId(found.localMap))}: ${contradictionText(found)}`]);
 }
 
-function contradictionWords({ scale, bend }: MapContradiction): string {
+function contradictionText({ scale, bend }: MapContradiction): string {
   if (bend) {
     const degrees = (bend.turnRad * 180) / Math.PI;
     return `bent, over ${bend.wayM.toFixed(1)} m its camera turns otherwise by ${degrees.toFixed(1)}°`;

@@ -3,7 +3,7 @@ import type { Keyframe } from '@gen/corbslam/v1/resources_pb';
 import { poseOfCamera, poseOfRigid } from './pose';
 import type { KeyframeStore } from './keyframe_store';
 import { type Vec3, conjugate, rotate } from './vector';
-import { count } from './words';
+import { count } from './texts';
 
 /** How far fusion has moved a robot's newest keyframe against what the robot itself found. */
 export interface Drift {
@@ -56,7 +56,7 @@ export function wayAlong(keyframes: KeyframeStore): number {
   return way;
 }
 
-export function driftWords(drift: Drift | undefined): string {
+export function driftText(drift: Drift | undefined): string {
   if (!drift) return 'not yet';
   const { distanceM, wayM } = drift;
   const distance = `${distanceM.toFixed(distanceM < 10 ? 2 : 1)} m`;

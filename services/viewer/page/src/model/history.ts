@@ -2,7 +2,7 @@ import type { MissionEvent } from '@gen/corbslam/v1/events_pb';
 import { hexId, lastSegment } from './ids';
 import type { MapChange } from './map_change';
 import { type IslandChange, MapModel } from './map_model';
-import { FirstTimes, momentTime, momentWords } from './moment';
+import { FirstTimes, momentTime, momentText } from './moment';
 
 const STEPS_BETWEEN_COPIES = 10;
 
@@ -90,7 +90,7 @@ export class History {
   private time(): string {
     const time = momentTime(this.model, this.first);
     const seen = [...this.model.localMaps.values()].filter(({ keyframes }) => keyframes.count > 0);
-    return time ? momentWords(time, new Set(seen.map(({ agent }) => agent)).size) : '';
+    return time ? momentText(time, new Set(seen.map(({ agent }) => agent)).size) : '';
   }
 
   private advance(): IslandChange[] {

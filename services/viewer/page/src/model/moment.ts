@@ -1,7 +1,7 @@
 import type { MapChange } from './map_change';
 import type { MapModel } from './map_model';
 import { hexId } from './ids';
-import { timeOfDay } from './words';
+import { timeOfDay } from './texts';
 
 /** Clocks below say no date: September 2001, in nanoseconds since 1970. */
 const FIRST_DATE_NS = 1_000_000_000n * 1_000_000_000n;
@@ -59,7 +59,7 @@ export function momentTime(model: MapModel, first: FirstTimes): MomentTime | und
 }
 
 /** `robots`: how many have keyframes then. */
-export function momentWords({ agent, timeNs, firstNs }: MomentTime, robots: number, nowMs = Date.now()): string {
+export function momentText({ agent, timeNs, firstNs }: MomentTime, robots: number, nowMs = Date.now()): string {
   if (hasDate(timeNs)) return `newest keyframe ${timeOfDay(timeNs, nowMs)} by the robots’ clocks`;
   const seconds = (Number(timeNs - firstNs) / 1e9).toFixed(1);
   const whose = robots > 1 && agent ? `${agent}’s first` : 'the first';
@@ -67,7 +67,7 @@ export function momentWords({ agent, timeNs, firstNs }: MomentTime, robots: numb
 }
 
 /** A robot's time: a date where its clock has one, with the seconds that files and logs have. */
-export function clockWords(ns: bigint): string {
+export function clockText(ns: bigint): string {
   const seconds = `${(Number(ns) / 1e9).toFixed(3)} s`;
   return hasDate(ns) ? `${timeOfDay(ns)} (${seconds})` : seconds;
 }

@@ -1,6 +1,6 @@
 // Why an overlap was refused: each stage's number beside what it had to be.
 import { type Overlap, type OverlapEvidence, OverlapVerdict } from '@gen/corbslam/v1/overlap_pb';
-import { count } from './words';
+import { count } from './texts';
 
 /** What a place has to show to be believed, as the worker has it (PlaceVerificationOptions; a test compares them). */
 export const BARS = {
@@ -63,7 +63,7 @@ export function stageRows(overlap: Overlap): StageRow[] {
 }
 
 /** The number that decided, with its bar; empty: none did. */
-export function decidingWords(overlap: Overlap): string {
+export function decidingText(overlap: Overlap): string {
   const e = overlap.evidence;
   if (!e) return '';
   const of = (value: number, bar: number, what: string) => `${count(value)} of ${count(bar)} ${what}`;

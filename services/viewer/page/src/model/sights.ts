@@ -1,6 +1,6 @@
 import type { Keyframe } from '@gen/corbslam/v1/resources_pb';
 import { hexId } from './ids';
-import { count, many } from './words';
+import { count, many } from './texts';
 import type { PointStore } from './point_store';
 import type { Vec3 } from './vector';
 
@@ -44,12 +44,12 @@ export function splitLandmarks(
   return { known, missing: landmarks.length - known.length };
 }
 
-export function sightsWords({ seeing, keypoints }: Sights): string {
+export function sightsText({ seeing, keypoints }: Sights): string {
   return `${count(seeing.size)} of ${many(keypoints, 'keypoint')} ${seeing.size === 1 ? 'sees' : 'see'} a landmark`;
 }
 
 /** How many of the landmarks are highlighted in the map; `isPast`: it is one of the past. */
-export function highlightWords({ landmarks }: Sights, missing: number, isPast: boolean): string {
+export function highlightText({ landmarks }: Sights, missing: number, isPast: boolean): string {
   if (landmarks.length === 0) return 'It sees no landmark.';
   const shown = `${count(landmarks.length - missing)} of its ${many(landmarks.length, 'landmark')} highlighted in the map`;
   const why = isPast ? 'the past that is shown does not have' : 'this page’s map does not have';

@@ -2,10 +2,10 @@ import type { Keyframe } from '@gen/corbslam/v1/resources_pb';
 import type { PictureOrWhy } from '../feed/pictures';
 import { lastSegment, parseKeyframeName } from '../model/ids';
 import type { MapNames } from '../model/map_names';
-import { clockWords } from '../model/moment';
-import { headingWords, placeOf, positionWords } from '../model/place_words';
+import { clockText } from '../model/moment';
+import { headingText, placeOf, positionText } from '../model/place_text';
 import type { Sights } from '../model/sights';
-import { count } from '../model/words';
+import { count } from '../model/texts';
 import { h, panel, table } from './dom';
 import { seenKeyframe } from './seen_keyframe';
 
@@ -43,8 +43,8 @@ export function keyframeDetails(keyframe: Keyframe, names: MapNames, sights: Sig
     ['Robot', lastSegment(keyframe.agent)],
     ['Local map', id ? names.of(id.localMap) : keyframe.name],
     ['Island', `that of ${names.of(lastSegment(keyframe.island))}`],
-    ...(place ? [['Right, down, ahead', positionWords(place)] as [string, string], ['Looks', headingWords(place)] as [string, string]] : []),
-    ['Robot’s clock', clockWords(keyframe.timestampNs)],
+    ...(place ? [['Right, down, ahead', positionText(place)] as [string, string], ['Looks', headingText(place)] as [string, string]] : []),
+    ['Robot’s clock', clockText(keyframe.timestampNs)],
     ['Place', keyframe.placed ? 'given by fusion' : 'follows its nearest relative'],
     ['Local adjustment', keyframe.settled ? 'settled' : 'still going on'],
     ['Revision', keyframe.revision > 0n ? count(keyframe.revision) : 'none yet'],

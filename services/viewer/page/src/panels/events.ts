@@ -1,6 +1,6 @@
 import type { MissionEvent } from '@gen/corbslam/v1/events_pb';
 import type { MapNames } from '../model/map_names';
-import { eventWords, many, timeOfDay } from '../model/words';
+import { eventText, many, timeOfDay } from '../model/texts';
 import { h, panel } from './dom';
 
 const MOST_EVENTS = 200;
@@ -28,7 +28,7 @@ export class EventsPanel {
     this.seen.add(key);
     this.none.remove();
     if (event.missed > 0n) this.addRow('other', `${many(Number(event.missed), 'earlier event')} forgotten by the store`);
-    const { kind, text } = eventWords(event, this.names);
+    const { kind, text } = eventText(event, this.names);
     const { item, words } = this.addRow(kind, text, event);
     if (kind === 'merge' && isRecent) item.classList.add('flash');
     this.shown.push({ event, item, text: words });
@@ -39,7 +39,7 @@ export class EventsPanel {
 
   /** What happened, oldest first. */
   get said(): { event: MissionEvent; text: string; kind: string }[] {
-    return this.shown.map(({ event }) => ({ event, ...eventWords(event, this.names) }));
+    return this.shown.map(({ event }) => ({ event, ...eventText(event, this.names) }));
   }
 
   /** Says local maps' names that came after their events. */
@@ -47,7 +47,7 @@ export class EventsPanel {
     if (this.namesVersion === this.names.version) return;
     this.namesVersion = this.names.version;
     for (const { event, text } of this.shown) {
-      const words = eventWords(event, this.names).text;
+      const words = eventText(event, this.names).text;
       if (text.textContent !== words) text.textContent = words;
     }
   }

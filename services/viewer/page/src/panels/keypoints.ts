@@ -1,6 +1,6 @@
 import type { Features } from '@gen/corbslam/v1/items_pb';
-import { type Sights, sightsWords } from '../model/sights';
-import { count } from '../model/words';
+import { type Sights, sightsText } from '../model/sights';
+import { count } from '../model/texts';
 import { h } from './dom';
 
 const PX = 1 / 64;
@@ -11,13 +11,13 @@ const PX = 1 / 64;
  */
 export function keypointsFigure(features: Features, sights: Sights | undefined): HTMLElement {
   const all = features.xPx64.length;
-  const label = sights ? sightsWords(sights) : `${count(all)} keypoints of the picture`;
+  const label = sights ? sightsText(sights) : `${count(all)} keypoints of the picture`;
   const canvas = h('canvas', { class: 'keypoints', role: 'img', 'aria-label': label });
   const known = features.disparityPx128.filter((disparity) => disparity > 0).length;
   requestAnimationFrame(() => draw(canvas, features, sights?.seeing));
   const [filled, hollow] = sights ? ['', ''] : ['● ', '○ '];
   const caption = h('figcaption', {},
-    sights && h('div', {}, `● ${sightsWords(sights)}, ○ ${count(all - sights.seeing.size)} see none`),
+    sights && h('div', {}, `● ${sightsText(sights)}, ○ ${count(all - sights.seeing.size)} see none`),
     h('span', { class: 'depth-known' }, `${filled}${count(known)} with depth`), ' ',
     h('span', { class: 'depth-unknown' }, `${hollow}${count(all - known)} without`),
     '; larger: seen at a coarser scale');

@@ -1,5 +1,5 @@
 import { FEW_OBSERVATIONS, MANY_OBSERVATIONS, sceneColours, type Theme } from '../model/palette';
-import { count } from '../model/words';
+import { count } from '../model/texts';
 import type { ViewState } from '../view_state';
 import { h, setText, swatch } from './dom';
 
@@ -16,7 +16,7 @@ export class Legend {
 
   /** `own`: the robot that is drawn as own. */
   update({ colour }: ViewState, theme: Theme, own: string, map: Observed, heights: [number, number] = [0, 0]): void {
-    const untold = colour === 'observations' ? untoldWords(map) : '';
+    const untold = colour === 'observations' ? untoldText(map) : '';
     const ends = endsOf(colour, heights, map.pointCount);
     const key = [colour, theme, own, untold, ends].join();
     if (key === this.shown) return;
@@ -65,7 +65,7 @@ export function isUntold({ pointCount, observedPoints }: Observed): boolean {
 }
 
 /** What the ramp does not say of; empty: nothing. */
-export function untoldWords(map: Observed): string {
+export function untoldText(map: Observed): string {
   if (isUntold(map)) return 'The store does not tell how many keyframes see a point: points are in their robots’ colours';
   const untold = map.pointCount - map.observedPoints;
   return untold > 0 ? `in their robots’ colours: ${count(untold)} of which that is not told` : '';

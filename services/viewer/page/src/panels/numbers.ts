@@ -1,7 +1,7 @@
 import type { MissionPulse } from '@gen/corbslam/v1/viewer_pb';
 import type { MapModel } from '../model/map_model';
-import { plainWords } from '../model/plain_words';
-import { bytes, count, since } from '../model/words';
+import { plainText } from '../model/plain_text';
+import { bytes, count, since } from '../model/texts';
 import { panel, refill, table } from './dom';
 
 /** Figures of this page itself. */
@@ -36,7 +36,7 @@ export class NumbersPanel {
       ['Map points', count(model.pointCount)],
       ...(page.isPast || !page.isLive ? [] : fusionRows(pulse)),
       ...(page.truth ? [['Truth', page.truth] as [string, string]] : []),
-      ['Points drawn', drawnWords(page.drawnPoints, model.pointCount)],
+      ['Points drawn', drawnText(page.drawnPoints, model.pointCount)],
       ...(page.isPast || !page.isLive ? [] : thinnedRows(pulse)),
       ['Received', bytes(page.receivedBytes)],
     ];
@@ -45,7 +45,7 @@ export class NumbersPanel {
 }
 
 /** Of many points on few pixels some are left out: those that remain are spread over all of them. */
-export function drawnWords(drawn: number, all: number): string {
+export function drawnText(drawn: number, all: number): string {
   if (drawn >= all) return 'all';
   return `${count(drawn)}: ${drawn === 0 ? 'none' : `1 of ${(all / drawn).toFixed(all / drawn < 10 ? 1 : 0)}`}`;
 }
@@ -70,15 +70,15 @@ function fusionRows(pulse: MissionPulse | undefined): [string, string][] {
   }
   if (statistics && statistics.failedRequests > 0n) rows.push(['Requests that failed', count(statistics.failedRequests)]);
   if (mission?.asleep) rows.push(['Mission', 'asleep: on the store’s disk alone']);
-  if (mission) rows.push(['Fusion', fusionWords(mission)]);
+  if (mission) rows.push(['Fusion', fusionText(mission)]);
   if (mission && mission.workerAwaySinceNs > 0n) {
     rows.push(['Worker away for', since(mission.workerAwaySinceNs, pulse!.timeNs)]);
-    if (mission.workerError) rows.push(['Why', plainWords(mission.workerError)]);
+    if (mission.workerError) rows.push(['Why', plainText(mission.workerError)]);
   }
   return rows;
 }
 
-function fusionWords(mission: NonNullable<MissionPulse['mission']>): string {
+function fusionText(mission: NonNullable<MissionPulse['mission']>): string {
   if (mission.lacksFusionWorker) return 'no worker: maps are not fused';
   if (mission.fusionIdle) return 'all done';
   return mission.waitingQueries > 0n ? `${count(mission.waitingQueries)} look-ups wait` : 'working';

@@ -1,7 +1,7 @@
 import type { Overlap } from '@gen/corbslam/v1/overlap_pb';
 import { MOST_OVERLAPS } from '../feed/rest';
-import { decidingWords, stageRows } from '../model/refusal';
-import { count, isAccepted, verdictWords } from '../model/words';
+import { decidingText, stageRows } from '../model/refusal';
+import { count, isAccepted, verdictText } from '../model/texts';
 import { h, panel, refill, table } from './dom';
 
 const MOST_ROWS = 150;
@@ -44,7 +44,7 @@ export class OverlapsPanel {
     const mark = isAccepted(overlap) ? 'yes' : 'no';
     const sides = `${side(overlap.query)} – ${side(overlap.candidate)}`;
     return h('li', {}, h('button', {
-      class: `overlap ${mark}`, 'aria-label': `${sides}. ${verdictWords(overlap.verdict)}`, 'aria-pressed': String(chosen?.number === overlap.number),
+      class: `overlap ${mark}`, 'aria-label': `${sides}. ${verdictText(overlap.verdict)}`, 'aria-pressed': String(chosen?.number === overlap.number),
       'data-focus': `overlap-${overlap.number}`, click: () => this.choose(overlap),
     }, h('span', { class: 'mark', 'aria-hidden': 'true' }, mark === 'yes' ? '✓' : '✕'),
       h('span', { class: 'text' }, sides),
@@ -63,7 +63,7 @@ export function overlapsNote(isPast: boolean, all: number): string {
 /** In a word or two, beside the mark that says whether it is believed. */
 function reason(overlap: Overlap): string {
   if (isAccepted(overlap)) return `${count(overlap.inliers)} point pairs agree`;
-  return decidingWords(overlap) || verdictWords(overlap.verdict).replace(/^(Refused[^:]*|Taken back): /, '');
+  return decidingText(overlap) || verdictText(overlap.verdict).replace(/^(Refused[^:]*|Taken back): /, '');
 }
 
 function stageValue(value: string, bar: string, isShort: boolean): HTMLElement {
@@ -73,7 +73,7 @@ function stageValue(value: string, bar: string, isShort: boolean): HTMLElement {
 /** Why an overlap was accepted or not: the verdict and all that was counted. */
 export function overlapDetails(overlap: Overlap, side: (name: string) => string): Node[] {
   const rows = stageRows(overlap);
-  const verdict = h('p', { class: isAccepted(overlap) ? 'verdict yes' : 'verdict no' }, verdictWords(overlap.verdict));
+  const verdict = h('p', { class: isAccepted(overlap) ? 'verdict yes' : 'verdict no' }, verdictText(overlap.verdict));
   const state = overlap.revision > 0n ? `Taken in by revision ${count(overlap.revision)}.`
     : overlap.fused ? 'Its sides are in one island by another overlap.' : 'Not part of the map.';
   return [

@@ -1,5 +1,5 @@
 import type { RobotSample, RobotSeries } from '../model/robot_series';
-import { count } from '../model/words';
+import { count } from '../model/texts';
 import { h, setText } from './dom';
 
 const WIDTH_PX = 252;

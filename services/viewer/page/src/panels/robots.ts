@@ -5,8 +5,8 @@ import { contradictionFacts, type Doing, doingOf, reportFacts } from '../model/a
 import { lastSegment } from '../model/ids';
 import type { MapModel } from '../model/map_model';
 import type { MapNames } from '../model/map_names';
-import { plainWords } from '../model/plain_words';
-import { bytes, count, many, trackingWords } from '../model/words';
+import { plainText } from '../model/plain_text';
+import { bytes, count, many, trackingText } from '../model/texts';
 import type { ViewState } from '../view_state';
 import { h, panel, refill, swatch, table } from './dom';
 
@@ -95,7 +95,7 @@ export class RobotsPanel {
     if (told?.status) return [...rows, ...statusFacts(told.status)];
     if (agent) rows.push(...reportFacts(agent));
     if (agent?.connected && !agent.report && agent.lastPose) rows.push(['Last pose', agent.lastPose.lostSince ? 'later frames were lost' : 'of the newest frame that was told']);
-    if (told?.error) rows.push(['Asked itself', `does not answer: ${plainWords(told.error)}`]);
+    if (told?.error) rows.push(['Asked itself', `does not answer: ${plainText(told.error)}`]);
     return rows;
   }
 
@@ -132,7 +132,7 @@ export class RobotsPanel {
 
 /** What a robot says of itself. */
 export function statusFacts(status: AgentStatus): [string, string][] {
-  const rows: [string, string][] = [['Tracking', trackingWords(status)]];
+  const rows: [string, string][] = [['Tracking', trackingText(status)]];
   if (status.mappingPaused) rows.push(['Mapping', 'paused']);
   if (status.dropped > 0n) rows.push(['Frames passed over', `${count(status.dropped)}, they came too fast`]);
   if (status.outboxBatches > 0n) {
@@ -142,6 +142,6 @@ export function statusFacts(status: AgentStatus): [string, string][] {
   if (status.outboxCode === RESOURCE_EXHAUSTED) rows.push(['Room for it', 'none: changes wait in the map']);
   else if (status.outboxCode !== 0) rows.push(['Room for it', 'its disk fails']);
   if (status.lostLocalMaps > 0) rows.push(['Could not go on', many(status.lostLocalMaps, 'local map')]);
-  if (status.sessionMessage) rows.push(['Link', plainWords(status.sessionMessage)]);
+  if (status.sessionMessage) rows.push(['Link', plainText(status.sessionMessage)]);
   return rows;
 }

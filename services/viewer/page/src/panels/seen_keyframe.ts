@@ -1,8 +1,8 @@
 import type { Features } from '@gen/corbslam/v1/items_pb';
 import type { Picture, PictureOrWhy } from '../feed/pictures';
 import { fit, placeIn } from '../model/picture';
-import { type Sights, sightsWords } from '../model/sights';
-import { count } from '../model/words';
+import { type Sights, sightsText } from '../model/sights';
+import { count } from '../model/texts';
 import { h } from './dom';
 import { type Draw, enlargeable } from './enlarged';
 import { keypointsFigure } from './keypoints';
@@ -23,7 +23,7 @@ export function seenKeyframe(features: Features, sights: Sights | undefined, ask
 function pictureFigure(picture: Picture, features: Features, sights: Sights | undefined): HTMLElement {
   let showsKeypoints = true;
   const all = features.xPx64.length;
-  const label = `What the camera saw${sights ? `; ${sightsWords(sights)}` : ''}`;
+  const label = `What the camera saw${sights ? `; ${sightsText(sights)}` : ''}`;
   const draw: Draw = (context, space, isLarge) => {
     const size = fit(picture.full, space);
     context.drawImage(picture.image, 0, 0, size.width, size.height);
@@ -39,7 +39,7 @@ function pictureFigure(picture: Picture, features: Features, sights: Sights | un
     },
   }), ` ${count(all)} keypoints`);
   const caption = h('figcaption', {}, toggle,
-    sights && h('div', {}, `● ${sightsWords(sights)}, ○ ${count(all - sights.seeing.size)} see none`));
+    sights && h('div', {}, `● ${sightsText(sights)}, ○ ${count(all - sights.seeing.size)} see none`));
   return h('figure', { class: 'seen-figure' }, button, caption);
 }
 

@@ -1,7 +1,7 @@
 import type { OverlapMatch } from '@gen/corbslam/v1/overlap_pb';
 import type { SeenOverlap, Side } from '../feed/pictures';
 import { arrange, type Box, boundsOf, placeIn, type Size, some, type Spot } from '../model/picture';
-import { isAccepted, many } from '../model/words';
+import { isAccepted, many } from '../model/texts';
 import { h } from './dom';
 import { type Draw, enlargeable } from './enlarged';
 
@@ -22,10 +22,10 @@ export function seenOverlap(asked: Promise<SeenOverlap>): HTMLElement {
 }
 
 function figureOf(seen: SeenOverlap): HTMLElement[] {
-  const missing = missingWords(seen.query, seen.candidate);
+  const missing = missingText(seen.query, seen.candidate);
   const notes = missing === '' ? [] : [h('p', { class: 'quiet' }, missing)];
   if (!isDrawn(seen.query) && !isDrawn(seen.candidate)) return notes;
-  const label = matchesWords(seen);
+  const label = matchesText(seen);
   const { button } = enlargeable(label, drawing(seen));
   return [h('figure', { class: 'seen-figure' }, button, h('figcaption', {}, label)), ...notes];
 }
@@ -35,7 +35,7 @@ function isDrawn({ shown, features }: Side): boolean {
 }
 
 /** What the lines are. */
-export function matchesWords({ overlap }: Pick<SeenOverlap, 'overlap'>): string {
+export function matchesText({ overlap }: Pick<SeenOverlap, 'overlap'>): string {
   const { length } = overlap.matches;
   const asked = 'asked above or left, candidate below or right';
   if (length === 0) return isAccepted(overlap) ? `No keypoints of the two show the same any more; ${asked}` : `No keypoints of the two look alike; ${asked}`;
@@ -46,7 +46,7 @@ export function matchesWords({ overlap }: Pick<SeenOverlap, 'overlap'>): string 
 }
 
 /** Why a picture is missing; empty: none is. */
-export function missingWords(query: Side, candidate: Side): string {
+export function missingText(query: Side, candidate: Side): string {
   const why = ({ shown }: Side) => ('why' in shown ? shown.why : '');
   const [first, second] = [why(query), why(candidate)];
   if (first === second) return first;

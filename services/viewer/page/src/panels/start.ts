@@ -1,7 +1,7 @@
 import type { Mission } from '@gen/corbslam/v1/resources_pb';
 import { lastSegment } from '../model/ids';
 import { byName } from '../model/robot_numbers';
-import { many, since, timeOfDay } from '../model/words';
+import { many, since, timeOfDay } from '../model/texts';
 import { h } from './dom';
 
 /** The start screen: the missions, or a question for the token. */
@@ -16,7 +16,7 @@ export class StartScreen {
 
   missions(missions: Mission[]): void {
     // What stays as it was keeps the focus.
-    const key = missions.map((mission) => [mission.name, nowWords(mission), sizeWords(mission), mission.description].join()).join(';');
+    const key = missions.map((mission) => [mission.name, nowText(mission), sizeText(mission), mission.description].join()).join(';');
     if (this.shown === key && this.root.isConnected) return;
     this.show('Missions', missions.length === 0
       ? h('p', { class: 'quiet' }, 'No mission yet. One begins with its first robot; this list looks again by itself.')
@@ -50,7 +50,7 @@ export class StartScreen {
   private row(mission: Mission): HTMLElement {
     const name = lastSegment(mission.name);
     return h('li', {}, h('button', { click: () => this.open(name), 'data-focus': `mission-${name}` }, h('strong', {}, name),
-      h('span', { class: mission.connectedAgents > 0 ? 'now' : '' }, nowWords(mission)), h('span', {}, sizeWords(mission)),
+      h('span', { class: mission.connectedAgents > 0 ? 'now' : '' }, nowText(mission)), h('span', {}, sizeText(mission)),
       mission.description ? h('span', { class: 'description' }, mission.description) : ''));
   }
 
@@ -63,7 +63,7 @@ export class StartScreen {
 }
 
 /** Who drives now, and when it began and was last used. */
-export function nowWords(mission: Mission, nowMs = Date.now()): string {
+export function nowText(mission: Mission, nowMs = Date.now()): string {
   const { connectedAgents, createdNs, lastUsedNs } = mission;
   const begun = createdNs > 0n ? [`begun ${timeOfDay(createdNs, nowMs)}`] : [];
   if (connectedAgents > 0) return [`${many(connectedAgents, 'robot')} connected now`, ...begun].join(' · ');
@@ -71,7 +71,7 @@ export function nowWords(mission: Mission, nowMs = Date.now()): string {
   return [...used, ...begun].join(' · ');
 }
 
-function sizeWords(mission: Mission): string {
+function sizeText(mission: Mission): string {
   return [
     many(mission.agents, 'robot'), many(mission.islands, 'island'), many(mission.keyframes, 'keyframe'), many(mission.mapPoints, 'point'),
     ...(mission.asleep ? ['asleep'] : []), ...(mission.damage ? ['its journal is damaged'] : []),

@@ -1,5 +1,5 @@
 import type { HistoryStep } from '../model/history';
-import { count, many } from '../model/words';
+import { count, many } from '../model/texts';
 import { h } from './dom';
 
 /** What the timeline asks of the page. */
@@ -87,7 +87,7 @@ export class Timeline {
     const step = steps[position];
     if (!step) return;
     for (const element of [this.slider, this.playButton, this.speed]) element.disabled = false;
-    const text = [stepWords(step, steps[position - 1], position, steps.length), clock, this.note].filter(Boolean).join(' · ');
+    const text = [stepText(step, steps[position - 1], position, steps.length), clock, this.note].filter(Boolean).join(' · ');
     this.words.textContent = text;
     this.slider.setAttribute('aria-valuetext', text);
   }
@@ -114,7 +114,7 @@ export class Timeline {
   }
 }
 
-function stepWords({ revision, summary, time }: HistoryStep, before: HistoryStep | undefined, position: number, all: number): string {
+function stepText({ revision, summary, time }: HistoryStep, before: HistoryStep | undefined, position: number, all: number): string {
   const parts = [`Revision ${count(revision)}`, `step ${position + 1} of ${all}`];
   if (position === 0) parts.push('the oldest that the journal has');
   if (summary) {

@@ -1,7 +1,7 @@
 import { type Object3D, Vector3 } from 'three';
 import type { Overlap } from '@gen/corbslam/v1/overlap_pb';
 import { parseKeyframeName } from '../model/ids';
-import { isAccepted } from '../model/words';
+import { isAccepted } from '../model/texts';
 import { Lines } from './lines';
 import type { MapView } from './map_view';
 import { type SharedUniforms, setColour } from './materials';

@@ -4,7 +4,7 @@ import type { KeyframeId } from '../model/ids';
 import type { IslandChange, MapModel } from '../model/map_model';
 import { type SceneColours, sceneColours } from '../model/palette';
 import type { Landmark } from '../model/sights';
-import { isAccepted } from '../model/words';
+import { isAccepted } from '../model/texts';
 import type { ViewState } from '../view_state';
 import { contextOf } from './context';
 import { Detail, type Share } from './detail';
