@@ -29,6 +29,11 @@ std::optional<std::string> LineOf(const std::string& mission, const MissionEvent
                         lost->frames == 1 ? " frame" : " frames", " of local map ",
                         ToString(lost->local_map), " without a pose");
   }
+  if (const auto* contradicted = std::get_if<MissionEvent::MapContradicted>(&what)) {
+    return absl::StrCat(AgentFields(mission, contradicted->agent), "goes without local map ",
+                        ToString(contradicted->found.local_map), " of ", contradicted->owner,
+                        ", which is ", Describe(contradicted->found));
+  }
   if (const auto* merged = std::get_if<MissionEvent::IslandsMerged>(&what)) {
     return absl::StrFormat("mission=%s merged: the maps of %s are in one frame (%s), after %.0f ms",
                            mission, absl::StrJoin(merged->agents, ", "),

@@ -17,6 +17,9 @@ TEST(EventLinesTest, SayWhoAndWhat) {
   EXPECT_EQ(
       LineOf("lab", MissionEvent::TrackingLost{kTwo, "bravo", 1}),
       "mission=lab agent=bravo lost: 1 frame of local map " + ToString(kTwo) + " without a pose");
+  EXPECT_EQ(LineOf("lab", MissionEvent::MapContradicted{"bravo", "alpha", {kOne, 0.986, 0.0016}}),
+            "mission=lab agent=bravo goes without local map " + ToString(kOne) +
+                " of alpha, which is 1.40 % smaller than what its camera measures (+-0.16 %)");
   EXPECT_EQ(LineOf("lab", MissionEvent::IslandsMerged{{kOne, kTwo}, {"alpha", "bravo"}, 340.4}),
             "mission=lab merged: the maps of alpha, bravo are in one frame (" + ToString(kOne) +
                 ", " + ToString(kTwo) + "), after 340 ms");

@@ -190,13 +190,34 @@ absl::StatusOr<std::optional<SharedUpdate>> MissionSessions::NextShared(uint64_t
 
 absl::Status MissionSessions::NoteReport(uint64_t session_id, const std::string& agent,
                                          const AgentReport& report) {
-  absl::ReaderMutexLock lock(&strand_.mutex());
-  RETURN_IF_ERROR(CheckSession(strand_, session_id, agent));
-  Told& told = told_.at(agent);
-  absl::MutexLock noting(&told.report_mutex);
-  told.report = report;
-  told.report_came = strand_.environment().clock();
+  {
+    absl::ReaderMutexLock lock(&strand_.mutex());
+    RETURN_IF_ERROR(CheckSession(strand_, session_id, agent));
+    Told& told = told_.at(agent);
+    absl::MutexLock noting(&told.report_mutex);
+    NoteContradictions(agent, told.report, report);
+    told.report = report;
+    told.report_came = strand_.environment().clock();
+  }
+  events_.Tell();
   return absl::OkStatus();
+}
+
+void MissionSessions::NoteContradictions(const std::string& agent,
+                                         const std::optional<AgentReport>& before,
+                                         const AgentReport& now) {
+  const MissionState& state = strand_.state();
+  for (const MapContradiction& found : now.contradictions) {
+    const LocalMapState* others = state.FindLocalMap(state.OwnerOf(found.local_map));
+    if (others == nullptr || others->agent == agent) continue;
+    const bool is_known =
+        before.has_value() &&
+        std::ranges::any_of(before->contradictions, [&](const MapContradiction& earlier) {
+          return earlier.local_map == found.local_map;
+        });
+    if (is_known) continue;
+    events_.Note(state.global.revision, MissionEvent::MapContradicted{agent, others->agent, found});
+  }
 }
 
 void MissionSessions::DescribeTold(std::vector<AgentInfo>& agents) const {

@@ -91,6 +91,9 @@ class MissionSessions {
   // said to have joined.
   void Leave(uint64_t session_id, const std::string& agent, bool has_joined, bool on_purpose)
       ABSL_LOCKS_EXCLUDED(coming_);
+  // Notes which of others' local maps the agent goes without now, and did not before.
+  void NoteContradictions(const std::string& agent, const std::optional<AgentReport>& before,
+                          const AgentReport& now) ABSL_SHARED_LOCKS_REQUIRED(strand_.mutex());
   // Forgets what an agent was told that has ended, unless it has come again since.
   void ForgetTold(const std::string& agent);
   // Returns null if the agent never opened a session.

@@ -10,6 +10,7 @@
 
 #include "absl/time/time.h"
 #include "map_store/state/lookups.h"
+#include "slam/exchange/agent_report.h"
 #include "slam/util/ids.h"
 
 namespace corbslam::map_store {
@@ -35,6 +36,12 @@ struct MissionEvent {
     LocalMapId local_map;
     std::string agent;
     size_t frames = 0;
+  };
+  // An agent goes without another one's local map from now on.
+  struct MapContradicted {
+    std::string agent;
+    std::string owner;  // Of the local map.
+    MapContradiction found;
   };
   // A worker verified a place that keyframes of these two local maps saw, and accepted it.
   struct OverlapAccepted {
@@ -68,9 +75,9 @@ struct MissionEvent {
   // Somebody had all that fusion found forgotten.
   struct GlobalLayerForgotten {};
 
-  using What =
-      std::variant<AgentJoined, AgentLeft, LocalMapBegun, TrackingLost, OverlapAccepted,
-                   IslandsMerged, LoopClosed, MapAdjusted, OverlapsTakenBack, GlobalLayerForgotten>;
+  using What = std::variant<AgentJoined, AgentLeft, LocalMapBegun, TrackingLost, MapContradicted,
+                            OverlapAccepted, IslandsMerged, LoopClosed, MapAdjusted,
+                            OverlapsTakenBack, GlobalLayerForgotten>;
 
   uint64_t number = 0;  // Grows by one with each event of the mission, from 1 on.
   absl::Time time;

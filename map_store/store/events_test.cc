@@ -94,6 +94,26 @@ TEST_F(EventsTest, RobotsComeBeginMapsGetLostAndGo) {
   EXPECT_TRUE(left[0].on_purpose);
 }
 
+TEST_F(EventsTest, AMapThatARobotGoesWithoutIsNamedOnce) {
+  ASSERT_TRUE(a_.Stream(2).ok());
+  Take();
+  AgentReport report;
+  const auto say = [&] { return store_.NoteReport(b_.session(), report); };
+  ASSERT_TRUE(say().ok());
+  // One that nobody knows is no news.
+  report.contradictions = {{LocalMapId{0xff}, 0.9, 0.001}, {a_.local_map(), 1.02, 0.001}};
+  ASSERT_TRUE(say().ok());
+  ASSERT_TRUE(say().ok()) << "each report says it again";
+  const auto found = Of<MissionEvent::MapContradicted>(Take());
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].agent, "b");
+  EXPECT_EQ(found[0].owner, "a");
+  EXPECT_EQ(found[0].found, report.contradictions[1]);
+  // Nobody goes without the map that it makes itself.
+  ASSERT_TRUE(store_.NoteReport(a_.session(), report).ok());
+  EXPECT_TRUE(Of<MissionEvent::MapContradicted>(Take()).empty());
+}
+
 TEST_F(EventsTest, WhoseNewerSessionTakesItsPlaceHasNotLeft) {
   Take();
   const TestAgent again(store_, kMission, "a", map_a_);

@@ -53,15 +53,7 @@ absl::StatusOr<std::vector<MapContradiction>> ReadContradictions(const v1::Agent
   }
   std::vector<MapContradiction> read;
   for (const v1::MapContradiction& said : proto.contradictions()) {
-    // The conditions are written so that NaN is refused.
-    if (!(said.scale() > 0 && std::isfinite(said.scale()))) {
-      return OutOfRange("report.contradictions.scale", said.scale(), 0.0, kMost);
-    }
-    if (!(said.scale_sigma() >= 0 && std::isfinite(said.scale_sigma()))) {
-      return OutOfRange("report.contradictions.scale_sigma", said.scale_sigma(), 0.0, kMost);
-    }
-    ASSIGN_OR_RETURN(std::optional<MapBend> bend, ReadBend(said));
-    read.push_back({LocalMapId{said.local_map()}, said.scale(), said.scale_sigma(), bend});
+    ASSIGN_OR_RETURN(read.emplace_back(), FromProto(said));
   }
   return read;
 }
@@ -95,15 +87,30 @@ void ToProto(const AgentReport& report, v1::AgentReport* proto) {
   proto->set_newest_timestamp_ns(report.newest_timestamp_ns);
   proto->set_newest_frame_age_s(report.newest_frame_age_s);
   for (const MapContradiction& found : report.contradictions) {
-    v1::MapContradiction* said = proto->add_contradictions();
-    said->set_local_map(found.local_map.value);
-    said->set_scale(found.scale);
-    said->set_scale_sigma(found.scale_sigma);
-    if (!found.bend.has_value()) continue;
-    said->mutable_bend()->set_way_m(found.bend->way_m);
-    said->mutable_bend()->set_shift_m(found.bend->shift_m);
-    said->mutable_bend()->set_turn_rad(found.bend->turn_rad);
+    ToProto(found, proto->add_contradictions());
   }
+}
+
+void ToProto(const MapContradiction& found, v1::MapContradiction* proto) {
+  proto->set_local_map(found.local_map.value);
+  proto->set_scale(found.scale);
+  proto->set_scale_sigma(found.scale_sigma);
+  if (!found.bend.has_value()) return;
+  proto->mutable_bend()->set_way_m(found.bend->way_m);
+  proto->mutable_bend()->set_shift_m(found.bend->shift_m);
+  proto->mutable_bend()->set_turn_rad(found.bend->turn_rad);
+}
+
+absl::StatusOr<MapContradiction> FromProto(const v1::MapContradiction& proto) {
+  // The conditions are written so that NaN is refused.
+  if (!(proto.scale() > 0 && std::isfinite(proto.scale()))) {
+    return OutOfRange("report.contradictions.scale", proto.scale(), 0.0, kMost);
+  }
+  if (!(proto.scale_sigma() >= 0 && std::isfinite(proto.scale_sigma()))) {
+    return OutOfRange("report.contradictions.scale_sigma", proto.scale_sigma(), 0.0, kMost);
+  }
+  ASSIGN_OR_RETURN(const std::optional<MapBend> bend, ReadBend(proto));
+  return MapContradiction{LocalMapId{proto.local_map()}, proto.scale(), proto.scale_sigma(), bend};
 }
 
 absl::StatusOr<AgentReport> FromProto(const v1::AgentReport& proto) {

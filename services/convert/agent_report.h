@@ -10,9 +10,11 @@ namespace corbslam::services {
 
 v1::AgentActivity ToProto(AgentActivity activity);
 void ToProto(const AgentReport& report, v1::AgentReport* proto);
+void ToProto(const MapContradiction& found, v1::MapContradiction* proto);
 // INVALID_ARGUMENT names the field, its value and its limits. An activity of a newer version is not
 // known.
 absl::StatusOr<AgentReport> FromProto(const v1::AgentReport& proto);
+absl::StatusOr<MapContradiction> FromProto(const v1::MapContradiction& proto);
 
 }  // namespace corbslam::services
 

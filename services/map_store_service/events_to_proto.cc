@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "absl/time/time.h"
+#include "services/convert/agent_report.h"
 #include "services/convert/resource_names.h"
 
 namespace corbslam::services {
@@ -36,6 +37,13 @@ class WhatWriter {
     lost->set_local_map(LocalMapName(mission_, event.local_map));
     lost->set_agent(AgentName(mission_, event.agent));
     lost->set_frames(static_cast<uint32_t>(event.frames));
+  }
+  void operator()(const MissionEvent::MapContradicted& event) const {
+    auto* contradicted = proto_.mutable_map_contradicted();
+    contradicted->set_agent(AgentName(mission_, event.agent));
+    contradicted->set_local_map(LocalMapName(mission_, event.found.local_map));
+    contradicted->set_owner(AgentName(mission_, event.owner));
+    ToProto(event.found, contradicted->mutable_found());
   }
   void operator()(const MissionEvent::OverlapAccepted& event) const {
     auto* accepted = proto_.mutable_overlap_accepted();

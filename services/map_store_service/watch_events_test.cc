@@ -173,6 +173,11 @@ v1::MissionEvent Convert(Event::What what) {
 
 TEST(EventsToProtoTest, EachKindHasItsNames) {
   const std::string other = "missions/m/localMaps/" + ToString(kOtherMap);
+  const auto contradicted = Convert(Event::MapContradicted{"a", "b", {kMap, 0.98, 0.001}});
+  EXPECT_EQ(contradicted.map_contradicted().agent(), "missions/m/agents/a");
+  EXPECT_EQ(contradicted.map_contradicted().owner(), "missions/m/agents/b");
+  EXPECT_EQ(contradicted.map_contradicted().local_map(), kMapName);
+  EXPECT_EQ(contradicted.map_contradicted().found().scale(), 0.98);
   const auto lost = Convert(Event::TrackingLost{kMap, "a", 4});
   EXPECT_EQ(lost.tracking_lost().local_map(), kMapName);
   EXPECT_EQ(lost.tracking_lost().agent(), "missions/m/agents/a");

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "slam/util/ids.h"
@@ -42,6 +43,10 @@ struct MapContradiction {
 
   bool operator==(const MapContradiction&) const = default;
 };
+
+// Says how the other map is, as the end of "local map ... is": "1.40 % smaller than what its camera
+// measures (+-0.16 %)", where "its" is the robot that measured.
+std::string Describe(const MapContradiction& found);
 
 struct AgentReport {
   // So many contradicting local maps are told at most.

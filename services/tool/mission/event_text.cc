@@ -3,6 +3,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
+#include "services/convert/agent_report.h"
 #include "services/convert/resource_names.h"
 
 namespace corbslam::services {
@@ -26,6 +27,12 @@ std::string JoinOverlaps(const Names& overlaps) {
   return absl::StrJoin(overlaps, ", ", [](std::string* out, const std::string& overlap) {
     absl::StrAppend(out, LastSegment(overlap));
   });
+}
+
+std::string DescribeContradicted(const Event::MapContradicted& event, const LocalMapNames& names) {
+  return absl::StrCat(LastSegment(event.agent()), " goes without ",
+                      ShortName(event.local_map(), names), ", which is ",
+                      DescribeContradiction(event.found()));
 }
 
 std::string DescribeLoop(const Event::LoopClosed& loop, const LocalMapNames& names) {
@@ -67,6 +74,11 @@ std::string DescribeFusion(const Event& event, const LocalMapNames& names) {
 
 }  // namespace
 
+std::string DescribeContradiction(const v1::MapContradiction& found) {
+  const absl::StatusOr<MapContradiction> read = FromProto(found);
+  return read.ok() ? Describe(*read) : read.status().ToString();
+}
+
 std::string DescribeEvent(const Event& event, const LocalMapNames& names) {
   switch (event.event_case()) {
     case Event::kAgentJoined:
@@ -82,14 +94,16 @@ std::string DescribeEvent(const Event& event, const LocalMapNames& names) {
       return absl::StrCat(LastSegment(event.tracking_lost().agent()),
                           " did not know where it was, for ", event.tracking_lost().frames(),
                           event.tracking_lost().frames() == 1 ? " frame" : " frames");
+    case Event::kMapContradicted:
+      return DescribeContradicted(event.map_contradicted(), names);
     default:
       return DescribeFusion(event, names);
   }
 }
 
 bool IsWarning(const Event& event) {
-  return event.has_tracking_lost() || event.has_overlaps_taken_back() ||
-         event.has_global_layer_forgotten();
+  return event.has_tracking_lost() || event.has_map_contradicted() ||
+         event.has_overlaps_taken_back() || event.has_global_layer_forgotten();
 }
 
 }  // namespace corbslam::services

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "corbslam/v1/events.pb.h"
+#include "corbslam/v1/resources.pb.h"
 #include "services/client/store/local_map_names.h"
 
 namespace corbslam::services {
@@ -13,7 +14,11 @@ namespace corbslam::services {
 // name is called by its id.
 std::string DescribeEvent(const v1::MissionEvent& event, const LocalMapNames& names);
 
-// Returns whether somebody should look at it: tracking was lost, or overlaps were taken back.
+// Returns text such as "1.40 % smaller than what its camera measures (+-0.16 %)".
+std::string DescribeContradiction(const v1::MapContradiction& found);
+
+// Returns whether somebody should look at it: tracking was lost, a map is not as another robot
+// measures it, or overlaps were taken back.
 bool IsWarning(const v1::MissionEvent& event);
 
 }  // namespace corbslam::services

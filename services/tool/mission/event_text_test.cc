@@ -21,6 +21,15 @@ TEST(EventTextTest, NamesRobotsAndLocalMaps) {
   merged->add_local_maps("missions/m/localMaps/0b");
   merged->set_ms(340.2);
   EXPECT_EQ(DescribeEvent(event, Names()), "alpha/1 and bravo/1 are one island (340 ms)");
+  auto* contradicted = event.mutable_map_contradicted();
+  contradicted->set_agent("missions/m/agents/bravo");
+  contradicted->set_owner("missions/m/agents/alpha");
+  contradicted->set_local_map("missions/m/localMaps/0a");
+  contradicted->mutable_found()->set_scale(1.02);
+  EXPECT_EQ(DescribeEvent(event, Names()),
+            "bravo goes without alpha/1, which is 2.00 % larger than what its camera measures "
+            "(+-0.00 %)");
+  EXPECT_TRUE(IsWarning(event));
   auto* lost = event.mutable_tracking_lost();
   lost->set_agent("missions/m/agents/bravo");
   lost->set_frames(1);

@@ -1,6 +1,4 @@
 #include <algorithm>
-#include <cmath>
-#include <numbers>
 #include <string>
 #include <vector>
 
@@ -11,6 +9,7 @@
 #include "services/client/store/local_map_names.h"
 #include "services/convert/geometry.h"
 #include "services/convert/resource_names.h"
+#include "services/tool/mission/event_text.h"
 #include "services/tool/mission/mission_settings.h"
 #include "services/tool/mission/mission_summary.h"
 #include "services/tool/mission/summary_pairs.h"
@@ -136,18 +135,6 @@ FrameColumns CountFrames(const v1::MissionAgent& agent, const v1::LocalMap& sum)
   return {absl::StrCat(agent.report().tracked()), absl::StrCat(agent.report().lost())};
 }
 
-std::string FormatContradiction(const v1::MapContradiction& found) {
-  if (found.has_bend()) {
-    return absl::StrFormat(
-        "bent: over %.1f m its camera ends %.2f m beside, turned by %.2f degrees",
-        found.bend().way_m(), found.bend().shift_m(),
-        found.bend().turn_rad() * 180 / std::numbers::pi);
-  }
-  return absl::StrFormat("%.2f %% %s than what its camera measures (+-%.2f %%)",
-                         std::abs(found.scale() - 1) * 100,
-                         found.scale() > 1 ? "larger" : "smaller", found.scale_sigma() * 100);
-}
-
 // Writes one line for each of others' local maps that the robot goes without.
 std::string FormatContradictions(const std::string& mission, const v1::MissionAgent& agent,
                                  const LocalMapNames& names) {
@@ -157,7 +144,7 @@ std::string FormatContradictions(const std::string& mission, const v1::MissionAg
     const auto name = names.find(local_map);
     absl::StrAppend(&text, LastSegment(agent.name()), " goes without ",
                     name == names.end() ? LastSegment(local_map) : name->second, ", which is ",
-                    FormatContradiction(found), "\n");
+                    DescribeContradiction(found), "\n");
   }
   return text;
 }

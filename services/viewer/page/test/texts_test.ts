@@ -21,6 +21,10 @@ test('events are said in words', () => {
   assert.equal(said({ case: 'loopClosed', value: { overlaps: 0, localMaps: ['l/00000000000000aa'] } }), 'Loop closed in map 0000 by the robot itself');
   assert.equal(said({ case: 'agentLeft', value: { agent: 'a/x', onPurpose: true } }), 'x finished and left');
   assert.equal(said({ case: 'agentLeft', value: { agent: 'a/x' } }), 'x is away: its connection ended');
+  const found = { localMap: 0xaan, scale: 0.986, scaleSigma: 0.002 };
+  assert.equal(
+    said({ case: 'mapContradicted', value: { agent: 'a/x', owner: 'a/y', localMap: 'l/00000000000000aa', found } }),
+    'x goes without map 0000: 1.40 % smaller than its camera measures');
   assert.match(said({ case: undefined }), /does not know/);
 });
 

@@ -1,8 +1,8 @@
 // What a robot is doing, as far as the store or the robot itself says it.
-import { AgentActivity, type MapContradiction, type MissionAgent } from '@gen/corbslam/v1/resources_pb';
+import { AgentActivity, type MissionAgent } from '@gen/corbslam/v1/resources_pb';
 import { hexId } from './ids';
 import type { MapNames } from './map_names';
-import { count, span } from './texts';
+import { contradictionText, count, span } from './texts';
 
 /** How a robot is marked in the list and in the map. */
 export type Doing = 'driving' | 'localising' | 'lost' | 'standing' | 'finished' | 'gone' | 'connected' | 'unknown';
@@ -57,12 +57,4 @@ export function reportFacts(agent: MissionAgent): [string, string][] {
 /** Which of others' maps it goes without because they are not as its own camera measures. */
 export function contradictionFacts({ report }: MissionAgent, names: Pick<MapNames, 'of'>): [string, string][] {
   return (report?.contradictions ?? []).map((found) => ['Goes without', `${names.of(hexId(found.localMap))}: ${contradictionText(found)}`]);
-}
-
-function contradictionText({ scale, bend }: MapContradiction): string {
-  if (bend) {
-    const degrees = (bend.turnRad * 180) / Math.PI;
-    return `bent, over ${bend.wayM.toFixed(1)} m its camera turns otherwise by ${degrees.toFixed(1)}°`;
-  }
-  return `${(100 * Math.abs(scale - 1)).toFixed(2)} % ${scale > 1 ? 'larger' : 'smaller'} than its camera measures`;
 }

@@ -2,7 +2,7 @@
 import type { MissionEvent } from '@gen/corbslam/v1/events_pb';
 import { type Overlap, OverlapVerdict } from '@gen/corbslam/v1/overlap_pb';
 import { type AgentStatus, TrackingState, WhyNoPose } from '@gen/corbslam/v1/agent_service_pb';
-import { AgentActivity, type Mission } from '@gen/corbslam/v1/resources_pb';
+import { AgentActivity, type MapContradiction, type Mission } from '@gen/corbslam/v1/resources_pb';
 import type { MapNames } from './map_names';
 import { lastSegment } from './ids';
 
@@ -83,6 +83,8 @@ export function eventText({ event }: MissionEvent, names: MapNames): EventText {
       return { kind: 'robot', text: `${robot(event.value.agent)} began ${names.ownOf(lastSegment(event.value.localMap))}` };
     case 'trackingLost':
       return { kind: 'lost', text: `${robot(event.value.agent)} lost tracking for ${many(event.value.frames, 'frame')}` };
+    case 'mapContradicted':
+      return { kind: 'lost', text: `${robot(event.value.agent)} goes without ${map(event.value.localMap)}: ${contradictionText(event.value.found)}` };
     case 'overlapAccepted':
       return { kind: 'other', text: overlapText(event.value.localMaps.map(map)) };
     default:
@@ -105,6 +107,16 @@ function fusionText(event: MissionEvent['event'], names: MapNames): EventText {
     default:
       return { kind: 'other', text: 'Something happened that this page does not know' };
   }
+}
+
+/** How the other map is. */
+export function contradictionText(found: MapContradiction | undefined): string {
+  const { scale = 1, bend } = found ?? {};
+  if (bend) {
+    const degrees = (bend.turnRad * 180) / Math.PI;
+    return `bent, over ${bend.wayM.toFixed(1)} m its camera turns otherwise by ${degrees.toFixed(1)}°`;
+  }
+  return `${(100 * Math.abs(scale - 1)).toFixed(2)} % ${scale > 1 ? 'larger' : 'smaller'} than its camera measures`;
 }
 
 /** A loop that its robot closed comes without overlaps of the store. */
