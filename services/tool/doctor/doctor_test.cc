@@ -14,7 +14,7 @@
 #include "fusion_worker/local_fusion_worker.h"
 #include "services/fusion_worker_service/fusion_worker_service.h"
 #include "services/programs/default_vocabulary.h"
-#include "services/security/certificate_checks.h"
+#include "services/security/finding.h"
 #include "services/security/testing/test_certificates.h"
 #include "services/simulated_source/simulated_source.h"
 #include "services/testing/test_path.h"
@@ -87,39 +87,6 @@ TEST(DoctorTest, ReadsSources) {
   EXPECT_FALSE(AnyFailed(CheckSource("sim:city?length=40", true)));
   EXPECT_TRUE(AnyFailed(CheckSource("tum:/nowhere", false)));
   EXPECT_TRUE(AnyFailed(CheckSource("nonsense", false)));
-}
-
-TEST(DoctorTest, LooksIntoCertificates) {
-  const TestCertificates certificates("lab");
-  const SecurityOptions options = certificates.Options("alpha");
-  EXPECT_FALSE(AnyFailed(CheckSecurityFiles(options, absl::Now())));
-  EXPECT_EQ(LevelOf(CheckSecurityFiles(options, absl::Now() + absl::Hours(24 * 20)), "expires at"),
-            Level::kWarn);
-  EXPECT_EQ(LevelOf(CheckSecurityFiles(options, absl::Now() + absl::Hours(24 * 40)), "expired at"),
-            Level::kFail);
-  EXPECT_EQ(LevelOf(CheckSecurityFiles(options, absl::Now() - absl::Hours(24)), "is good from"),
-            Level::kFail);
-  const TestCertificates others("lab");
-  SecurityOptions mixed = options;
-  mixed.ca_file = others.Path("ca.pem");
-  EXPECT_EQ(LevelOf(CheckSecurityFiles(mixed, absl::Now()), "does not lead to an authority"),
-            Level::kFail);
-  mixed.key_file = others.Path("alpha.key");
-  EXPECT_EQ(LevelOf(CheckSecurityFiles(mixed, absl::Now()), "does not belong to"), Level::kFail);
-  mixed.ca_file = "/nowhere.pem";
-  EXPECT_EQ(LevelOf(CheckSecurityFiles(mixed, absl::Now()), "/nowhere.pem"), Level::kFail);
-}
-
-TEST(DoctorTest, KnowsHosts) {
-  const TestCertificates certificates("lab", "store.lan");
-  std::ifstream file(certificates.Path("store.pem"));
-  const std::string pem{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-  for (const char* host : {"store.lan", "localhost", "127.0.0.1", "::1"}) {
-    EXPECT_EQ(CheckHost("x", pem, host).level, Level::kOk) << host;
-  }
-  for (const char* host : {"other.lan", "10.0.0.5"}) {
-    EXPECT_EQ(CheckHost("x", pem, host).level, Level::kFail) << host;
-  }
 }
 
 class ServerChecksTest : public ::testing::Test {
