@@ -24,14 +24,14 @@ using testing::TestAgent;
 using testing::TheWorld;
 using testing::TruthfulWorker;
 
-constexpr char kMission[] = "m";
+constexpr char kMissionOfTwo[] = "m";
 
 // Two robots met; both are still there.
 class ScaleContradictionsTest : public ::testing::Test {
  protected:
   ScaleContradictionsTest() : store_(Open()) {
     for (TestAgent* agent : {&alpha_, &bravo_}) EXPECT_TRUE(agent->Stream().ok());
-    EXPECT_TRUE(store_->RunFusionUntilIdle(kMission).ok());
+    EXPECT_TRUE(store_->RunFusionUntilIdle(kMissionOfTwo).ok());
     EXPECT_EQ(Islands(*store_), 1u);
   }
 
@@ -41,14 +41,16 @@ class ScaleContradictionsTest : public ::testing::Test {
     EXPECT_TRUE(store->Recover().ok());
     return store;
   }
-  static uint64_t Islands(const MapStore& store) { return store.GetStatistics(kMission)->islands; }
+  static uint64_t Islands(const MapStore& store) {
+    return store.GetStatistics(kMissionOfTwo)->islands;
+  }
   // Lets bravo say how large another local map is, and fusion do what follows; returns the number
   // of islands.
   uint64_t Say(LocalMapId others, double scale) {
     AgentReport report;
     report.contradictions = {{others, scale, 0.001}};
     EXPECT_TRUE(store_->NoteReport(bravo_.session(), report).ok());
-    EXPECT_TRUE(store_->RunFusionUntilIdle(kMission).ok());
+    EXPECT_TRUE(store_->RunFusionUntilIdle(kMissionOfTwo).ok());
     return Islands(*store_);
   }
 
@@ -57,8 +59,8 @@ class ScaleContradictionsTest : public ::testing::Test {
   TruthfulWorker worker_{{&map_a_, &map_b_}};
   std::shared_ptr<JournalBytes> bytes_ = std::make_shared<JournalBytes>();
   std::unique_ptr<MapStore> store_;
-  TestAgent alpha_{*store_, kMission, "alpha", map_a_};
-  TestAgent bravo_{*store_, kMission, "bravo", map_b_};
+  TestAgent alpha_{*store_, kMissionOfTwo, "alpha", map_a_};
+  TestAgent bravo_{*store_, kMissionOfTwo, "bravo", map_b_};
 };
 
 TEST_F(ScaleContradictionsTest, WhatDiffersTooMuchIsKeptApartForEver) {
@@ -66,7 +68,7 @@ TEST_F(ScaleContradictionsTest, WhatDiffersTooMuchIsKeptApartForEver) {
   EXPECT_EQ(Say(alpha_.local_map(), 1.014), 2u) << "it is said again with each report";
   store_.reset();
   store_ = Open();
-  ASSERT_TRUE(store_->RunFusionUntilIdle(kMission).ok());
+  ASSERT_TRUE(store_->RunFusionUntilIdle(kMissionOfTwo).ok());
   EXPECT_EQ(Islands(*store_), 2u);
 }
 
@@ -83,7 +85,7 @@ TEST_F(ScaleContradictionsTest, WhatIsBentIsPutRightTogether) {
   AgentReport report;
   report.contradictions = {{alpha_.local_map(), 1, 0, MapBend{4.5, 0.13, 0.012}}};
   EXPECT_TRUE(store_->NoteReport(bravo_.session(), report).ok());
-  EXPECT_TRUE(store_->RunFusionUntilIdle(kMission).ok());
+  EXPECT_TRUE(store_->RunFusionUntilIdle(kMissionOfTwo).ok());
   EXPECT_EQ(Islands(*store_), 1u);
 }
 

@@ -17,7 +17,7 @@
 namespace corbslam::services {
 namespace {
 
-constexpr SvgStyle kStyle = SvgStyle::kInAPage;
+constexpr SvgStyle kPlotStyle = SvgStyle::kInAPage;
 
 std::string Plots(const std::string& figures) {
   return absl::StrCat("<div class=\"plots\">\n", figures, "</div>\n");
@@ -94,7 +94,7 @@ std::string ErrorOverTime(const ReportDetail& detail, const std::vector<Paint>& 
                 AreGlobal(detail)
                     ? "All robots under one alignment with the truth."
                     : "Robots outside the global frame under alignments of their own.",
-                DrawLinePlot(plot, kStyle));
+                DrawLinePlot(plot, kPlotStyle));
 }
 
 // Adds a robot's path and the true one, both with gaps where it was lost.
@@ -129,7 +129,7 @@ std::string ErrorOnPaths(const std::vector<const ReportDetail::Robot*>& robots,
   plot.title = caption;
   plot.value_label = "absolute error (m)";
   for (const ReportDetail::Robot* robot : robots) AddPath(*robot, plane, plot);
-  return Figure(EscapeMarkup(caption), note, DrawPathPlot(plot, kStyle));
+  return Figure(EscapeMarkup(caption), note, DrawPathPlot(plot, kPlotStyle));
 }
 
 // A robot that nothing connects with the others, or that was in another world, gets a picture of
@@ -168,7 +168,7 @@ std::string ErrorByLength(const ReportDetail& detail, const std::vector<Paint>& 
            "errors are taken.</p>\n";
   }
   return Figure("Drift", "KITTI's relative error over segments of one length.",
-                DrawLinePlot(plot, kStyle));
+                DrawLinePlot(plot, kPlotStyle));
 }
 
 // What a bar stands for is one number of each robot.
@@ -182,7 +182,7 @@ std::string RobotBars(const ReportDetail& detail, const std::vector<Paint>& pain
     plot.bars.push_back({detail.robots[i].name, paints[i], values[i],
                          absl::StrFormat("%.*f", decimals, values[i])});
   }
-  return Figure(title, "", DrawBarPlot(plot, kStyle));
+  return Figure(title, "", DrawBarPlot(plot, kPlotStyle));
 }
 
 std::string TrackingTimeline(const ReportDetail& detail, const std::vector<Paint>& paints) {
@@ -201,7 +201,7 @@ std::string TrackingTimeline(const ReportDetail& detail, const std::vector<Paint
   return Figure(
       "Tracking",
       "Bars: frames were tracked. Strokes: the robot was lost and began a further local map.",
-      DrawTimeline(timeline, kStyle));
+      DrawTimeline(timeline, kPlotStyle));
 }
 
 }  // namespace
@@ -255,8 +255,8 @@ std::string FusionPlots(const RunReport& report) {
          absl::StrFormat("%.0f, %d keyframes", adjustment.ms, adjustment.keyframes)});
   }
   if (plot.bars.empty()) return "<p class=\"note\">Nothing was merged or adjusted.</p>\n";
-  return Plots(
-      Figure("Merges and global bundle adjustments, oldest first", "", DrawBarPlot(plot, kStyle)));
+  return Plots(Figure("Merges and global bundle adjustments, oldest first", "",
+                      DrawBarPlot(plot, kPlotStyle)));
 }
 
 std::string FlatMap(const MapPicture& map, size_t most_points, int width_px) {
@@ -267,7 +267,7 @@ std::string FlatMap(const MapPicture& map, size_t most_points, int width_px) {
   for (size_t i = 0; i < map.points.size(); i += step) thinned.points.push_back(map.points[i]);
   MapPictureOptions options;
   options.width_px = width_px;
-  const absl::StatusOr<std::string> svg = RenderMapSvg(thinned, kStyle, options);
+  const absl::StatusOr<std::string> svg = RenderMapSvg(thinned, kPlotStyle, options);
   return svg.ok() ? *svg : "<p class=\"note\">No robot brought anything: there is no map.</p>\n";
 }
 
