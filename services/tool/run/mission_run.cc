@@ -31,8 +31,9 @@ absl::Status ReadMission(StoreReader& store, const MissionRunOptions& options,
   ASSIGN_OR_RETURN(const std::vector<v1::LocalMap> local_maps, store.ListLocalMaps());
   outcome.local_map_names = ShortNames(local_maps);
   // Another one's store may have to replay far more than this run.
-  const bool has_journal = options.view && options.server.empty();
-  absl::StatusOr<MissionPast> recorded = RecordMission(store, options.mission, has_journal);
+  RecordOptions how{.has_journal = options.view && options.server.empty()};
+  for (const RobotPlan& robot : options.robots) how.robots.push_back(robot.name);
+  absl::StatusOr<ShownMission> recorded = RecordMission(store, options.mission, how);
   LOG_IF(WARNING, !recorded.ok()) << "report.html has the map from above alone: "
                                   << recorded.status();
   if (recorded.ok()) outcome.recorded = *std::move(recorded);

@@ -16,8 +16,8 @@
 #include "services/client/store/store_reader.h"
 #include "services/security/security_options.h"
 #include "services/tool/evaluation/accuracy.h"
-#include "services/tool/report/mission_past.h"
 #include "services/tool/report/report.h"
+#include "services/tool/report/shown_mission.h"
 #include "services/tool/run/plan.h"
 
 namespace corbslam::services {
@@ -58,7 +58,7 @@ struct MissionOutcome {
   std::vector<RobotPaths> paths;  // In the order of the robots.
   ServedMap map;
   LocalMapNames local_map_names;
-  MissionPast recorded;
+  ShownMission recorded;
   // What each robot held in the end, its own map and what came of others', in its local map's
   // frame; in the order of the robots. Nullopt for one that never had a pose or left nothing.
   std::vector<std::optional<client_agent::NearMap>> held;

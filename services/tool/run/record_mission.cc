@@ -8,6 +8,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
 #include "corbslam/v1/viewer.pb.h"
+#include "services/convert/resource_names.h"
 #include "services/tool/mission/mission_summary.h"
 #include "slam/util/status_macros.h"
 
@@ -48,12 +49,12 @@ absl::StatusOr<MapMessages> ReadMessages(StoreReader& store, const MapPart& part
 }
 
 // Records as much of the map as is short enough.
-absl::Status RecordMap(StoreReader& store, bool has_journal, size_t most_bytes,
-                       MissionPast& recorded) {
+absl::Status RecordMap(StoreReader& store, const RecordOptions& options, ShownMission& recorded) {
   for (const bool with_points : {true, false}) {
     for (const bool with_past : {true, false}) {
-      if (with_past && !has_journal) continue;
-      ASSIGN_OR_RETURN(MapMessages read, ReadMessages(store, {with_past, with_points}, most_bytes));
+      if (with_past && !options.has_journal) continue;
+      ASSIGN_OR_RETURN(MapMessages read,
+                       ReadMessages(store, {with_past, with_points}, options.most_bytes));
       if (read.is_too_long) continue;
       recorded.map = std::move(read.messages);
       recorded.has_points = with_points;
@@ -62,31 +63,38 @@ absl::Status RecordMap(StoreReader& store, bool has_journal, size_t most_bytes,
     }
   }
   return absl::ResourceExhaustedError(
-      absl::StrCat("the map is longer than ", most_bytes, " bytes even without points"));
+      absl::StrCat("the map is longer than ", options.most_bytes, " bytes even without points"));
 }
 
-// Says of a robot whose session still stands that it has finished, for the run has.
-void EndSession(v1::MissionAgent& agent) {
-  if (!agent.connected()) return;
-  agent.clear_connected();
-  agent.clear_up_to_date();
-  agent.set_left_on_purpose(true);
+// Says of robots whose sessions still stand that they have finished. Returns how many others are
+// connected.
+uint32_t EndSessions(const std::vector<std::string>& robots, v1::MissionPulse& pulse) {
+  uint32_t connected = 0;
+  for (v1::MissionAgent& agent : *pulse.mutable_agents()) {
+    if (!agent.connected()) continue;
+    if (std::ranges::find(robots, LastSegment(agent.name())) == robots.end()) {
+      ++connected;
+      continue;
+    }
+    agent.clear_connected();
+    agent.clear_up_to_date();
+    agent.set_left_on_purpose(true);
+  }
+  return connected;
 }
 
 // Returns what a viewer would tell of the mission, without what its page does not show.
-v1::MissionPulse MakePulse(const MissionSummary& summary) {
+v1::MissionPulse MakePulse(const MissionSummary& summary, const std::vector<std::string>& robots) {
   v1::MissionPulse pulse;
   pulse.set_time_ns(absl::GetCurrentTimeNanos());
   pulse.set_store_answers(true);
   *pulse.mutable_mission() = summary.mission;
-  pulse.mutable_mission()->clear_connected_agents();
-  for (const v1::MissionAgent& agent : summary.agents) {
-    *pulse.add_agents() = agent;
-    EndSession(*pulse.mutable_agents()->rbegin());
-  }
+  for (const v1::MissionAgent& agent : summary.agents) *pulse.add_agents() = agent;
   for (const v1::LocalMap& local_map : summary.local_maps) *pulse.add_local_maps() = local_map;
   *pulse.mutable_statistics() = summary.statistics;
-  pulse.mutable_statistics()->clear_connected_agents();
+  const uint32_t connected = EndSessions(robots, pulse);
+  pulse.mutable_mission()->set_connected_agents(connected);
+  pulse.mutable_statistics()->set_connected_agents(connected);
   pulse.mutable_statistics()->clear_merge_ms();
   pulse.mutable_statistics()->clear_adjustments();
   pulse.mutable_statistics()->clear_uncompared();
@@ -108,13 +116,13 @@ std::vector<std::string> EncodeOverlaps(std::vector<v1::Overlap> overlaps) {
 
 }  // namespace
 
-absl::StatusOr<MissionPast> RecordMission(StoreReader& store, const std::string& mission,
-                                          bool has_journal, size_t most_bytes) {
-  MissionPast recorded;
+absl::StatusOr<ShownMission> RecordMission(StoreReader& store, const std::string& mission,
+                                           const RecordOptions& options) {
+  ShownMission recorded;
   recorded.mission = mission;
-  RETURN_IF_ERROR(RecordMap(store, has_journal, most_bytes, recorded));
+  RETURN_IF_ERROR(RecordMap(store, options, recorded));
   ASSIGN_OR_RETURN(MissionSummary summary, ReadSummary(store.channel(), mission));
-  recorded.pulse = MakePulse(summary).SerializeAsString();
+  recorded.pulse = MakePulse(summary, options.robots).SerializeAsString();
   recorded.overlaps = EncodeOverlaps(std::move(summary.overlaps));
   return recorded;
 }

@@ -30,7 +30,7 @@ struct ShownMap {
   size_t bytes = 0;
 };
 
-ShownMap Show(const MissionPast& recorded) {
+ShownMap Show(const ShownMission& recorded) {
   ShownMap shown;
   for (const std::string& bytes : recorded.map) {
     v1::WatchMapResponse message;
@@ -66,10 +66,11 @@ class RecordMissionTest : public ::testing::Test {
   void TearDown() override { server_->Shutdown(absl::ZeroDuration()); }
 
   // Returns an empty recording where there is an error, which fails the test.
-  MissionPast Record(bool has_journal, size_t most_bytes = kMostRecordedBytes) {
-    absl::StatusOr<MissionPast> recorded = RecordMission(*reader_, "m", has_journal, most_bytes);
+  ShownMission Record(bool has_journal, size_t most_bytes = kMostRecordedBytes) {
+    absl::StatusOr<ShownMission> recorded = RecordMission(
+        *reader_, "m", {.robots = {"zulu"}, .has_journal = has_journal, .most_bytes = most_bytes});
     EXPECT_TRUE(recorded.ok()) << recorded.status();
-    return recorded.ok() ? *std::move(recorded) : MissionPast();
+    return recorded.ok() ? *std::move(recorded) : ShownMission();
   }
 
   std::unique_ptr<MapStore> store_;
@@ -79,7 +80,7 @@ class RecordMissionTest : public ::testing::Test {
 };
 
 TEST_F(RecordMissionTest, WithAJournalThePastIsRecorded) {
-  const MissionPast recorded = Record(/*has_journal=*/true);
+  const ShownMission recorded = Record(/*has_journal=*/true);
   const ShownMap shown = Show(recorded);
   EXPECT_EQ(recorded.mission, "m");
   EXPECT_TRUE(recorded.has_past);
@@ -90,7 +91,7 @@ TEST_F(RecordMissionTest, WithAJournalThePastIsRecorded) {
 }
 
 TEST_F(RecordMissionTest, WithoutAJournalThePresentIs) {
-  const MissionPast recorded = Record(/*has_journal=*/false);
+  const ShownMission recorded = Record(/*has_journal=*/false);
   const ShownMap shown = Show(recorded);
   EXPECT_FALSE(recorded.has_past);
   EXPECT_TRUE(recorded.has_points);
@@ -102,26 +103,25 @@ TEST_F(RecordMissionTest, WithoutAJournalThePresentIs) {
 // Each bound is a byte less than what was recorded before it.
 TEST_F(RecordMissionTest, OfALongMapALessPartIsRecorded) {
   const size_t past = Show(Record(/*has_journal=*/true)).bytes;
-  const MissionPast present = Record(/*has_journal=*/true, past - 1);
+  const ShownMission present = Record(/*has_journal=*/true, past - 1);
   EXPECT_FALSE(present.has_past);
   EXPECT_TRUE(present.has_points);
   EXPECT_THAT(Show(present).revisions, ElementsAre(2));
-  const MissionPast bare = Record(/*has_journal=*/false, Show(present).bytes - 1);
+  const ShownMission bare = Record(/*has_journal=*/false, Show(present).bytes - 1);
   EXPECT_FALSE(bare.has_past);
   EXPECT_FALSE(bare.has_points);
   EXPECT_EQ(Show(bare).points, 0u);
   EXPECT_EQ(Show(bare).last.CountKeyframes(), Show(present).last.CountKeyframes());
-  EXPECT_EQ(
-      RecordMission(*reader_, "m", /*has_journal=*/false, Show(bare).bytes - 1).status().code(),
-      absl::StatusCode::kResourceExhausted);
+  EXPECT_EQ(RecordMission(*reader_, "m", {.most_bytes = Show(bare).bytes - 1}).status().code(),
+            absl::StatusCode::kResourceExhausted);
 }
 
-TEST_F(RecordMissionTest, NobodyIsConnectedAnyMore) {
+TEST_F(RecordMissionTest, TheRunsRobotsAreConnectedNoMore) {
   SessionRequest request;
   request.mission = "m";
   request.agent = "zulu";
   ASSERT_TRUE(store_->OpenSession(request).ok());
-  const MissionPast recorded = Record(/*has_journal=*/false);
+  const ShownMission recorded = Record(/*has_journal=*/false);
   v1::MissionPulse pulse;
   ASSERT_TRUE(pulse.ParseFromString(recorded.pulse));
   EXPECT_TRUE(pulse.store_answers());
@@ -141,10 +141,26 @@ TEST_F(RecordMissionTest, NobodyIsConnectedAnyMore) {
   EXPECT_TRUE(overlap.ParseFromString(recorded.overlaps.front()));
 }
 
+TEST_F(RecordMissionTest, OtherPeoplesRobotsAreAsTheStoreHasThem) {
+  SessionRequest request;
+  request.mission = "m";
+  for (const char* agent : {"zulu", "yankee"}) {
+    request.agent = agent;
+    ASSERT_TRUE(store_->OpenSession(request).ok());
+  }
+  v1::MissionPulse pulse;
+  ASSERT_TRUE(pulse.ParseFromString(Record(/*has_journal=*/false).pulse));
+  EXPECT_EQ(pulse.mission().connected_agents(), 1u);
+  EXPECT_EQ(pulse.statistics().connected_agents(), 1u);
+  for (const v1::MissionAgent& agent : pulse.agents()) {
+    EXPECT_EQ(agent.connected(), agent.name() == "missions/m/agents/yankee") << agent.name();
+  }
+}
+
 TEST_F(RecordMissionTest, HandsOnWhatTheStoreSays) {
   StoreReader nowhere(server_->InProcessChannel(), "nowhere");
   for (const bool has_journal : {true, false}) {
-    EXPECT_EQ(RecordMission(nowhere, "nowhere", has_journal).status().code(),
+    EXPECT_EQ(RecordMission(nowhere, "nowhere", {.has_journal = has_journal}).status().code(),
               absl::StatusCode::kNotFound);
   }
 }

@@ -38,7 +38,7 @@ struct ReportDetail {
   std::vector<Robot> robots;  // In the report's order.
   std::vector<Held> held;     // Of those that hold anything.
   MapPicture map;             // The map in the global frame.
-  MissionPast recorded;       // What the viewer's page shows.
+  ShownMission recorded;      // What the viewer's page shows.
 };
 
 // Every text of the report is escaped. The page forbids itself all but its own styles and script,

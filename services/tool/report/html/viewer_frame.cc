@@ -42,7 +42,7 @@ Json EncodePath(const std::vector<Eigen::Vector3d>& path) {
   return encoded;
 }
 
-std::string WriteRecording(const MissionPast& mission,
+std::string WriteRecording(const ShownMission& mission,
                            const std::vector<std::vector<Eigen::Vector3d>>& truth) {
   Json paths = Json::array();
   for (const std::vector<Eigen::Vector3d>& path : truth) paths.push_back(EncodePath(path));
@@ -73,7 +73,7 @@ ViewerPage LoadViewerPage(const std::string& folder) {
   return page;
 }
 
-std::string ViewerFrame(const ViewerPage& page, const MissionPast& mission,
+std::string ViewerFrame(const ViewerPage& page, const ShownMission& mission,
                         const std::vector<std::vector<Eigen::Vector3d>>& truth) {
   const std::string document = absl::StrCat(
       "<!doctype html><html lang=\"en\"><head><meta charset=\"utf-8\">"

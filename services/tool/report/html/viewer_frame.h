@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "services/tool/report/mission_past.h"
+#include "services/tool/report/shown_mission.h"
 
 namespace corbslam::services {
 
@@ -20,7 +20,7 @@ ViewerPage LoadViewerPage(const std::string& folder);
 // Returns a frame with the page, which asks nobody for anything: it finds the mission beside its
 // script (page/src/feed/recording.ts). `truth` are true paths in the global frame. A policy must
 // allow the page's script and style.
-std::string ViewerFrame(const ViewerPage& page, const MissionPast& mission,
+std::string ViewerFrame(const ViewerPage& page, const ShownMission& mission,
                         const std::vector<std::vector<Eigen::Vector3d>>& truth);
 
 }  // namespace corbslam::services

@@ -1,6 +1,6 @@
 // A mission as a run left it in the store, for the page of its report.
-#ifndef CORBSLAM_SERVICES_TOOL_REPORT_MISSION_PAST_H_
-#define CORBSLAM_SERVICES_TOOL_REPORT_MISSION_PAST_H_
+#ifndef CORBSLAM_SERVICES_TOOL_REPORT_SHOWN_MISSION_H_
+#define CORBSLAM_SERVICES_TOOL_REPORT_SHOWN_MISSION_H_
 
 #include <string>
 #include <vector>
@@ -8,7 +8,7 @@
 namespace corbslam::services {
 
 // Each text is a serialised message.
-struct MissionPast {
+struct ShownMission {
   std::string mission;
   // v1.WatchMapResponse, oldest first: all of them together are the map. Empty: nothing was
   // recorded.
@@ -21,4 +21,4 @@ struct MissionPast {
 
 }  // namespace corbslam::services
 
-#endif  // CORBSLAM_SERVICES_TOOL_REPORT_MISSION_PAST_H_
+#endif  // CORBSLAM_SERVICES_TOOL_REPORT_SHOWN_MISSION_H_
