@@ -76,13 +76,7 @@ void UpdateRecorder::CopyHeldBackPoints(const Map& map, MapUpdateBatch& rest) co
       if (told && (!reference.IsValid() || keyframe == point->reference)) reference = keyframe;
     }
     if (!reference.IsValid()) continue;
-    const FullMapPoint full = {id,
-                               point->position_in_map,
-                               reference,
-                               point->descriptor,
-                               point->normal_in_map,
-                               point->min_distance,
-                               point->max_distance};
+    const FullMapPoint full = DescribePoint(*point, reference);
     if (ValidateFullPoint(full).ok()) rest.full_points.push_back(full);
   }
 }

@@ -133,6 +133,12 @@ KeyframeId UpdateRecorder::KnownReference(const MapPoint& point) const {
   return KeyframeId();
 }
 
+FullMapPoint UpdateRecorder::DescribePoint(const MapPoint& point, KeyframeId reference) {
+  return {point.id,          point.position_in_map, reference,
+          point.descriptor,  point.normal_in_map,   point.min_distance,
+          point.max_distance};
+}
+
 void UpdateRecorder::TakeFullPoints(const Map& map, BatchAllowance& allowance,
                                     MapUpdateBatch& batch) {
   absl::btree_set<MapPointId> waiting;
@@ -148,13 +154,7 @@ void UpdateRecorder::TakeFullPoints(const Map& map, BatchAllowance& allowance,
       if (MayBeSeenLater(map, *point)) waiting.insert(id);
       continue;
     }
-    const FullMapPoint full = {id,
-                               point->position_in_map,
-                               reference,
-                               point->descriptor,
-                               point->normal_in_map,
-                               point->min_distance,
-                               point->max_distance};
+    const FullMapPoint full = DescribePoint(*point, reference);
     if (!gate_.Admit(ValidateFullPoint(full))) continue;
     allowance.SpendPoint(point->observations.size());
     moved_points_.erase(id);

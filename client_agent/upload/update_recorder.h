@@ -189,6 +189,8 @@ class UpdateRecorder : public MapObserver {
   bool IsToldOrHeldBack(KeyframeId id) const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
     return sent_keyframes_.contains(id) || held_back_numbers_.contains(id);
   }
+  // Returns the point as a batch has it, with a reference that the store knows then.
+  static FullMapPoint DescribePoint(const MapPoint& point, KeyframeId reference);
   // The keypoint's number at the store, or what it will be; or kLeftOut.
   uint32_t NumberOf(KeyframeId id, uint32_t keypoint) const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 

@@ -52,29 +52,21 @@ TEST(StoredBytesTest, EachKindOfItemCounts) {
   MapUpdateBatch all = WithKeyframe(3);
   uint64_t bytes = StoredBytes(all);
   EXPECT_EQ(bytes, sizeof(Keyframe) + 3 * (sizeof(Keypoint) + sizeof(Descriptor)));
-  const auto grows_by = [&](size_t size) {
+  const auto two_more = [&](auto& items) {
     const uint64_t before = bytes;
+    items.resize(2);
     bytes = StoredBytes(all);
-    return bytes - before == size;
+    return bytes - before;
   };
-  all.cameras.resize(2);
-  EXPECT_TRUE(grows_by(2 * sizeof(Camera)));
-  all.full_points.resize(2);
-  EXPECT_TRUE(grows_by(2 * sizeof(MapPoint)));
-  all.replacements.resize(2);
-  EXPECT_TRUE(grows_by(2 * sizeof(PointReplacement)));
-  all.observations.resize(2);
-  EXPECT_TRUE(grows_by(2 * sizeof(ObservationChange)));
-  all.removed_points.resize(2);
-  EXPECT_TRUE(grows_by(2 * sizeof(MapPointId)));
-  all.removed_keyframes.resize(2);
-  EXPECT_TRUE(grows_by(2 * sizeof(KeyframeRemoval)));
-  all.loop_edges.resize(2);
-  EXPECT_TRUE(grows_by(2 * sizeof(LoopEdge)));
-  all.tracked_frames.resize(2);
-  EXPECT_TRUE(grows_by(2 * sizeof(TrackedFrame)));
-  all.lost_frames_ns.resize(2);
-  EXPECT_TRUE(grows_by(2 * sizeof(int64_t)));
+  EXPECT_EQ(two_more(all.cameras), 2 * sizeof(Camera));
+  EXPECT_EQ(two_more(all.full_points), 2 * sizeof(MapPoint));
+  EXPECT_EQ(two_more(all.replacements), 2 * sizeof(PointReplacement));
+  EXPECT_EQ(two_more(all.observations), 2 * sizeof(ObservationChange));
+  EXPECT_EQ(two_more(all.removed_points), 2 * sizeof(MapPointId));
+  EXPECT_EQ(two_more(all.removed_keyframes), 2 * sizeof(KeyframeRemoval));
+  EXPECT_EQ(two_more(all.loop_edges), 2 * sizeof(LoopEdge));
+  EXPECT_EQ(two_more(all.tracked_frames), 2 * sizeof(TrackedFrame));
+  EXPECT_EQ(two_more(all.lost_frames_ns), 2 * sizeof(int64_t));
 }
 
 TEST(StoredBytesTest, AKeyframeWithoutItsPictureIsNotCounted) {

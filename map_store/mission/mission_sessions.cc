@@ -208,7 +208,7 @@ void MissionSessions::NoteContradictions(const std::string& agent,
                                          const AgentReport& now) {
   const MissionState& state = strand_.state();
   for (const MapContradiction& found : now.contradictions) {
-    const LocalMapState* others = state.FindLocalMap(state.OwnerOf(found.local_map));
+    const LocalMapState* others = state.FindLocalMap(found.local_map);
     if (others == nullptr || others->agent == agent) continue;
     const bool is_known =
         before.has_value() &&
