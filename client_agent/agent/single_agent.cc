@@ -259,15 +259,31 @@ void SingleAgent::LetGoOf(std::shared_ptr<const LocalMapSession> session) {
   ReturnFreeMemoryAbove(kLeastToReturn_bytes);
 }
 
+absl::StatusOr<TrackingResult> SingleAgent::FindPose(const SensorImages& images) {
+  Tracker& tracker = current().tracker();
+  if (tracker.MayFollow(images.timestamp_ns)) {
+    ASSIGN_OR_RETURN(const cv::Mat picture, sensor_->Picture(images));
+    const std::optional<TrackingResult> followed =
+        tracker.Follow({sensor_.get(), &images, HalvePicture(picture)});
+    if (followed.has_value()) return *followed;
+  }
+  ASSIGN_OR_RETURN(Features features, sensor_->Process(images));
+  Watch(features);
+  TrackingResult result =
+      tracker.Track({.timestamp_ns = images.timestamp_ns, .features = std::move(features)});
+  if (result.made_keyframe) {
+    ASSIGN_OR_RETURN(const cv::Mat picture, sensor_->Picture(images));
+    tracker.KeepPicture(HalvePicture(picture));
+  }
+  return result;
+}
+
 absl::StatusOr<TrackingResult> SingleAgent::Track(const SensorImages& images) {
   const absl::Time start = absl::Now();
   FollowOrders();
   if (resuming_.has_value()) CheckTimeGoesOn(images.timestamp_ns);
-  ASSIGN_OR_RETURN(Features features, sensor_->Process(images));
-  Watch(features);
   UseAnswer();
-  TrackingResult result = current().tracker().Track(
-      {.timestamp_ns = images.timestamp_ns, .features = std::move(features)});
+  ASSIGN_OR_RETURN(TrackingResult result, FindPose(images));
   smooth_pose_.Add(result);
   LeaveOutContradicting();
   if (result.made_keyframe && pictures_ != nullptr && link_->WantsPictures()) {
@@ -275,8 +291,10 @@ absl::StatusOr<TrackingResult> SingleAgent::Track(const SensorImages& images) {
   }
   const bool is_placed = link_->GlobalFromLocal().has_value();
   Record(result, absl::ToDoubleMilliseconds(absl::Now() - start), is_placed);
-  AskForPlace(result, is_placed);
-  LookForFar(result);
+  if (!result.was_followed) {
+    AskForPlace(result, is_placed);
+    LookForFar(result);
+  }
   if (resuming_.has_value()) NoteResumed(result);
   if (!mapping_paused_ && (current().tracker().IsLostForGood() || link_->NeedsNewLocalMap())) {
     BeginLocalMap();

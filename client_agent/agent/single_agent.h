@@ -65,6 +65,8 @@ class SingleAgent : public Agent {
   void FollowOrders();
   void Follow(const ChangedLimits& limits);
   void Watch(const Features& features);
+  // By patches where that is enough, else by the pictures' features.
+  absl::StatusOr<TrackingResult> FindPose(const SensorImages& images);
   // Gives up those of others' local maps that contradict the camera from this frame on.
   void LeaveOutContradicting();
   void SayFinding(SourceFinding finding);

@@ -29,6 +29,8 @@ TrackingResult Tracker::Track(KeyframePayload seen) {
     return Conclude(std::move(frame), why_not);
   }
   const bool tracked = FindPose(frame);
+  followed_ = 0;
+  followed_pose_.reset();
   if (tracked) {
     velocity_ = state_ == TrackingState::kTracking ? MotionTo(frame) : std::nullopt;
     ConsiderKeyframe(frame);
@@ -159,19 +161,25 @@ void Tracker::SetReference(Frame& frame) const {
   }
 }
 
-void Tracker::ConsiderKeyframe(Frame& frame) {
-  SetReference(frame);
-  if (mapping_paused_) return;
+KeyframeEvidence Tracker::EvidenceOf(int64_t timestamp_ns) const {
   KeyframeEvidence evidence;
-  CountClosePoints(frame, evidence);
   evidence.inliers = inliers_.map_points;
   evidence.reference_points = local_map_.reference_points;
   evidence.share_of_reference = local_map_.share_of_reference;
   evidence.map_keyframes = local_map_.map_keyframes;
   evidence.since_last_keyframe_s =
-      std::abs(static_cast<double>(frame.payload->timestamp_ns - last_keyframe_ns_)) * 1e-9;
+      std::abs(static_cast<double>(timestamp_ns - last_keyframe_ns_)) * 1e-9;
   evidence.mapper_idle = parts_.queue->IsIdle();
   evidence.queue_has_room = parts_.queue->HasRoom();
+  return evidence;
+}
+
+void Tracker::ConsiderKeyframe(Frame& frame) {
+  SetReference(frame);
+  if (mapping_paused_) return;
+  KeyframeEvidence evidence = EvidenceOf(frame.payload->timestamp_ns);
+  CountClosePoints(frame, evidence);
+  LearnGuess(evidence);
   // Until the last keyframe is in the map, its points can't be told from untracked ones.
   const bool last_is_in_map = local_map_.map_keyframes > 0 && parts_.queue->keyframes() == 0;
   if (last_is_in_map && ShouldMakeKeyframe(evidence, options_.keyframe)) MakeKeyframe(frame);

@@ -18,6 +18,8 @@
 #include "client_agent/tracking/local_map_view.h"
 #include "client_agent/tracking/others_scale.h"
 #include "client_agent/tracking/others_shape.h"
+#include "client_agent/tracking/patch_following.h"
+#include "client_agent/tracking/patch_sources.h"
 #include "client_agent/tracking/relocalisation.h"
 #include "client_agent/tracking/tracking_result.h"
 #include "slam/vocabulary/vocabulary.h"
@@ -52,6 +54,9 @@ struct TrackerOptions {
   // A tracker that begins lost (BeginLost) gives the map up when it has recognised no place in it
   // for so long, by the frames' own times.
   int64_t max_lost_at_start_ns = 10'000'000'000;
+  // So many frames in a row at most are followed by patches; then one is searched for features. 0:
+  // none is followed.
+  int most_followed = 5;
   uint64_t seed = 1;
   KeyframePolicyOptions keyframe;
 };
@@ -83,6 +88,15 @@ class Tracker {
 
   // What was seen has no id and no camera: the camera is the tracker's.
   TrackingResult Track(KeyframePayload seen);
+
+  // Returns whether Follow may do for the frame of this time, so that its picture need perhaps not
+  // be searched for features.
+  bool MayFollow(int64_t timestamp_ns) const;
+  // Finds the frame's pose by what keyframes' pictures look like. Nullopt where that is not enough,
+  // or where the frame may be worth keeping: then it is to be tracked by its features.
+  std::optional<TrackingResult> Follow(const FreshPicture& fresh);
+  // Keeps the picture of the keyframe that the last frame became, for Follow.
+  void KeepPicture(const HalvedPicture& picture) { pictures_.Add(last_keyframe_, picture); }
 
   // Returns the newest frame, for the tracker of another local map to go on from. Nullopt where
   // that has no pose or shows too little for a map to begin with, and while mapping is paused.
@@ -128,6 +142,7 @@ class Tracker {
   using FirstPose = bool (Tracker::*)(Frame&) const;
 
   bool FindPose(Frame& frame);
+  TrackingResult Take(Solution followed);
   void Accept(Solution solution, Frame& frame);
   // Only with stereo; and a robot that only localises has nothing but others' map.
   void HoldAgainstOthers(const Frame& frame);
@@ -140,7 +155,7 @@ class Tracker {
                                  std::optional<Solution> as_before);
   // How many frames' time has passed since the previous frame, over the same between that and the
   // one before: not 1 after or before a gap in which frames were dropped.
-  double TimesOfMotion(const Frame& frame) const;
+  double TimesOfMotion(int64_t timestamp_ns) const;
   bool FollowMotion(Frame& frame) const;
   bool FollowMotionInTime(Frame& frame) const;
   bool SearchAroundPrevious(Frame& frame) const;
@@ -163,7 +178,12 @@ class Tracker {
   // Returns false for one in others' map that shows another camera than the rig's.
   bool IsOfThisCamera(const Solution& solution);
   void SetReference(Frame& frame) const;
+  KeyframeEvidence EvidenceOf(int64_t timestamp_ns) const;
   void ConsiderKeyframe(Frame& frame);
+  // Returns what keyframe evidence the frame's features would give.
+  KeyframeEvidence Guess(const Solution& followed, size_t sought) const;
+  // Learns from a frame that was described how good guesses are.
+  void LearnGuess(const KeyframeEvidence& evidence);
   void MakeKeyframe(Frame& frame);
   void EnsureWords(Frame& frame) const;
   void KeepMeasurements(const Frame& frame) const;
@@ -191,6 +211,17 @@ class Tracker {
   int points_in_view_ = 0;
   // Map::corrections of the map that the last pose was found in.
   uint64_t corrections_ = 0;
+  KeyframePictures pictures_;
+  int followed_ = 0;  // Frames in a row.
+  // What the newest frame showed that was searched for features.
+  KeyframeEvidence described_;
+  int described_in_view_ = 0;
+  // A guess of inliers, for the frame that is searched for features next, and what such guesses are
+  // to be multiplied by.
+  std::optional<double> guessed_inliers_;
+  double guess_factor_ = 1;
+  // The pose that patches gave a frame that is searched for features nevertheless.
+  std::optional<Rigid3d> followed_pose_;
   bool mapping_paused_ = false;
   CameraDoubt camera_doubt_;
   OthersScale others_scale_;

@@ -43,7 +43,7 @@ std::optional<Tracker::Solution> Tracker::SolveInOneMap(const Frame& frame) {
 }
 
 std::optional<Tracker::Solution> Tracker::SolveTracking(const Frame& frame) {
-  const bool has_gap = velocity_.has_value() && TimesOfMotion(frame) != 1;
+  const bool has_gap = velocity_.has_value() && TimesOfMotion(frame.payload->timestamp_ns) != 1;
   std::optional<Solution> best = Solve({&Tracker::FollowMotion}, frame, std::nullopt);
   // Frames were dropped, or the stamps are not when pictures were taken: what looks alike may agree
   // on a pose wherever it is sought, so that both are tried.
@@ -143,17 +143,18 @@ bool Tracker::IsBelievable(const Solution& solution) const {
 
 bool Tracker::FollowMotion(Frame& frame) const {
   if (!velocity_.has_value()) return false;
-  return TrackPreviousFrame(velocity_->camera_from_previous * previous_->camera_from_map,
-                            options_.previous_frame_radius_px, frame);
+  const Rigid3d as_before = velocity_->camera_from_previous * previous_->camera_from_map;
+  return TrackPreviousFrame(followed_pose_.value_or(as_before), options_.previous_frame_radius_px,
+                            frame);
 }
 
-double Tracker::TimesOfMotion(const Frame& frame) const {
-  const int now = rhythm_.FramesIn(frame.payload->timestamp_ns - previous_->payload->timestamp_ns);
+double Tracker::TimesOfMotion(int64_t timestamp_ns) const {
+  const int now = rhythm_.FramesIn(timestamp_ns - previous_->payload->timestamp_ns);
   return static_cast<double>(now) / rhythm_.FramesIn(velocity_->since_ns);
 }
 
 bool Tracker::FollowMotionInTime(Frame& frame) const {
-  const Rigid3d motion = GoOnFor(TimesOfMotion(frame), velocity_->camera_from_previous);
+  const Rigid3d motion = GoOnFor(TimesOfMotion(frame.payload->timestamp_ns), velocity_->camera_from_previous);
   return TrackPreviousFrame(motion * previous_->camera_from_map, options_.previous_frame_radius_px,
                             frame);
 }

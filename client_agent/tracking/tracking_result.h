@@ -51,6 +51,8 @@ struct TrackingResult {
   // Nullopt for the first frame of a local map, but where another one handed over to it.
   std::optional<CameraMotion> motion;
   bool made_keyframe = false;
+  // True: the picture was not searched for features (Tracker::Follow).
+  bool was_followed = false;
   // What SmoothPose adds, whether there is a pose or not.
   uint64_t epoch = 0;
   // The covariance of what the map near the camera has drifted since the epoch began (PoseDrift),

@@ -1,5 +1,7 @@
 #include "slam/sensor/image_check.h"
 
+#include <algorithm>
+#include <cmath>
 #include <opencv2/core.hpp>
 
 #include "absl/strings/str_cat.h"
@@ -35,6 +37,13 @@ absl::Status CheckDepthImage(const cv::Mat& image, const Camera& camera) {
 
 absl::Status CheckMask(const cv::Mat& mask, const Camera& camera) {
   return mask.empty() ? absl::OkStatus() : CheckGreyImage("mask", mask, camera);
+}
+
+bool IsMasked(const cv::Mat& mask, const Eigen::Vector2d& pixel) {
+  if (mask.empty()) return false;
+  const int x = std::clamp(static_cast<int>(std::lround(pixel.x())), 0, mask.cols - 1);
+  const int y = std::clamp(static_cast<int>(std::lround(pixel.y())), 0, mask.rows - 1);
+  return mask.at<uint8_t>(y, x) == 0;
 }
 
 }  // namespace corbslam

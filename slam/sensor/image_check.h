@@ -2,6 +2,7 @@
 #ifndef CORBSLAM_SLAM_SENSOR_IMAGE_CHECK_H_
 #define CORBSLAM_SLAM_SENSOR_IMAGE_CHECK_H_
 
+#include <Eigen/Core>
 #include <opencv2/core/mat.hpp>
 #include <string>
 
@@ -23,6 +24,9 @@ absl::Status CheckDepthImage(const cv::Mat& image, const Camera& camera);
 
 // INVALID_ARGUMENT in the same way, unless empty or CV_8UC1 of the camera's size.
 absl::Status CheckMask(const cv::Mat& mask, const Camera& camera);
+
+// Returns whether the mask (empty: none) covers the pixel, which is inside the picture.
+bool IsMasked(const cv::Mat& mask, const Eigen::Vector2d& pixel);
 
 }  // namespace corbslam
 

@@ -48,6 +48,7 @@ absl::StatusOr<std::unique_ptr<Sensor>> RgbdSensor::Make(const RgbdCalibration& 
 
 absl::Status RgbdSensor::SetMask(const PictureMask& mask) {
   RETURN_IF_ERROR(CheckMask(mask, calibration_.camera));
+  calibration_.mask = mask;
   extractor_.SetMask(mask);
   return absl::OkStatus();
 }
@@ -70,6 +71,32 @@ absl::StatusOr<Features> RgbdSensor::Process(const SensorImages& images) {
   });
   TakeOutUnseen(features);
   return features;
+}
+
+absl::StatusOr<cv::Mat> RgbdSensor::Picture(const SensorImages& images) {
+  RETURN_IF_ERROR(CheckGreyImage("grey", images.grey, calibration_.camera));
+  RETURN_IF_ERROR(CheckDepthImage(images.depth, calibration_.camera));
+  return images.grey;
+}
+
+std::optional<Eigen::Vector2d> RgbdSensor::InPicture(const Eigen::Vector2d& ideal_px) const {
+  const Camera& camera = calibration_.camera;
+  const std::optional<Eigen::Vector2d> seen =
+      SeenAt(calibration_.lens, Unproject(camera, ideal_px.x(), ideal_px.y(), 1));
+  if (!seen.has_value()) return std::nullopt;
+  const Eigen::Vector2d pixel(camera.fx_px * seen->x() + camera.cx_px,
+                              camera.fy_px * seen->y() + camera.cy_px);
+  if (!IsInImage(camera, pixel) || IsMasked(calibration_.mask, pixel)) return std::nullopt;
+  return pixel;
+}
+
+std::optional<Keypoint> RgbdSensor::FromPicture(const SensorImages& images,
+                                                const Keypoint& in_picture) const {
+  Keypoint keypoint = in_picture;
+  keypoint.disparity_px = 0;
+  Complete(images.depth, keypoint);
+  if (std::isnan(keypoint.x_px)) return std::nullopt;
+  return keypoint;
 }
 
 void RgbdSensor::Complete(const cv::Mat& depth, Keypoint& keypoint) const {

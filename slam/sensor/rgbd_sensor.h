@@ -3,6 +3,7 @@
 #define CORBSLAM_SLAM_SENSOR_RGBD_SENSOR_H_
 
 #include <memory>
+#include <optional>
 
 #include "slam/sensor/sensor.h"
 #include "slam/sensor/thread_pair.h"
@@ -16,6 +17,10 @@ class RgbdSensor : public Sensor {
 
   const Camera& camera() const override { return calibration_.camera; }
   absl::StatusOr<Features> Process(const SensorImages& images) override;
+  absl::StatusOr<cv::Mat> Picture(const SensorImages& images) override;
+  std::optional<Eigen::Vector2d> InPicture(const Eigen::Vector2d& ideal_px) const override;
+  std::optional<Keypoint> FromPicture(const SensorImages& images,
+                                      const Keypoint& in_picture) const override;
   absl::Status SetMask(const PictureMask& mask) override;
 
  private:

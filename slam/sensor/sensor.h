@@ -2,6 +2,7 @@
 #ifndef CORBSLAM_SLAM_SENSOR_SENSOR_H_
 #define CORBSLAM_SLAM_SENSOR_SENSOR_H_
 
+#include <Eigen/Core>
 #include <cstdint>
 #include <memory>
 #include <opencv2/core/mat.hpp>
@@ -80,6 +81,17 @@ class Sensor {
   // INVALID_ARGUMENT names the image, what was expected and what was given, where an image has a
   // wrong size or type.
   virtual absl::StatusOr<Features> Process(const SensorImages& images) = 0;
+
+  // Returns the (left) picture that Process looks for features in: raw, or rectified from a raw pair.
+  // Its pixels are good until the next call. Errors as those of Process.
+  virtual absl::StatusOr<cv::Mat> Picture(const SensorImages& images) = 0;
+  // Returns where in that picture falls what an ideal pixel of camera() sees; nullopt where the
+  // lens does not see it, the picture ends or the mask covers it.
+  virtual std::optional<Eigen::Vector2d> InPicture(const Eigen::Vector2d& ideal_px) const = 0;
+  // Returns a keypoint of camera() of one in that picture, with its disparity where the images say
+  // its depth without a search: of RGB-D. Nullopt where no pinhole sees it.
+  virtual std::optional<Keypoint> FromPicture(const SensorImages& images,
+                                              const Keypoint& in_picture) const = 0;
 
   // Replaces the calibration's mask. INVALID_ARGUMENT as CheckMask; then the one before stays.
   virtual absl::Status SetMask(const PictureMask& mask) = 0;

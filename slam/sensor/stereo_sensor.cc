@@ -88,8 +88,29 @@ StereoSensor::StereoSensor(const Camera& camera, std::optional<StereoRectifier> 
 
 absl::Status StereoSensor::SetMask(const PictureMask& mask) {
   ASSIGN_OR_RETURN(const cv::Mat rectified, RectifiedMask(mask, camera_, rectifier_));
+  mask_ = rectified;
   left_.extractor.SetMask(rectified);
   return absl::OkStatus();
+}
+
+absl::StatusOr<cv::Mat> StereoSensor::Picture(const SensorImages& images) {
+  RETURN_IF_ERROR(CheckGreyImage("left", images.grey, camera_));
+  RETURN_IF_ERROR(CheckGreyImage("right", images.right, camera_));
+  if (!rectifier_.has_value()) return images.grey;
+  RETURN_IF_ERROR(rectifier_->RectifyLeft(images.grey, left_.rectified));
+  return left_.rectified;
+}
+
+std::optional<Eigen::Vector2d> StereoSensor::InPicture(const Eigen::Vector2d& ideal_px) const {
+  if (!IsInImage(camera_, ideal_px) || IsMasked(mask_, ideal_px)) return std::nullopt;
+  return ideal_px;
+}
+
+std::optional<Keypoint> StereoSensor::FromPicture(const SensorImages& /*images*/,
+                                                  const Keypoint& in_picture) const {
+  Keypoint keypoint = in_picture;
+  keypoint.disparity_px = 0;
+  return keypoint;
 }
 
 absl::StatusOr<Features> StereoSensor::Process(const SensorImages& images) {

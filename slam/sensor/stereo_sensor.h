@@ -17,6 +17,10 @@ class StereoSensor : public Sensor {
 
   const Camera& camera() const override { return camera_; }
   absl::StatusOr<Features> Process(const SensorImages& images) override;
+  absl::StatusOr<cv::Mat> Picture(const SensorImages& images) override;
+  std::optional<Eigen::Vector2d> InPicture(const Eigen::Vector2d& ideal_px) const override;
+  std::optional<Keypoint> FromPicture(const SensorImages& images,
+                                      const Keypoint& in_picture) const override;
   absl::Status SetMask(const PictureMask& mask) override;
 
  private:
@@ -36,6 +40,7 @@ class StereoSensor : public Sensor {
   absl::Status BeginRight(const cv::Mat& image);
 
   Camera camera_;
+  cv::Mat mask_;  // Of the rectified left picture; empty: none.
   std::optional<StereoRectifier> rectifier_;
   // StereoCalibration::right_cx_offset_px in whole columns, by which the right image is moved, and
   // what is left of it.

@@ -1,0 +1,123 @@
+// Implements the part of Tracker that follows patches of keyframes' pictures from frame to frame.
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+#include "absl/types/span.h"
+#include "client_agent/tracking/tracker.h"
+
+namespace corbslam::client_agent {
+namespace {
+
+// Patches that are sought first, from further away, for a first pose; and in all.
+constexpr size_t kFirstPatches = 100;
+constexpr size_t kMostPatches = 400;
+constexpr int kLeastFirst = 25;
+// A pose that patches give rests on so many, and on this share of those sought.
+constexpr int kLeastInliers = 80;
+constexpr double kLeastShare = 0.4;
+// Frames after a relocalisation in which tracking must prove itself by features.
+constexpr int kProbation = 30;
+// Weight of the newest frame in how good guesses are.
+constexpr double kNewestShare = 0.3;
+
+}  // namespace
+
+bool Tracker::MayFollow(int64_t timestamp_ns) const {
+  if (state_ != TrackingState::kTracking || !velocity_.has_value()) return false;
+  if (options_.localise_only || frames_since_relocalisation_ < kProbation) return false;
+  return followed_ < options_.most_followed && TimesOfMotion(timestamp_ns) == 1;
+}
+
+std::optional<TrackingResult> Tracker::Follow(const FreshPicture& fresh) {
+  guessed_inliers_.reset();
+  const LocalMapId own = parts_.map->local_map();
+  Solution solution;
+  solution.corrections = parts_.map->corrections();
+  std::vector<PatchSource> sources;
+  Rigid3d predicted;
+  parts_.map->ReadWithHistory([&](const Map& map, const MapHistory& history) {
+    Refresh(map, history, *previous_);
+    predicted = velocity_->camera_from_previous * previous_->camera_from_map;
+    solution.local_map = GatherLocalMap(map, own, SeenPoints(*previous_), previous_->reference,
+                                        *camera_, predicted);
+    sources = FindPatchSources(map, own, solution.local_map.points, *camera_, pictures_);
+  });
+  if (sources.size() > kMostPatches) sources.resize(kMostPatches);
+  const auto first = absl::MakeConstSpan(sources).first(std::min(sources.size(), kFirstPatches));
+  Frame roughly =
+      FollowPatches(fresh, camera_, predicted, first, HalvedPicture::kLevels - 1);
+  if (OptimiseFramePose(predicted, own, roughly).map_points < kLeastFirst) return std::nullopt;
+  solution.frame = FollowPatches(fresh, camera_, roughly.camera_from_map, sources, 1);
+  solution.inliers = OptimiseFramePose(roughly.camera_from_map, own, solution.frame);
+  const double least = kLeastShare * static_cast<double>(sources.size());
+  if (solution.inliers.map_points < kLeastInliers || solution.inliers.map_points < least) {
+    return std::nullopt;
+  }
+  if (parts_.map->corrections() != solution.corrections) return std::nullopt;
+  followed_pose_ = solution.frame.camera_from_map;
+  const KeyframeEvidence guess = Guess(solution, sources.size());
+  guessed_inliers_ = guess.inliers;
+  if (!mapping_paused_ && ShouldMakeKeyframe(guess, options_.keyframe)) return std::nullopt;
+  guessed_inliers_.reset();
+  followed_pose_.reset();
+  for (const PatchSource& source : sources) solution.visible.push_back(source.point);
+  return Take(std::move(solution));
+}
+
+TrackingResult Tracker::Take(Solution solution) {
+  ++followed_;
+  ++frames_since_relocalisation_;
+  Frame frame = std::move(solution.frame);
+  if (last_payload_ != nullptr) {
+    rhythm_.Add(frame.payload->timestamp_ns - last_payload_->timestamp_ns);
+  }
+  last_payload_ = frame.payload;
+  local_map_ = std::move(solution.local_map);
+  inliers_ = solution.inliers;
+  points_in_view_ = static_cast<int>(local_map_.points.size());
+  corrections_ = solution.corrections;
+  parts_.statistics->Count(solution.visible, SeenPoints(frame));
+  velocity_ = MotionTo(frame);
+  SetReference(frame);
+  TrackingResult result = Conclude(std::move(frame), WhyNoPose::kHasOne);
+  result.was_followed = true;
+  return result;
+}
+
+// Features are found of the same share of what is in view as in the frame before that was searched
+// for them.
+KeyframeEvidence Tracker::Guess(const Solution& followed, size_t sought) const {
+  constexpr double kUsualShare = 0.8;
+  KeyframeEvidence guess = described_;
+  const double share_found = static_cast<double>(followed.inliers.map_points) /
+                             static_cast<double>(std::max<size_t>(1, sought));
+  const double in_view = static_cast<double>(followed.local_map.points.size());
+  const double as_described =
+      static_cast<double>(described_.inliers) / std::max(1, described_in_view_);
+  guess.inliers = static_cast<int>(guess_factor_ * as_described * in_view *
+                                   std::min(1.0, share_found / kUsualShare));
+  guess.reference_points = followed.local_map.reference_points;
+  guess.map_keyframes = followed.local_map.map_keyframes;
+  guess.since_last_keyframe_s =
+      std::abs(static_cast<double>(followed.frame.payload->timestamp_ns - last_keyframe_ns_)) *
+      1e-9;
+  guess.mapper_idle = parts_.queue->IsIdle();
+  guess.queue_has_room = parts_.queue->HasRoom();
+  const double of_described = static_cast<double>(guess.inliers) / std::max(1, described_.inliers);
+  guess.close_tracked = static_cast<int>(of_described * described_.close_tracked);
+  return guess;
+}
+
+void Tracker::LearnGuess(const KeyframeEvidence& evidence) {
+  if (guessed_inliers_.has_value() && *guessed_inliers_ > 0) {
+    const double was = std::clamp(evidence.inliers / *guessed_inliers_, 0.5, 2.0);
+    guess_factor_ *= 1 + kNewestShare * (was - 1);
+    guess_factor_ = std::clamp(guess_factor_, 0.5, 2.0);
+  }
+  guessed_inliers_.reset();
+  described_ = evidence;
+  described_in_view_ = points_in_view_;
+}
+
+}  // namespace corbslam::client_agent
