@@ -174,6 +174,11 @@ class Agent {
   // that can't be tracked is no error: the state says so.
   virtual absl::StatusOr<TrackingResult> Track(const SensorImages& images) = 0;
 
+  // Does what of the newest frame can wait until its pose is used: the features of one that may be
+  // worth keeping. To be called after Track; else the next Track does it first. A deterministic
+  // agent has done it.
+  virtual absl::Status UsePause() = 0;
+
   // Ends the local map and begins a new one: what follows shares nothing with what was tracked so
   // far but the camera. To be called between two calls of Track.
   virtual void BeginLocalMap() = 0;

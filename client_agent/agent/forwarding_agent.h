@@ -17,6 +17,7 @@ class ForwardingAgent : public Agent {
   absl::StatusOr<TrackingResult> Track(const SensorImages& images) override {
     return agent_.Track(images);
   }
+  absl::Status UsePause() override { return agent_.UsePause(); }
   void BeginLocalMap() override { agent_.BeginLocalMap(); }
   void Step() override { agent_.Step(); }
   absl::Status Finish(absl::Duration timeout) override { return agent_.Finish(timeout); }

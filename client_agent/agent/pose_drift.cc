@@ -60,7 +60,7 @@ void PoseDrift::GoOn(const TrackingResult& result) {
     return;
   }
   tracked_ += *covariance;
-  if (before_.made_keyframe) Learn();
+  if (before_.made_keyframe || result.follows_keyframe) Learn();
   const Rigid3d before_as_it_is =
       result.motion->camera_from_previous.Inverse() * result.camera_from_local;
   const Vector6d step = MovementOf(before_.camera_from_local, before_as_it_is);

@@ -197,6 +197,7 @@ void SingleAgent::OpenLocalMap(const std::optional<Similarity3d>& global_from_lo
     link_->OnCorrected(id, correction, map);
   };
   options.local_ba_ms = &local_ba_ms_;
+  undescribed_.reset();
   current_session_ = std::make_shared<LocalMapSession>(options, camera_, vocabulary_);
   {
     absl::MutexLock lock(&mutex_);
@@ -265,30 +266,43 @@ absl::StatusOr<TrackingResult> SingleAgent::FindPose(const SensorImages& images)
     ASSIGN_OR_RETURN(const cv::Mat picture, sensor_->Picture(images));
     const std::optional<TrackingResult> followed =
         tracker.Follow({sensor_.get(), &images, HalvePicture(picture)});
+    if (tracker.WantsFeatures()) undescribed_ = images;
     if (followed.has_value()) return *followed;
   }
   ASSIGN_OR_RETURN(Features features, sensor_->Process(images));
   Watch(features);
   TrackingResult result =
       tracker.Track({.timestamp_ns = images.timestamp_ns, .features = std::move(features)});
-  if (result.made_keyframe) {
-    ASSIGN_OR_RETURN(const cv::Mat picture, sensor_->Picture(images));
-    tracker.KeepPicture(HalvePicture(picture));
-  }
+  if (result.made_keyframe) RETURN_IF_ERROR(KeepPicture(result.reference, images));
   return result;
+}
+
+absl::Status SingleAgent::KeepPicture(KeyframeId keyframe, const SensorImages& images) {
+  ASSIGN_OR_RETURN(const cv::Mat picture, sensor_->Picture(images));
+  current().tracker().KeepPicture(HalvePicture(picture));
+  if (pictures_ != nullptr && link_->WantsPictures()) pictures_->Add(keyframe, images.grey);
+  return absl::OkStatus();
+}
+
+absl::Status SingleAgent::UsePause() {
+  if (!undescribed_.has_value()) return absl::OkStatus();
+  const SensorImages images = *std::exchange(undescribed_, std::nullopt);
+  ASSIGN_OR_RETURN(Features features, sensor_->Process(images));
+  Watch(features);
+  const KeyframeId keyframe = current().tracker().Describe(
+      {.timestamp_ns = images.timestamp_ns, .features = std::move(features)});
+  return keyframe.IsValid() ? KeepPicture(keyframe, images) : absl::OkStatus();
 }
 
 absl::StatusOr<TrackingResult> SingleAgent::Track(const SensorImages& images) {
   const absl::Time start = absl::Now();
+  RETURN_IF_ERROR(UsePause());
   FollowOrders();
   if (resuming_.has_value()) CheckTimeGoesOn(images.timestamp_ns);
   UseAnswer();
   ASSIGN_OR_RETURN(TrackingResult result, FindPose(images));
   smooth_pose_.Add(result);
   LeaveOutContradicting();
-  if (result.made_keyframe && pictures_ != nullptr && link_->WantsPictures()) {
-    pictures_->Add(result.reference, images.grey);
-  }
   const bool is_placed = link_->GlobalFromLocal().has_value();
   Record(result, absl::ToDoubleMilliseconds(absl::Now() - start), is_placed);
   if (!result.was_followed) {
@@ -300,7 +314,10 @@ absl::StatusOr<TrackingResult> SingleAgent::Track(const SensorImages& images) {
     BeginLocalMap();
   }
   HandOverIfFull(result);
-  if (options_.deterministic) Step();
+  if (options_.deterministic) {
+    RETURN_IF_ERROR(UsePause());
+    Step();
+  }
   LetGoOfFinished();
   return result;
 }
@@ -461,6 +478,7 @@ void SingleAgent::Step() {
 }
 
 absl::Status SingleAgent::Finish(absl::Duration timeout) {
+  RETURN_IF_ERROR(UsePause());
   const absl::Time deadline = absl::Now() + timeout;
   if (!current().WaitUntilIdle(deadline)) {
     return absl::DeadlineExceededError("mapping and loop closing have not come to an end yet");

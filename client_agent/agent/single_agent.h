@@ -35,6 +35,7 @@ class SingleAgent : public Agent {
   ~SingleAgent() override;
 
   absl::StatusOr<TrackingResult> Track(const SensorImages& images) override;
+  absl::Status UsePause() override;
   void BeginLocalMap() override;
   void Step() override;
   absl::Status Finish(absl::Duration timeout) override;
@@ -67,6 +68,8 @@ class SingleAgent : public Agent {
   void Watch(const Features& features);
   // By patches where that is enough, else by the pictures' features.
   absl::StatusOr<TrackingResult> FindPose(const SensorImages& images);
+  // Has a keyframe's picture serve tracking, and people.
+  absl::Status KeepPicture(KeyframeId keyframe, const SensorImages& images);
   // Gives up those of others' local maps that contradict the camera from this frame on.
   void LeaveOutContradicting();
   void SayFinding(SourceFinding finding);
@@ -112,6 +115,8 @@ class SingleAgent : public Agent {
   const std::shared_ptr<const Vocabulary> vocabulary_;
   std::mt19937_64 random_;
   std::shared_ptr<LocalMapSession> current_session_;
+  // Of a frame that has its pose and may be worth keeping.
+  std::optional<SensorImages> undescribed_;
   SmoothPose smooth_pose_;
   bool warned_of_late_link_ = false;
   uint64_t max_map_bytes_;  // AgentOptions::max_map_bytes, or what orders said since.

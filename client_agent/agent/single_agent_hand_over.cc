@@ -29,7 +29,7 @@ void SingleAgent::HandOverIfFull(const TrackingResult& result) {
   if (verdict == HandOverVerdict::kLinkIsLate) WarnOfLateLink(evidence.map_bytes);
   if (verdict != HandOverVerdict::kNow) return;
   const std::optional<HandedFrame> handed = current().tracker().HandOver();
-  if (!handed.has_value()) return;
+  if (!handed.has_value()) return current().tracker().SearchNext();
   LOG(INFO) << "the local map takes " << (evidence.map_bytes >> 20) << " MiB of "
             << (max_map_bytes_ >> 20) << " that it may: the robot goes on in a new one";
   HandOver(*handed);

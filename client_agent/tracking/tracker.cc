@@ -30,7 +30,7 @@ TrackingResult Tracker::Track(KeyframePayload seen) {
   }
   const bool tracked = FindPose(frame);
   followed_ = 0;
-  followed_pose_.reset();
+  wants_features_ = false;
   if (tracked) {
     velocity_ = state_ == TrackingState::kTracking ? MotionTo(frame) : std::nullopt;
     ConsiderKeyframe(frame);
@@ -176,13 +176,12 @@ KeyframeEvidence Tracker::EvidenceOf(int64_t timestamp_ns) const {
 
 void Tracker::ConsiderKeyframe(Frame& frame) {
   SetReference(frame);
-  if (mapping_paused_) return;
   KeyframeEvidence evidence = EvidenceOf(frame.payload->timestamp_ns);
   CountClosePoints(frame, evidence);
   LearnGuess(evidence);
   // Until the last keyframe is in the map, its points can't be told from untracked ones.
   const bool last_is_in_map = local_map_.map_keyframes > 0 && parts_.queue->keyframes() == 0;
-  if (last_is_in_map && ShouldMakeKeyframe(evidence, options_.keyframe)) MakeKeyframe(frame);
+  if (!mapping_paused_ && last_is_in_map && ShouldMakeKeyframe(evidence, options_.keyframe)) MakeKeyframe(frame);
 }
 
 void Tracker::MakeKeyframe(Frame& frame) {
@@ -257,7 +256,8 @@ void Tracker::ConcludeTracked(Frame frame, TrackingResult& result) {
       options_.localise_only ? AnyCamerasCovariance(frame) : FramePoseCovariance(frame);
   result.motion = MotionTo(frame);
   DropTemporaryPoints(frame);
-  KeepMeasurements(frame);
+  // Its features measure better.
+  if (!wants_features_) KeepMeasurements(frame);
   state_ = TrackingState::kTracking;
   begins_lost_ = false;
   lost_frames_ = 0;
@@ -269,6 +269,7 @@ void Tracker::ConcludeTracked(Frame frame, TrackingResult& result) {
   result.foreign_points_matched = inliers_.foreign;
   result.points_in_view = points_in_view_;
   result.made_keyframe = frame.keyframe.IsValid();
+  result.follows_keyframe = std::exchange(became_keyframe_, false);
   previous_ = std::move(frame);
 }
 

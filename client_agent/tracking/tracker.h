@@ -92,9 +92,16 @@ class Tracker {
   // Returns whether Follow may do for the frame of this time, so that its picture need perhaps not
   // be searched for features.
   bool MayFollow(int64_t timestamp_ns) const;
-  // Finds the frame's pose by what keyframes' pictures look like. Nullopt where that is not enough,
-  // or where the frame may be worth keeping: then it is to be tracked by its features.
+  // Finds the frame's pose by what keyframes' pictures look like. Nullopt where that is not enough:
+  // then it is to be tracked by its features.
   std::optional<TrackingResult> Follow(const FreshPicture& fresh);
+  // Returns whether the frame that was followed last may be worth keeping: then Describe is to be
+  // called with its features before the next frame.
+  bool WantsFeatures() const { return wants_features_; }
+  // Has the next frame searched for features in any case.
+  void SearchNext() { followed_ = options_.most_followed; }
+  // Returns the keyframe that the frame became; an invalid id: none.
+  KeyframeId Describe(KeyframePayload seen);
   // Keeps the picture of the keyframe that the last frame became, for Follow.
   void KeepPicture(const HalvedPicture& picture) { pictures_.Add(last_keyframe_, picture); }
 
@@ -182,7 +189,7 @@ class Tracker {
   void ConsiderKeyframe(Frame& frame);
   // Returns what keyframe evidence the frame's features would give.
   KeyframeEvidence Guess(const Solution& followed, size_t sought) const;
-  // Learns from a frame that was described how good guesses are.
+  // Learns from a frame that was searched for features how good guesses are.
   void LearnGuess(const KeyframeEvidence& evidence);
   void MakeKeyframe(Frame& frame);
   void EnsureWords(Frame& frame) const;
@@ -216,12 +223,11 @@ class Tracker {
   // What the newest frame showed that was searched for features.
   KeyframeEvidence described_;
   int described_in_view_ = 0;
-  // A guess of inliers, for the frame that is searched for features next, and what such guesses are
-  // to be multiplied by.
+  // What was guessed of the frame that was followed last, and what guesses are multiplied by.
   std::optional<double> guessed_inliers_;
   double guess_factor_ = 1;
-  // The pose that patches gave a frame that is searched for features nevertheless.
-  std::optional<Rigid3d> followed_pose_;
+  bool wants_features_ = false;
+  bool became_keyframe_ = false;  // The newest frame, after its result was returned.
   bool mapping_paused_ = false;
   CameraDoubt camera_doubt_;
   OthersScale others_scale_;

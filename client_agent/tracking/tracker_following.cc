@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "absl/types/span.h"
+#include "client_agent/tracking/frame_matching.h"
 #include "client_agent/tracking/tracker.h"
 
 namespace corbslam::client_agent {
@@ -18,6 +19,8 @@ constexpr int kLeastInliers = 80;
 constexpr double kLeastShare = 0.4;
 // Frames after a relocalisation in which tracking must prove itself by features.
 constexpr int kProbation = 30;
+// How far from a patch its feature is sought.
+constexpr double kNear_px = 3;
 // Weight of the newest frame in how good guesses are.
 constexpr double kNewestShare = 0.3;
 
@@ -55,18 +58,15 @@ std::optional<TrackingResult> Tracker::Follow(const FreshPicture& fresh) {
     return std::nullopt;
   }
   if (parts_.map->corrections() != solution.corrections) return std::nullopt;
-  followed_pose_ = solution.frame.camera_from_map;
   const KeyframeEvidence guess = Guess(solution, sources.size());
   guessed_inliers_ = guess.inliers;
-  if (!mapping_paused_ && ShouldMakeKeyframe(guess, options_.keyframe)) return std::nullopt;
-  guessed_inliers_.reset();
-  followed_pose_.reset();
+  wants_features_ = ++followed_ >= options_.most_followed ||
+                    (!mapping_paused_ && ShouldMakeKeyframe(guess, options_.keyframe));
   for (const PatchSource& source : sources) solution.visible.push_back(source.point);
   return Take(std::move(solution));
 }
 
 TrackingResult Tracker::Take(Solution solution) {
-  ++followed_;
   ++frames_since_relocalisation_;
   Frame frame = std::move(solution.frame);
   if (last_payload_ != nullptr) {
@@ -75,7 +75,7 @@ TrackingResult Tracker::Take(Solution solution) {
   last_payload_ = frame.payload;
   local_map_ = std::move(solution.local_map);
   inliers_ = solution.inliers;
-  points_in_view_ = static_cast<int>(local_map_.points.size());
+  points_in_view_ = static_cast<int>(solution.visible.size());
   corrections_ = solution.corrections;
   parts_.statistics->Count(solution.visible, SeenPoints(frame));
   velocity_ = MotionTo(frame);
@@ -83,6 +83,34 @@ TrackingResult Tracker::Take(Solution solution) {
   TrackingResult result = Conclude(std::move(frame), WhyNoPose::kHasOne);
   result.was_followed = true;
   return result;
+}
+
+KeyframeId Tracker::Describe(KeyframePayload seen) {
+  wants_features_ = false;
+  followed_ = 0;
+  if (state_ != TrackingState::kTracking) return {};
+  if (previous_->payload->timestamp_ns != seen.timestamp_ns) return {};
+  seen.camera = camera_;
+  Solution solution;
+  solution.frame = MakeFrame(std::move(seen));
+  parts_.map->ReadWithHistory(
+      [&](const Map& map, const MapHistory& history) { Refresh(map, history, *previous_); });
+  Frame& frame = solution.frame;
+  MatchPreviousFrame(*previous_, previous_->camera_from_map, kNear_px, frame);
+  frame.camera_from_map = previous_->camera_from_map;
+  if (!TrackLocalMap(solution) || IsDoubtful(solution)) return {};
+  local_map_ = std::move(solution.local_map);
+  inliers_ = solution.inliers;
+  points_in_view_ = static_cast<int>(solution.visible.size());
+  parts_.statistics->Count(solution.visible, SeenPoints(frame));
+  HoldAgainstOthers(frame);
+  ConsiderKeyframe(frame);
+  KeepMeasurements(frame);
+  const KeyframeId keyframe = frame.keyframe;
+  became_keyframe_ = keyframe.IsValid();
+  last_payload_ = frame.payload;
+  previous_ = std::move(frame);
+  return keyframe;
 }
 
 // Features are found of the same share of what is in view as in the frame before that was searched

@@ -143,9 +143,8 @@ bool Tracker::IsBelievable(const Solution& solution) const {
 
 bool Tracker::FollowMotion(Frame& frame) const {
   if (!velocity_.has_value()) return false;
-  const Rigid3d as_before = velocity_->camera_from_previous * previous_->camera_from_map;
-  return TrackPreviousFrame(followed_pose_.value_or(as_before), options_.previous_frame_radius_px,
-                            frame);
+  return TrackPreviousFrame(velocity_->camera_from_previous * previous_->camera_from_map,
+                            options_.previous_frame_radius_px, frame);
 }
 
 double Tracker::TimesOfMotion(int64_t timestamp_ns) const {

@@ -51,6 +51,8 @@ struct TrackingResult {
   // Nullopt for the first frame of a local map, but where another one handed over to it.
   std::optional<CameraMotion> motion;
   bool made_keyframe = false;
+  // True: the frame before became a keyframe after its result was returned.
+  bool follows_keyframe = false;
   // True: the picture was not searched for features (Tracker::Follow).
   bool was_followed = false;
   // What SmoothPose adds, whether there is a pose or not.

@@ -97,8 +97,8 @@ absl::StatusOr<cv::Mat> StereoSensor::Picture(const SensorImages& images) {
   RETURN_IF_ERROR(CheckGreyImage("left", images.grey, camera_));
   RETURN_IF_ERROR(CheckGreyImage("right", images.right, camera_));
   if (!rectifier_.has_value()) return images.grey;
-  RETURN_IF_ERROR(rectifier_->RectifyLeft(images.grey, left_.rectified));
-  return left_.rectified;
+  RETURN_IF_ERROR(rectifier_->RectifyLeft(images.grey, picture_));
+  return picture_;
 }
 
 std::optional<Eigen::Vector2d> StereoSensor::InPicture(const Eigen::Vector2d& ideal_px) const {

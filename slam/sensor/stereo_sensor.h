@@ -49,6 +49,7 @@ class StereoSensor : public Sensor {
   Side left_;
   Side right_;
   ThreadPair threads_;
+  cv::Mat picture_;  // What Picture made of a raw one.
 };
 
 }  // namespace corbslam

@@ -158,6 +158,7 @@ absl::Status PlayStream(
     }
     TellListener(result, frames.dropped, stream);
     on_frame(result, {came, frames.dropped});
+    RETURN_IF_ERROR(agent.UsePause());
   }
 }
 
