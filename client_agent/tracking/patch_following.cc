@@ -20,7 +20,9 @@ constexpr double kMostScale = 3;
 std::optional<Eigen::Matrix2d> SourceFromNow(const FreshPicture& fresh, const Camera& camera,
                                              const Rigid3d& now_from_source,
                                              const Eigen::Vector2d& source_px, double depth_m) {
-  const auto corner = [&](double x, double y) { return source_px + Eigen::Vector2d(x, y); };
+  const auto corner = [&](double x, double y) -> Eigen::Vector2d {
+    return source_px + Eigen::Vector2d(x, y);
+  };
   const std::array<Eigen::Vector2d, 3> ideal = {corner(0, 0), corner(kStep_px, 0),
                                                 corner(0, kStep_px)};
   std::array<Eigen::Vector2d, 3> in_source;

@@ -138,6 +138,8 @@ class Tracker {
   WhyNoPose Begin(Frame& frame);
   // Returns kHasOne for a frame that shows enough to begin a map with.
   WhyNoPose JudgePicture(const Frame& frame) const;
+  // Frames after a relocalisation in which tracking must prove itself, by features.
+  static constexpr int kProbation = 30;
   // A pose for the frame with what it rests on.
   struct Solution {
     Frame frame;
@@ -149,6 +151,8 @@ class Tracker {
   using FirstPose = bool (Tracker::*)(Frame&) const;
 
   bool FindPose(Frame& frame);
+  std::optional<Rigid3d> FindRoughly(const FreshPicture& fresh, const Rigid3d& predicted,
+                                     const std::vector<PatchSource>& sources);
   TrackingResult Take(Solution followed);
   void Accept(Solution solution, Frame& frame);
   // Only with stereo; and a robot that only localises has nothing but others' map.
@@ -219,6 +223,7 @@ class Tracker {
   // Map::corrections of the map that the last pose was found in.
   uint64_t corrections_ = 0;
   KeyframePictures pictures_;
+  HalvedPicture last_picture_;  // Small levels alone, of the last one that was to be followed.
   int followed_ = 0;  // Frames in a row.
   // What the newest frame showed that was searched for features.
   KeyframeEvidence described_;

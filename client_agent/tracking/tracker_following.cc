@@ -6,6 +6,8 @@
 #include "absl/types/span.h"
 #include "client_agent/tracking/frame_matching.h"
 #include "client_agent/tracking/tracker.h"
+#include "slam/sensor/patch_search.h"
+#include "slam/sensor/picture_shift.h"
 
 namespace corbslam::client_agent {
 namespace {
@@ -17,12 +19,27 @@ constexpr int kLeastFirst = 25;
 // A pose that patches give rests on so many, and on this share of those sought.
 constexpr int kLeastInliers = 80;
 constexpr double kLeastShare = 0.4;
-// Frames after a relocalisation in which tracking must prove itself by features.
-constexpr int kProbation = 30;
 // How far from a patch its feature is sought.
 constexpr double kNear_px = 3;
 // Weight of the newest frame in how good guesses are.
 constexpr double kNewestShare = 0.3;
+
+// The levels that FindPictureShift reads, which are copies already.
+HalvedPicture SmallOf(const HalvedPicture& picture) {
+  HalvedPicture small;
+  for (int i = PatchSearch::kLevels; i < HalvedPicture::kLevels; ++i) {
+    small.levels[i] = picture.levels[i];
+  }
+  return small;
+}
+
+// Returns the pose of a camera that turned on the spot.
+Rigid3d AsTurned(const PictureShift& shift, const Camera& camera, const Rigid3d& before_from_map) {
+  Rigid3d now_from_before;
+  now_from_before.rotation = ExpSO3({-shift.shift_px.y() / camera.fy_px,
+                                     shift.shift_px.x() / camera.fx_px, shift.turn_rad});
+  return now_from_before * before_from_map;
+}
 
 }  // namespace
 
@@ -47,12 +64,10 @@ std::optional<TrackingResult> Tracker::Follow(const FreshPicture& fresh) {
     sources = FindPatchSources(map, own, solution.local_map.points, *camera_, pictures_);
   });
   if (sources.size() > kMostPatches) sources.resize(kMostPatches);
-  const auto first = absl::MakeConstSpan(sources).first(std::min(sources.size(), kFirstPatches));
-  Frame roughly =
-      FollowPatches(fresh, camera_, predicted, first, HalvedPicture::kLevels - 1);
-  if (OptimiseFramePose(predicted, own, roughly).map_points < kLeastFirst) return std::nullopt;
-  solution.frame = FollowPatches(fresh, camera_, roughly.camera_from_map, sources, 1);
-  solution.inliers = OptimiseFramePose(roughly.camera_from_map, own, solution.frame);
+  const std::optional<Rigid3d> roughly = FindRoughly(fresh, predicted, sources);
+  if (!roughly.has_value()) return std::nullopt;
+  solution.frame = FollowPatches(fresh, camera_, *roughly, sources, 1);
+  solution.inliers = OptimiseFramePose(*roughly, own, solution.frame);
   const double least = kLeastShare * static_cast<double>(sources.size());
   if (solution.inliers.map_points < kLeastInliers || solution.inliers.map_points < least) {
     return std::nullopt;
@@ -64,6 +79,25 @@ std::optional<TrackingResult> Tracker::Follow(const FreshPicture& fresh) {
                     (!mapping_paused_ && ShouldMakeKeyframe(guess, options_.keyframe));
   for (const PatchSource& source : sources) solution.visible.push_back(source.point);
   return Take(std::move(solution));
+}
+
+// Tries the motion as before, then what the picture as a whole says that the camera turned.
+std::optional<Rigid3d> Tracker::FindRoughly(const FreshPicture& fresh, const Rigid3d& predicted,
+                                            const std::vector<PatchSource>& sources) {
+  const HalvedPicture before = std::exchange(last_picture_, SmallOf(fresh.picture));
+  const auto first = absl::MakeConstSpan(sources).first(std::min(sources.size(), kFirstPatches));
+  std::optional<Rigid3d> tried = predicted;
+  for (int i = 0; i < 2 && tried.has_value(); ++i) {
+    Frame roughly = FollowPatches(fresh, camera_, *tried, first, PatchSearch::kLevels - 1);
+    const int inliers =
+        OptimiseFramePose(*tried, parts_.map->local_map(), roughly).map_points;
+    if (inliers >= kLeastFirst) return roughly.camera_from_map;
+    tried.reset();
+    if (const auto shift = FindPictureShift(before, fresh.picture); i == 0 && shift.has_value()) {
+      tried = AsTurned(*shift, *camera_, previous_->camera_from_map);
+    }
+  }
+  return std::nullopt;
 }
 
 TrackingResult Tracker::Take(Solution solution) {

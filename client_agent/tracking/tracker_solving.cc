@@ -16,8 +16,6 @@ constexpr int kMinKeyframeMatches = 15;
 constexpr int kMinFirstInliers = 10;
 // Attempts at one frame. Corrections are seconds apart.
 constexpr int kMaxAttempts = 3;
-// Frames after a relocalisation in which tracking must prove itself.
-constexpr int kProbation = 30;
 
 }  // namespace
 

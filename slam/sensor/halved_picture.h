@@ -1,4 +1,4 @@
-// A grey picture in three sizes, each half as wide as the one before.
+// A grey picture in five sizes, each half as wide as the one before.
 #ifndef CORBSLAM_SLAM_SENSOR_HALVED_PICTURE_H_
 #define CORBSLAM_SLAM_SENSOR_HALVED_PICTURE_H_
 
@@ -9,7 +9,7 @@
 namespace corbslam {
 
 struct HalvedPicture {
-  static constexpr int kLevels = 3;
+  static constexpr int kLevels = 5;
 
   // CV_8UC1. Each pixel of a level is the mean of four of the level before; an odd last row or
   // column of that is left out.
@@ -19,7 +19,7 @@ struct HalvedPicture {
   uint64_t bytes() const;
 };
 
-// `grey` (CV_8UC1, at least 4 x 4 pixels) is shared, not copied: levels[0] are its pixels.
+// `grey` (CV_8UC1, at least 16 x 16 pixels) is shared, not copied: levels[0] are its pixels.
 HalvedPicture HalvePicture(const cv::Mat& grey);
 
 }  // namespace corbslam

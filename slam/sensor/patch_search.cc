@@ -107,7 +107,7 @@ std::optional<Template> MakeTemplate(const HalvedPicture& source, const PatchSea
   // A surface that is much larger in the source is taken from a smaller picture of it.
   const double scale = std::sqrt(std::abs(search.source_from_now.determinant()));
   const int smaller = level + static_cast<int>(std::lround(std::log2(std::max(scale, 1e-3))));
-  const int from = std::clamp(smaller, 0, HalvedPicture::kLevels - 1);
+  const int from = std::clamp(smaller, 0, PatchSearch::kLevels - 1);
   const auto framed =
       SampleFramed(source.levels[from], AtLevel(search.source_px, from),
                    search.source_from_now * (std::exp2(level) / std::exp2(from)));

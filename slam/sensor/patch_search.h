@@ -10,6 +10,9 @@
 namespace corbslam {
 
 struct PatchSearch {
+  // Patches are sought on so many levels, the largest.
+  static constexpr int kLevels = 3;
+
   // The patch's middle, pixels of the source's first level.
   Eigen::Vector2d source_px;
   // What a step in the searched picture is in the source: nearer surfaces are larger, and turned.
@@ -17,7 +20,7 @@ struct PatchSearch {
   // Where it is expected, pixels of the searched picture's first level.
   Eigen::Vector2d predicted_px;
   // The level to begin with. A patch is found from some 3 pixels away of that level.
-  int first_level = HalvedPicture::kLevels - 1;
+  int first_level = kLevels - 1;
 };
 
 // Returns where the patch of 8 x 8 pixels is in `now`, pixels of its first level, to a part of one;

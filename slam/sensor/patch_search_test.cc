@@ -31,16 +31,16 @@ HalvedPicture Source() {
 }
 
 TEST(HalvePictureTest, EachPixelIsTheMeanOfFour) {
-  cv::Mat grey(9, 13, CV_8UC1, cv::Scalar(0));
+  cv::Mat grey(19, 33, CV_8UC1, cv::Scalar(0));
   grey.at<uint8_t>(2, 4) = 100;
   grey.at<uint8_t>(3, 5) = 102;
   const HalvedPicture halved = HalvePicture(grey);
   EXPECT_EQ(halved.levels[0].data, grey.data);
-  EXPECT_EQ(halved.levels[1].size(), cv::Size(6, 4));
+  EXPECT_EQ(halved.levels[1].size(), cv::Size(16, 9));
   EXPECT_EQ(halved.levels[1].at<uint8_t>(1, 2), 51);
-  EXPECT_EQ(halved.levels[2].size(), cv::Size(3, 2));
+  EXPECT_EQ(halved.levels[2].size(), cv::Size(8, 4));
   EXPECT_EQ(halved.levels[2].at<uint8_t>(0, 1), 13);
-  EXPECT_EQ(halved.bytes(), 9U * 13 + 6 * 4 + 3 * 2);
+  EXPECT_EQ(halved.bytes(), 19U * 33 + 9 * 16 + 4 * 8 + 2 * 4 + 1 * 2);
 }
 
 TEST(FindPatchTest, FindsAPatchThatMovedToAPartOfAPixel) {
