@@ -17,8 +17,8 @@ constexpr size_t kFirstPatches = 100;
 constexpr size_t kMostPatches = 400;
 constexpr int kLeastFirst = 25;
 // A pose that patches give rests on so many, and on this share of those sought.
-constexpr int kLeastInliers = 80;
-constexpr double kLeastShare = 0.4;
+constexpr int kLeastInliers = 60;
+constexpr double kLeastShare = 0.2;
 // How far from a patch its feature is sought.
 constexpr double kNear_px = 3;
 // Weight of the newest frame in how good guesses are.
@@ -132,7 +132,7 @@ KeyframeId Tracker::Describe(KeyframePayload seen) {
   Frame& frame = solution.frame;
   MatchPreviousFrame(*previous_, previous_->camera_from_map, kNear_px, frame);
   frame.camera_from_map = previous_->camera_from_map;
-  if (!TrackLocalMap(solution) || IsDoubtful(solution)) return {};
+  if (!TrackLocalMap(solution) || !IsBelievable(solution)) return {};
   local_map_ = std::move(solution.local_map);
   inliers_ = solution.inliers;
   points_in_view_ = static_cast<int>(solution.visible.size());
