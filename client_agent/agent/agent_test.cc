@@ -176,6 +176,32 @@ TEST_F(RecordedAgentTest, DeterministicRunsAreTheSameToTheBit) {
   }
 }
 
+TEST_F(RecordedAgentTest, PatchesAreFollowedBetweenKeyframesAndSearchedForFeaturesAfterwards) {
+  std::unique_ptr<Agent> agent = Open(/*deterministic=*/false);
+  int followed = 0;
+  int follow_keyframes = 0;
+  for (int i = 0; i < 60; ++i) {
+    const auto images = source_images_->NextImages();
+    ASSERT_TRUE(images.ok() && images->has_value());
+    const auto result = agent->Track(**images);
+    ASSERT_TRUE(result.ok()) << result.status();
+    EXPECT_EQ(result->state, TrackingState::kTracking) << i;
+    followed += result->was_followed;
+    follow_keyframes += result->follows_keyframe;
+    EXPECT_FALSE(result->was_followed && result->made_keyframe) << "its features come later";
+    EXPECT_GT(result->points_matched, 50);
+    EXPECT_GE(result->points_in_view, result->points_matched);
+    ASSERT_TRUE(agent->UsePause().ok());
+    ASSERT_TRUE(agent->UsePause().ok()) << "there is nothing left to do";
+  }
+  EXPECT_GT(followed, 20);
+  EXPECT_GT(follow_keyframes, 0);
+  ASSERT_TRUE(agent->Finish(absl::Seconds(60)).ok());
+  for (const auto& [id, keyframe] : agent->CopyMap().keyframes()) {
+    EXPECT_GT(keyframe.keypoints().size(), 900u) << ToString(id);
+  }
+}
+
 TEST_F(RecordedAgentTest, ThreadedRunTracksEveryFrame) {
   std::unique_ptr<Agent> agent = Open(/*deterministic=*/false);
   Play(*agent, 60);

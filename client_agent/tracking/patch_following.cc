@@ -1,6 +1,7 @@
 #include "client_agent/tracking/patch_following.h"
 
 #include <Eigen/LU>
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <optional>
@@ -13,6 +14,9 @@ namespace {
 
 // Steps by which it is found out how a surface is turned and scaled.
 constexpr double kStep_px = 4;
+// A patch is found to a part of a pixel, whatever octave its corner was found on; how well its point
+// is known still grows with that.
+constexpr int kCoarsest = 3;
 // Beyond, a patch looks too different.
 constexpr double kMostScale = 3;
 
@@ -71,7 +75,7 @@ std::optional<Keypoint> Find(const FreshPicture& fresh, const Camera& camera,
   keypoint.x_px = static_cast<float>(found->x());
   keypoint.y_px = static_cast<float>(found->y());
   keypoint.angle_rad = source.keypoint.angle_rad;
-  keypoint.octave = static_cast<uint8_t>(source.octave);
+  keypoint.octave = static_cast<uint8_t>(std::min(source.octave, kCoarsest));
   return fresh.sensor->FromPicture(*fresh.images, keypoint);
 }
 

@@ -9,6 +9,7 @@
 #include "absl/types/span.h"
 #include "client_agent/tracking/frame.h"
 #include "client_agent/tracking/patch_sources.h"
+#include "slam/sensor/patch_search.h"
 #include "slam/sensor/sensor.h"
 
 namespace corbslam::client_agent {

@@ -56,7 +56,7 @@ struct TrackerOptions {
   int64_t max_lost_at_start_ns = 10'000'000'000;
   // So many frames in a row at most are followed by patches; then one is searched for features. 0:
   // none is followed.
-  int most_followed = 5;
+  int most_followed = 8;
   uint64_t seed = 1;
   KeyframePolicyOptions keyframe;
 };

@@ -14,7 +14,7 @@ namespace {
 
 // Patches that are sought first, from further away, for a first pose; and in all.
 constexpr size_t kFirstPatches = 100;
-constexpr size_t kMostPatches = 400;
+constexpr size_t kMostPatches = 600;
 constexpr int kLeastFirst = 25;
 // A pose that patches give rests on so many, and on this share of those sought.
 constexpr int kLeastInliers = 60;

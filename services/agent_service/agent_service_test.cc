@@ -29,6 +29,7 @@ using ::testing::HasSubstr;
 class FakeAgent : public Agent {
  public:
   absl::StatusOr<TrackingResult> Track(const SensorImages&) override { return TrackingResult(); }
+  absl::Status UsePause() override { return absl::OkStatus(); }
   void BeginLocalMap() override {}
   void Step() override {}
   absl::Status Finish(absl::Duration) override { return absl::OkStatus(); }

@@ -55,6 +55,7 @@ class MapAgent : public Agent {
   }
 
   absl::StatusOr<TrackingResult> Track(const SensorImages&) override { return TrackingResult(); }
+  absl::Status UsePause() override { return absl::OkStatus(); }
   void BeginLocalMap() override {}
   void Step() override {}
   absl::Status Finish(absl::Duration) override { return absl::OkStatus(); }

@@ -41,6 +41,7 @@ class NotingAgent : public Agent {
     result.timestamp_ns = images.timestamp_ns;
     return result;
   }
+  absl::Status UsePause() override { return absl::OkStatus(); }
   void BeginLocalMap() override { told.push_back(-1); }
   void Step() override {}
   absl::Status Finish(absl::Duration /*timeout*/) override { return absl::OkStatus(); }
