@@ -14,8 +14,8 @@ namespace {
 
 // Steps by which it is found out how a surface is turned and scaled.
 constexpr double kStep_px = 4;
-// A patch is found to a part of a pixel, whatever octave its corner was found on; how well its point
-// is known still grows with that.
+// A patch is found to a part of a pixel, whatever octave its corner was found on; how well its
+// point is known still grows with that.
 constexpr int kCoarsest = 3;
 // Beyond, a patch looks too different.
 constexpr double kMostScale = 3;
@@ -61,9 +61,8 @@ std::optional<Keypoint> Find(const FreshPicture& fresh, const Camera& camera,
   const auto predicted = fresh.sensor->InPicture(Project(camera, x_in_now));
   const auto source_px = fresh.sensor->InPicture(source.keypoint.Pixel());
   if (!predicted.has_value() || !source_px.has_value()) return std::nullopt;
-  const auto warp =
-      SourceFromNow(fresh, camera, camera_from_map * source.source_from_map.Inverse(),
-                    source.keypoint.Pixel(), depth_m);
+  const auto warp = SourceFromNow(fresh, camera, camera_from_map * source.source_from_map.Inverse(),
+                                  source.keypoint.Pixel(), depth_m);
   if (!warp.has_value()) return std::nullopt;
   const auto found = FindPatch(*source.picture, fresh.picture,
                                {.source_px = *source_px,

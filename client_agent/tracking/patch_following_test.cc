@@ -11,10 +11,10 @@
 namespace corbslam::client_agent {
 namespace {
 
-constexpr LocalMapId kOwn{7};
+constexpr LocalMapId kThisMap{7};
 constexpr double kWall_m = 4;
 
-StereoCalibration TestRig() {
+StereoCalibration WallRig() {
   StereoCalibration rig;
   rig.camera = {.fx_px = 300,
                 .fy_px = 300,
@@ -28,7 +28,7 @@ StereoCalibration TestRig() {
 }
 
 // What a camera sees of a wall that is kWall_m ahead of the map's origin.
-cv::Mat DrawWall(const Camera& camera, const Rigid3d& camera_from_map) {
+cv::Mat DrawTheWall(const Camera& camera, const Rigid3d& camera_from_map) {
   const Rigid3d map_from_camera = camera_from_map.Inverse();
   cv::Mat picture(camera.height_px, camera.width_px, CV_8UC1);
   for (int y = 0; y < picture.rows; ++y) {
@@ -47,11 +47,11 @@ cv::Mat DrawWall(const Camera& camera, const Rigid3d& camera_from_map) {
 
 class FollowPatchesTest : public ::testing::Test {
  protected:
-  FollowPatchesTest() : keyframe_(HalvePicture(DrawWall(camera(), Rigid3d::Identity()))) {
+  FollowPatchesTest() : keyframe_(HalvePicture(DrawTheWall(camera(), Rigid3d::Identity()))) {
     for (int x = 40; x <= 280; x += 20) {
       for (int y = 40; y <= 200; y += 20) {
         PatchSource source;
-        source.point = {kOwn, static_cast<uint32_t>(sources_.size())};
+        source.point = {kThisMap, static_cast<uint32_t>(sources_.size())};
         source.position_in_map = Unproject(camera(), x, y, kWall_m);
         source.octave = 5;
         source.picture = &keyframe_;
@@ -65,13 +65,13 @@ class FollowPatchesTest : public ::testing::Test {
   const Camera& camera() const { return sensor_->camera(); }
   // Follows the wall from `predicted` on while the camera is at `truth`.
   Frame Follow(const Rigid3d& truth, const Rigid3d& predicted) {
-    images_.grey = DrawWall(camera(), truth);
+    images_.grey = DrawTheWall(camera(), truth);
     const FreshPicture fresh{sensor_.get(), &images_, HalvePicture(images_.grey)};
     return FollowPatches(fresh, std::make_shared<const Camera>(camera()), predicted, sources_,
                          PatchSearch::kLevels - 1);
   }
 
-  std::unique_ptr<Sensor> sensor_ = *MakeSensor(TestRig(), {});
+  std::unique_ptr<Sensor> sensor_ = *MakeSensor(WallRig(), {});
   HalvedPicture keyframe_;
   std::vector<PatchSource> sources_;
   SensorImages images_;
@@ -95,7 +95,7 @@ TEST_F(FollowPatchesTest, FindsTheWallWhereTheCameraSeesItAndThePoseByThat) {
     EXPECT_EQ(frame.keypoints()[i].octave, 3);
   }
   EXPECT_LT(worst_px, 0.5);
-  EXPECT_GT(OptimiseFramePose(predicted, kOwn, frame).map_points, 50);
+  EXPECT_GT(OptimiseFramePose(predicted, kThisMap, frame).map_points, 50);
   EXPECT_LT((frame.camera_from_map.translation - truth.translation).norm(), 0.005);
 }
 
@@ -115,11 +115,11 @@ TEST(KeyframePicturesTest, AreCopiesOfTheNewest) {
   KeyframePictures pictures;
   cv::Mat grey(64, 64, CV_8UC1, cv::Scalar(9));
   for (uint32_t i = 0; i <= KeyframePictures::kMost; ++i) {
-    pictures.Add({kOwn, i}, HalvePicture(grey));
+    pictures.Add({kThisMap, i}, HalvePicture(grey));
   }
-  EXPECT_EQ(pictures.Find({kOwn, 0}), nullptr);
+  EXPECT_EQ(pictures.Find({kThisMap, 0}), nullptr);
   grey = 200;
-  const HalvedPicture* const first = pictures.Find({kOwn, 1});
+  const HalvedPicture* const first = pictures.Find({kThisMap, 1});
   ASSERT_NE(first, nullptr);
   EXPECT_EQ(first->levels[0].at<uint8_t>(5, 5), 9);
 }
@@ -138,7 +138,8 @@ TEST(FindPatchSourcesTest, AreOfTheNewestOwnKeyframeWithAPictureAndSpreadOverThe
     points.push_back({MakeMatchPoint(point), {.pixel = Project(scene.camera, at), .octave = 2}});
   }
   KeyframePictures pictures;
-  EXPECT_TRUE(FindPatchSources(scene.map, options.local_map, points, scene.camera, pictures).empty());
+  EXPECT_TRUE(
+      FindPatchSources(scene.map, options.local_map, points, scene.camera, pictures).empty());
   const HalvedPicture picture = HalvePicture(cv::Mat(64, 64, CV_8UC1, cv::Scalar(1)));
   pictures.Add({options.local_map, 2}, picture);
   pictures.Add({options.local_map, 4}, picture);
@@ -157,7 +158,8 @@ TEST(FindPatchSourcesTest, AreOfTheNewestOwnKeyframeWithAPictureAndSpreadOverThe
     parts.insert({static_cast<int>(pixel.x() / side), static_cast<int>(pixel.y() / side)});
   }
   EXPECT_EQ(parts.size(), 20u) << "the first ones are each of another part";
-  EXPECT_TRUE(FindPatchSources(scene.map, LocalMapId{0xf00}, points, scene.camera, pictures).empty());
+  EXPECT_TRUE(
+      FindPatchSources(scene.map, LocalMapId{0xf00}, points, scene.camera, pictures).empty());
 }
 
 }  // namespace

@@ -22,7 +22,8 @@ class Parts {
 
   // Returns how many came before it in its part.
   size_t Count(const Eigen::Vector2d& pixel) {
-    const auto column = std::min<size_t>(static_cast<size_t>(pixel.x() / side_px_), kPartsAcross - 1);
+    const auto column =
+        std::min<size_t>(static_cast<size_t>(pixel.x() / side_px_), kPartsAcross - 1);
     const auto row = static_cast<size_t>(pixel.y() / side_px_);
     return counts_[std::min(row * kPartsAcross + column, counts_.size() - 1)]++;
   }

@@ -181,7 +181,8 @@ void Tracker::ConsiderKeyframe(Frame& frame) {
   LearnGuess(evidence);
   // Until the last keyframe is in the map, its points can't be told from untracked ones.
   const bool last_is_in_map = local_map_.map_keyframes > 0 && parts_.queue->keyframes() == 0;
-  if (!mapping_paused_ && last_is_in_map && ShouldMakeKeyframe(evidence, options_.keyframe)) MakeKeyframe(frame);
+  if (!mapping_paused_ && last_is_in_map && ShouldMakeKeyframe(evidence, options_.keyframe))
+    MakeKeyframe(frame);
 }
 
 void Tracker::MakeKeyframe(Frame& frame) {

@@ -224,7 +224,7 @@ class Tracker {
   uint64_t corrections_ = 0;
   KeyframePictures pictures_;
   HalvedPicture last_picture_;  // Small levels alone, of the last one that was to be followed.
-  int followed_ = 0;  // Frames in a row.
+  int followed_ = 0;            // Frames in a row.
   // What the newest frame showed that was searched for features.
   KeyframeEvidence described_;
   int described_in_view_ = 0;

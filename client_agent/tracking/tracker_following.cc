@@ -36,8 +36,8 @@ HalvedPicture SmallOf(const HalvedPicture& picture) {
 // Returns the pose of a camera that turned on the spot.
 Rigid3d AsTurned(const PictureShift& shift, const Camera& camera, const Rigid3d& before_from_map) {
   Rigid3d now_from_before;
-  now_from_before.rotation = ExpSO3({-shift.shift_px.y() / camera.fy_px,
-                                     shift.shift_px.x() / camera.fx_px, shift.turn_rad});
+  now_from_before.rotation = ExpSO3(
+      {-shift.shift_px.y() / camera.fy_px, shift.shift_px.x() / camera.fx_px, shift.turn_rad});
   return now_from_before * before_from_map;
 }
 
@@ -59,8 +59,8 @@ std::optional<TrackingResult> Tracker::Follow(const FreshPicture& fresh) {
   parts_.map->ReadWithHistory([&](const Map& map, const MapHistory& history) {
     Refresh(map, history, *previous_);
     predicted = velocity_->camera_from_previous * previous_->camera_from_map;
-    solution.local_map = GatherLocalMap(map, own, SeenPoints(*previous_), previous_->reference,
-                                        *camera_, predicted);
+    solution.local_map =
+        GatherLocalMap(map, own, SeenPoints(*previous_), previous_->reference, *camera_, predicted);
     sources = FindPatchSources(map, own, solution.local_map.points, *camera_, pictures_);
   });
   if (sources.size() > kMostPatches) sources.resize(kMostPatches);
@@ -89,8 +89,7 @@ std::optional<Rigid3d> Tracker::FindRoughly(const FreshPicture& fresh, const Rig
   std::optional<Rigid3d> tried = predicted;
   for (int i = 0; i < 2 && tried.has_value(); ++i) {
     Frame roughly = FollowPatches(fresh, camera_, *tried, first, PatchSearch::kLevels - 1);
-    const int inliers =
-        OptimiseFramePose(*tried, parts_.map->local_map(), roughly).map_points;
+    const int inliers = OptimiseFramePose(*tried, parts_.map->local_map(), roughly).map_points;
     if (inliers >= kLeastFirst) return roughly.camera_from_map;
     tried.reset();
     if (const auto shift = FindPictureShift(before, fresh.picture); i == 0 && shift.has_value()) {

@@ -151,7 +151,8 @@ double Tracker::TimesOfMotion(int64_t timestamp_ns) const {
 }
 
 bool Tracker::FollowMotionInTime(Frame& frame) const {
-  const Rigid3d motion = GoOnFor(TimesOfMotion(frame.payload->timestamp_ns), velocity_->camera_from_previous);
+  const Rigid3d motion =
+      GoOnFor(TimesOfMotion(frame.payload->timestamp_ns), velocity_->camera_from_previous);
   return TrackPreviousFrame(motion * previous_->camera_from_map, options_.previous_frame_radius_px,
                             frame);
 }

@@ -108,9 +108,8 @@ std::optional<Template> MakeTemplate(const HalvedPicture& source, const PatchSea
   const double scale = std::sqrt(std::abs(search.source_from_now.determinant()));
   const int smaller = level + static_cast<int>(std::lround(std::log2(std::max(scale, 1e-3))));
   const int from = std::clamp(smaller, 0, PatchSearch::kLevels - 1);
-  const auto framed =
-      SampleFramed(source.levels[from], AtLevel(search.source_px, from),
-                   search.source_from_now * (std::exp2(level) / std::exp2(from)));
+  const auto framed = SampleFramed(source.levels[from], AtLevel(search.source_px, from),
+                                   search.source_from_now * (std::exp2(level) / std::exp2(from)));
   if (!framed.has_value()) return std::nullopt;
   Template patch;
   for (int v = 0; v < kSide_px; ++v) {
@@ -147,10 +146,9 @@ bool Sample(const cv::Mat& picture, const Eigen::Vector2d& middle, Values& value
     const uint8_t* const above = picture.ptr<uint8_t>(row + v) + column;
     const uint8_t* const below = above + picture.step[0];
     for (int u = 0; u < kSide_px; ++u) {
-      values(v * kSide_px + u) = w00 * static_cast<float>(above[u]) +
-                                 w01 * static_cast<float>(above[u + 1]) +
-                                 w10 * static_cast<float>(below[u]) +
-                                 w11 * static_cast<float>(below[u + 1]);
+      values(v * kSide_px + u) =
+          w00 * static_cast<float>(above[u]) + w01 * static_cast<float>(above[u + 1]) +
+          w10 * static_cast<float>(below[u]) + w11 * static_cast<float>(below[u + 1]);
     }
   }
   return true;

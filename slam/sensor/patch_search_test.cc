@@ -83,14 +83,14 @@ TEST(FindPatchTest, FollowsWhatIsNearerTurnedAndBrighter) {
 TEST(FindPatchTest, FindsNothingWhereThereIsNothing) {
   const HalvedPicture source = Source();
   const Eigen::Vector2d middle(90, 75);
-  const PatchSearch search = {.source_px = middle,
-                              .source_from_now = Eigen::Matrix2d::Identity(),
-                              .predicted_px = middle};
+  const PatchSearch search = {
+      .source_px = middle, .source_from_now = Eigen::Matrix2d::Identity(), .predicted_px = middle};
   const HalvedPicture grey = HalvePicture(cv::Mat(160, 200, CV_8UC1, cv::Scalar(90)));
   EXPECT_FALSE(FindPatch(source, grey, search).has_value()) << "a bare wall";
   EXPECT_FALSE(FindPatch(grey, source, search).has_value()) << "a patch of one";
-  const HalvedPicture other = HalvePicture(Draw(
-      [](const Eigen::Vector2d& p) -> Eigen::Vector2d { return {1.7 * p.y(), 1.7 * p.x()}; }));
+  const HalvedPicture other = HalvePicture(Draw([](const Eigen::Vector2d& p) -> Eigen::Vector2d {
+    return {1.7 * p.y(), 1.7 * p.x()};
+  }));
   EXPECT_FALSE(FindPatch(source, other, search).has_value()) << "another scene";
   PatchSearch outside = search;
   outside.predicted_px = {198, 3};

@@ -18,8 +18,7 @@ struct PictureShift {
 
 // Aligns the smallest two levels of two pictures of one size (Klein and Murray, ECCV 2008, use such
 // pictures likewise). Nullopt where they do not come to look alike.
-std::optional<PictureShift> FindPictureShift(const HalvedPicture& before,
-                                             const HalvedPicture& now);
+std::optional<PictureShift> FindPictureShift(const HalvedPicture& before, const HalvedPicture& now);
 
 }  // namespace corbslam
 

@@ -18,8 +18,9 @@ cv::Mat Draw(const Eigen::Vector2d& moved, double turn_rad, double contrast = 1)
     for (int x = 0; x < picture.cols; ++x) {
       const Eigen::Vector2d p = Eigen::Vector2d(x, y) - middle - moved;
       const Eigen::Vector2d w(c * p.x() + s * p.y(), -s * p.x() + c * p.y());
-      const double value = 128 + contrast * (50 * std::sin(0.021 * w.x() + std::sin(0.013 * w.y())) +
-                                             40 * std::cos(0.027 * w.y() - 0.011 * w.x()));
+      const double value =
+          128 + contrast * (50 * std::sin(0.021 * w.x() + std::sin(0.013 * w.y())) +
+                            40 * std::cos(0.027 * w.y() - 0.011 * w.x()));
       picture.at<uint8_t>(y, x) = cv::saturate_cast<uint8_t>(value);
     }
   }

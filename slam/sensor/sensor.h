@@ -82,8 +82,8 @@ class Sensor {
   // wrong size or type.
   virtual absl::StatusOr<Features> Process(const SensorImages& images) = 0;
 
-  // Returns the (left) picture that Process looks for features in: raw, or rectified from a raw pair.
-  // Its pixels are good until the next call. Errors as those of Process.
+  // Returns the (left) picture that Process looks for features in: raw, or rectified from a raw
+  // pair. Its pixels are good until the next call. Errors as those of Process.
   virtual absl::StatusOr<cv::Mat> Picture(const SensorImages& images) = 0;
   // Returns where in that picture falls what an ideal pixel of camera() sees; nullopt where the
   // lens does not see it, the picture ends or the mask covers it.
