@@ -197,7 +197,8 @@ TEST_F(RecordedAgentTest, PatchesAreFollowedBetweenKeyframesAndSearchedForFeatur
   EXPECT_GT(followed, 20);
   EXPECT_GT(follow_keyframes, 0);
   ASSERT_TRUE(agent->Finish(absl::Seconds(60)).ok());
-  for (const auto& [id, keyframe] : agent->CopyMap().keyframes()) {
+  const Map map = agent->CopyMap();
+  for (const auto& [id, keyframe] : map.keyframes()) {
     EXPECT_GT(keyframe.keypoints().size(), 900u) << ToString(id);
   }
 }

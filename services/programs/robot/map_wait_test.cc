@@ -27,6 +27,7 @@ class HeldAgent : public client_agent::Agent {
     return status;
   }
   absl::StatusOr<TrackingResult> Track(const SensorImages&) override { return TrackingResult(); }
+  absl::Status UsePause() override { return absl::OkStatus(); }
   void BeginLocalMap() override {}
   void Step() override {}
   absl::Status Finish(absl::Duration) override { return absl::OkStatus(); }
