@@ -262,11 +262,13 @@ void SingleAgent::LetGoOf(std::shared_ptr<const LocalMapSession> session) {
 
 absl::StatusOr<TrackingResult> SingleAgent::FindPose(const SensorImages& images) {
   Tracker& tracker = current().tracker();
-  if (tracker.MayFollow(images.timestamp_ns)) {
+  // A question needs features.
+  const bool may_ask = WantsToAsk(/*is_lost=*/false, link_->GlobalFromLocal().has_value());
+  if (!may_ask && tracker.MayFollow(images.timestamp_ns)) {
     ASSIGN_OR_RETURN(const cv::Mat picture, sensor_->Picture(images));
     const std::optional<TrackingResult> followed =
         tracker.Follow({sensor_.get(), &images, HalvePicture(picture)});
-    if (tracker.WantsFeatures()) undescribed_ = images;
+    if (tracker.WantsFeatures()) undescribed_ = {images, *followed};
     if (followed.has_value()) return *followed;
   }
   ASSIGN_OR_RETURN(Features features, sensor_->Process(images));
@@ -286,11 +288,13 @@ absl::Status SingleAgent::KeepPicture(KeyframeId keyframe, const SensorImages& i
 
 absl::Status SingleAgent::UsePause() {
   if (!undescribed_.has_value()) return absl::OkStatus();
-  const SensorImages images = *std::exchange(undescribed_, std::nullopt);
+  auto [images, result] = *std::exchange(undescribed_, std::nullopt);
   ASSIGN_OR_RETURN(Features features, sensor_->Process(images));
   Watch(features);
   const KeyframeId keyframe = current().tracker().Describe(
       {.timestamp_ns = images.timestamp_ns, .features = std::move(features)});
+  result.was_followed = false;
+  LookForFar(result);
   return keyframe.IsValid() ? KeepPicture(keyframe, images) : absl::OkStatus();
 }
 
@@ -305,10 +309,8 @@ absl::StatusOr<TrackingResult> SingleAgent::Track(const SensorImages& images) {
   LeaveOutContradicting();
   const bool is_placed = link_->GlobalFromLocal().has_value();
   Record(result, absl::ToDoubleMilliseconds(absl::Now() - start), is_placed);
-  if (!result.was_followed) {
-    AskForPlace(result, is_placed);
-    LookForFar(result);
-  }
+  AskForPlace(result, is_placed);
+  LookForFar(result);
   if (resuming_.has_value()) NoteResumed(result);
   if (!mapping_paused_ && (current().tracker().IsLostForGood() || link_->NeedsNewLocalMap())) {
     BeginLocalMap();
@@ -322,15 +324,19 @@ absl::StatusOr<TrackingResult> SingleAgent::Track(const SensorImages& images) {
   return result;
 }
 
-void SingleAgent::AskForPlace(const TrackingResult& result, bool is_placed) {
+bool SingleAgent::WantsToAsk(bool is_lost, bool is_placed) const {
   // Who wants to be told nothing is not told where it is.
-  if (share_mode_ == ShareMode::kNone) return;
+  if (share_mode_ == ShareMode::kNone) return false;
+  // A lost robot can look where it is told only if it knows where that is in its map.
+  return is_lost == is_placed && inquiry_.MayAsk(is_lost);
+}
+
+void SingleAgent::AskForPlace(const TrackingResult& result, bool is_placed) {
   const bool is_lost = result.why_no_pose == WhyNoPose::kNotRecognised ||
                        result.why_no_pose == WhyNoPose::kAnotherCamera;
   const bool is_tracked = result.state == TrackingState::kTracking;
-  // A lost robot can look where it is told only if it knows where that is in its map.
-  if (is_lost ? !is_placed : !is_tracked || is_placed) return;
-  if (!inquiry_.MayAsk(is_lost)) return;
+  if (!is_lost && (!is_tracked || result.was_followed)) return;
+  if (!WantsToAsk(is_lost, is_placed)) return;
   PlaceQuestion question{current().tracker().last_payload(), current().map().local_map(), {}};
   if (is_tracked) question.camera_from_local = result.camera_from_local;
   inquiry_.Ask(std::move(question));

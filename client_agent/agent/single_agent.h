@@ -6,6 +6,7 @@
 #include <optional>
 #include <random>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "absl/base/thread_annotations.h"
@@ -76,6 +77,7 @@ class SingleAgent : public Agent {
   // Asks where the frame was that was tracked last, if it is lost or its map is in no place.
   // `is_placed`: the link says where the map lies.
   void AskForPlace(const TrackingResult& result, bool is_placed);
+  bool WantsToAsk(bool is_lost, bool is_placed) const;
   void UseAnswer();
   // Returns whether what the map store found told the robot something.
   bool Use(const PlaceAnswer& answer);
@@ -115,8 +117,8 @@ class SingleAgent : public Agent {
   const std::shared_ptr<const Vocabulary> vocabulary_;
   std::mt19937_64 random_;
   std::shared_ptr<LocalMapSession> current_session_;
-  // Of a frame that has its pose and may be worth keeping.
-  std::optional<SensorImages> undescribed_;
+  // A frame that has its pose, told already, and may be worth keeping.
+  std::optional<std::pair<SensorImages, TrackingResult>> undescribed_;
   SmoothPose smooth_pose_;
   bool warned_of_late_link_ = false;
   uint64_t max_map_bytes_;  // AgentOptions::max_map_bytes, or what orders said since.

@@ -44,7 +44,8 @@ void SingleAgent::LookForFar(const TrackingResult& result) const {
   frame.timestamp_ns = result.timestamp_ns;
   if (result.state == TrackingState::kTracking)
     frame.centre = CameraCentre(result.camera_from_local);
-  frame.payload = current().tracker().last_payload();
+  // What is recognised is recognised by features.
+  if (!result.was_followed) frame.payload = current().tracker().last_payload();
   far_->Note(frame);
 }
 
