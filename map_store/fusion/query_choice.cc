@@ -1,8 +1,9 @@
+#include "map_store/fusion/query_choice.h"
+
 #include <algorithm>
 #include <tuple>
 
 #include "map_store/fusion/overlap_query.h"
-#include "map_store/fusion/query_choice.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::map_store {
@@ -18,6 +19,9 @@ constexpr size_t kEnoughLinks = 2;
 // So many others of the island are asked whether the place is linked to them, the most alike first:
 // links stand out as overlaps do.
 constexpr size_t kMostAsked = 4;
+// Where a place is known, an earlier visit in the query's own local map looks at least this share
+// as much like it as what it is linked to does.
+constexpr double kLeastShareOfKnown = 0.3;
 
 struct Prospect {
   LocalMapId local_map;
@@ -61,7 +65,10 @@ class ProspectList {
   QueryTask TaskOf(LocalMapId against) const { return {query_, against, 0}; }
 
   // Returns whether the place is known, and the local map would say nothing new of it.
-  bool IsKnown(const Prospect& prospect) const { return IsKnownGround() && prospect.is_of_island; }
+  bool IsKnown(const Prospect& prospect) const {
+    if (!IsKnownGround() || !prospect.is_joined) return false;
+    return prospect.is_of_island || prospect.likeness < kLeastShareOfKnown * likeness_of_known_;
+  }
 
   // Keeps the local maps that no overlap close by links with the place, and counts the others.
   void FindLinkedByOverlaps() {
@@ -73,16 +80,22 @@ class ProspectList {
           state_.FindIslandOf(query_.local_map) == state_.FindIslandOf(against[i]);
       const bool is_of_island = is_joined && state_.OwnerOf(against[i]) != own;
       if (HasOverlapNearby(state_, TaskOf(against[i]), options_)) {
-        links_ += is_of_island;
+        if (is_of_island) linked_.push_back(against[i]);
       } else {
         alike_.push_back({against[i], i, 0, false, is_joined, is_of_island});
       }
     }
+    links_ = linked_.size();
   }
 
   absl::Status FindAlike(LongRead& read) {
     if (IsKnownGround()) {
       std::erase_if(alike_, [](const Prospect& prospect) { return prospect.is_of_island; });
+    }
+    linked_.resize(std::min(linked_.size(), kEnoughLinks));
+    for (const LocalMapId id : linked_) {
+      RETURN_IF_ERROR(read.Pause());
+      NoteKnown(FindResemblance(state_, TaskOf(id), options_).likeness);
     }
     for (Prospect& prospect : alike_) {
       RETURN_IF_ERROR(read.Pause());
@@ -102,14 +115,21 @@ class ProspectList {
   // Returns whether there is something to be verified in the local map; links are counted.
   bool HasNews(Prospect& prospect) {
     const FoundPlaces found = FindCandidates(state_, TaskOf(prospect.local_map), options_);
-    links_ += found.are_linked && prospect.is_of_island;
+    if (found.are_linked && prospect.is_of_island) {
+      ++links_;
+      NoteKnown(prospect.likeness);
+    }
     prospect.is_seam = found.is_seam;
     return !found.candidates.empty();
   }
 
+  void NoteKnown(double likeness) { likeness_of_known_ = std::max(likeness_of_known_, likeness); }
+
   const MissionState& state_;
   const MapStoreOptions& options_;
   const KeyframeId query_;
+  std::vector<LocalMapId> linked_;  // Others of the island, by overlaps close by.
+  double likeness_of_known_ = 0;    // Of what the place is linked to, as far as it was asked.
   size_t links_ = 0;  // How many others of the island the place is linked to, as far as was asked.
   std::vector<Prospect> alike_;
 };
