@@ -116,6 +116,17 @@ class PlacedWalk {
   LocalMapId name_;
 };
 
+// Returns where the point lies by its place relative to its reference keyframe or, if that has no
+// pose, to one that sees it.
+Eigen::Vector3d FollowReference(const MapPoint& point, KeyframeId reference,
+                                const LocalMapState& local_map, const GlobalLayer& global,
+                                const IslandPoses& poses) {
+  if (!poses.contains(reference) && !point.observations.empty()) {
+    reference = point.observations.begin()->first;
+  }
+  return IslandFromLocal(reference, local_map, global, poses) * point.position_in_map;
+}
+
 }  // namespace
 
 IslandPoses ComputePoses(const LocalMapState& local_map, const GlobalLayer& global,
@@ -219,19 +230,40 @@ std::optional<PlacedPoint> Anchor(const MapPoint& point, const Eigen::Vector3d& 
                      revision};
 }
 
+std::optional<Eigen::Vector3d> AnchorCache::FindPosition(MapPointId id, const Unplaced& unplaced) {
+  const auto point = global_.points.find(id);
+  if (point == global_.points.end()) return std::nullopt;
+  const KeyframeId anchor = point->second.anchor;
+  if (unplaced.contains(anchor)) return std::nullopt;
+  const auto [it, added] = island_from_anchor_.try_emplace(anchor);
+  if (added) {
+    const auto placed = global_.keyframes.find(anchor);
+    if (placed != global_.keyframes.end()) it->second = placed->second.camera_from_island.Inverse();
+  }
+  if (!it->second.has_value()) return std::nullopt;
+  return *it->second * point->second.position_in_anchor;
+}
+
 Eigen::Vector3d ComputePosition(const MapPoint& point, const LocalMapState& local_map,
                                 const GlobalLayer& global, const IslandPoses& poses,
                                 const Unplaced& unplaced) {
-  KeyframeId reference = ReferenceOf(point, global);
+  const KeyframeId reference = ReferenceOf(point, global);
   const std::optional<PlacedAnchor> placed = FindPlaced(point.id, global);
   if (placed.has_value() && !unplaced.contains(reference) &&
       !unplaced.contains(placed->point->anchor)) {
     return placed->PositionInIsland();
   }
-  if (!poses.contains(reference) && !point.observations.empty()) {
-    reference = point.observations.begin()->first;
+  return FollowReference(point, reference, local_map, global, poses);
+}
+
+Eigen::Vector3d ComputePosition(const MapPoint& point, const LocalMapState& local_map,
+                                AnchorCache& anchors, const IslandPoses& poses,
+                                const Unplaced& unplaced) {
+  const KeyframeId reference = ReferenceOf(point, anchors.global());
+  if (!unplaced.contains(reference)) {
+    if (const auto position = anchors.FindPosition(point.id, unplaced)) return *position;
   }
-  return IslandFromLocal(reference, local_map, global, poses) * point.position_in_map;
+  return FollowReference(point, reference, local_map, anchors.global(), poses);
 }
 
 KeyframeId ReferenceOf(const MapPoint& point, const GlobalLayer& global) {
