@@ -5,6 +5,8 @@
 #include <utility>
 #include <vector>
 
+#include "map_store/view/visible_motion.h"
+
 namespace corbslam::map_store {
 namespace {
 
@@ -61,31 +63,22 @@ std::deque<KeyframeId> FindFront(const Map& map, const IslandPoses& poses) {
   return {front.begin(), front.end()};
 }
 
-bool IsSame(const Similarity3d& a, const Similarity3d& b) {
-  return a.scale == b.scale && a.rotation.coeffs() == b.rotation.coeffs() &&
-         a.translation == b.translation;
-}
-
 // Goes through a table in the order of ids.
 class TableWalk {
  public:
   // `table` may be null: then nothing stood anywhere.
-  explicit TableWalk(const PoseTable* table) : table_(table) {
-    if (table_ != nullptr) pose_ = table_->poses.begin();
-  }
+  explicit TableWalk(const PoseTable* table) : table_(table) {}
 
-  // Returns where the keyframe stood; null if it did not. Ids rise from call to call.
-  const PoseTable::Standing* Find(KeyframeId id, const Similarity3d& pose) {
+  // Returns how the keyframe stood; null if it did not. Ids rise from call to call.
+  const PoseTable::Standing* Find(KeyframeId id) {
     if (table_ == nullptr) return nullptr;
     const std::vector<PoseTable::Standing>& standings = table_->standings;
-    for (; at_ < standings.size() && standings[at_].id < id; ++at_) ++pose_;
-    if (at_ == standings.size() || standings[at_].id != id) return nullptr;
-    return IsSame(pose_->second, pose) ? &standings[at_] : nullptr;
+    while (at_ < standings.size() && standings[at_].id < id) ++at_;
+    return at_ == standings.size() || standings[at_].id != id ? nullptr : &standings[at_];
   }
 
  private:
   const PoseTable* const table_;
-  IslandPoses::const_iterator pose_;
   size_t at_ = 0;
 };
 
@@ -170,9 +163,11 @@ std::shared_ptr<const PoseTable> FindPoses(const MissionState& state,
   PlacedWalk walk(state.global.keyframes);
   for (const auto& [id, pose] : table->poses) {
     const bool is_placed = walk.Find(id) != nullptr;
-    const PoseTable::Standing* stood = before.Find(id, pose);
-    const bool stands = stood != nullptr && stood->placed == is_placed;
-    table->standings.push_back({id, is_placed, stands ? stood->changed_at : table->version});
+    const PoseTable::Standing* stood = before.Find(id);
+    const bool stands = stood != nullptr && stood->placed == is_placed &&
+                        !IsSeenToMove(stood->shown, pose, local_map.map.FindKeyframe(id)->camera());
+    table->standings.push_back(stands ? *stood
+                                      : PoseTable::Standing{id, is_placed, table->version, pose});
   }
   state.poses.Add(local_map.id, table);
   return table;
