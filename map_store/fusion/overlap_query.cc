@@ -24,23 +24,17 @@ size_t Gap(const LocalMapState& local_map, KeyframeId a, KeyframeId b) {
   return first > second ? first - second : second - first;
 }
 
-// Returns whether there is an accepted overlap, in the graph or waiting for it, of the query
-// itself, or of a keyframe within `spacing` of it, with `task.against`.
-bool HasOverlapNearby(const MissionState& state, const QueryTask& task, size_t spacing) {
-  const LocalMapState& own = *state.FindLocalMap(task.query.local_map);
-  const LocalMapState& against = *state.FindLocalMap(task.against);
-  const auto is_near = [&](KeyframeId near, KeyframeId far) {
-    return state.OwnerOf(near.local_map) == own.id && state.OwnerOf(far.local_map) == against.id &&
-           Gap(own, near, task.query) < spacing;
-  };
-  const OverlapLedger& overlaps = state.global.overlaps;
-  // What stands next to the query was sent under the same name.
-  return std::ranges::any_of(against.Names(), [&](LocalMapId name) {
-    return std::ranges::any_of(overlaps.LiveBetween(task.query.local_map, name), [&](uint64_t id) {
-      const Overlap& overlap = overlaps.at(id).overlap;
-      return is_near(overlap.query, overlap.candidate) || is_near(overlap.candidate, overlap.query);
-    });
-  });
+// Returns the keyframes within `spacing` of the query in its local map that were sent under the
+// same name; some may have gone.
+std::vector<KeyframeId> KeyframesNearby(const LocalMapState& own, KeyframeId query,
+                                        size_t spacing) {
+  const size_t centre = own.arrival.at(query);
+  const size_t begin = centre < spacing ? 0 : centre - spacing + 1;
+  std::vector<KeyframeId> nearby;
+  for (size_t i = begin; i < std::min(centre + spacing, own.arrived.size()); ++i) {
+    if (own.arrived[i].local_map == query.local_map) nearby.push_back(own.arrived[i]);
+  }
+  return nearby;
 }
 
 std::vector<PlaceCandidate> FindSharingWords(const MissionState& state, const QueryTask& task,
@@ -145,12 +139,38 @@ bool BothMetric(const LocalMapState& a, const LocalMapState& b) {
          std::all_of(b.cameras.begin(), b.cameras.end(), is_metric);
 }
 
+bool HasOverlapNearby(const MissionState& state, const QueryTask& task,
+                      const MapStoreOptions& options) {
+  const LocalMapState& own = *state.FindLocalMap(task.query.local_map);
+  const LocalMapId against = state.OwnerOf(task.against);
+  const OverlapLedger& overlaps = state.global.overlaps;
+  const auto leads_there = [&](KeyframeId near, uint64_t id) {
+    const Overlap& overlap = overlaps.at(id).overlap;
+    const KeyframeId far = overlap.query == near ? overlap.candidate : overlap.query;
+    return state.OwnerOf(far.local_map) == against;
+  };
+  return std::ranges::any_of(
+      KeyframesNearby(own, task.query, options.overlap_spacing), [&](KeyframeId near) {
+        return std::ranges::any_of(overlaps.LiveAt(near),
+                                   [&](uint64_t id) { return leads_there(near, id); });
+      });
+}
+
+Resemblance FindResemblance(const MissionState& state, const QueryTask& task,
+                            const MapStoreOptions& options) {
+  const Keyframe* query = state.FindKeyframe(task.query);
+  if (query == nullptr || query->words == nullptr) return {};
+  if (state.FindLocalMap(task.against) == nullptr) return {};
+  const std::vector<PlaceCandidate> found = FindSharingWords(state, task, *query, options);
+  return {found.empty() ? 0 : found.front().score, EndOfMapBefore(state, task).has_value()};
+}
+
 FoundPlaces FindCandidates(const MissionState& state, const QueryTask& task,
                            const MapStoreOptions& options) {
   const Keyframe* query = state.FindKeyframe(task.query);
   const LocalMapState* against = state.FindLocalMap(task.against);
   if (query == nullptr || query->words == nullptr || against == nullptr) return {};
-  if (HasOverlapNearby(state, task, options.overlap_spacing)) return AlreadyLinked();
+  if (HasOverlapNearby(state, task, options)) return AlreadyLinked();
   const std::vector<PlaceCandidate> found = FindSharingWords(state, task, *query, options);
   FoundPlaces places;
   std::vector<Candidate>& candidates = places.candidates;

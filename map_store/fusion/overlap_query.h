@@ -26,6 +26,20 @@ struct FoundPlaces {
   bool are_linked = false;
 };
 
+// What a keyframe's words find in one local map; nobody has asked yet whether it is news.
+struct Resemblance {
+  double likeness = 0;   // As FoundPlaces.
+  bool is_seam = false;  // The same, if it is news.
+};
+Resemblance FindResemblance(const MissionState& state, const QueryTask& task,
+                            const MapStoreOptions& options);
+
+// Returns whether there is an accepted overlap, in the graph or waiting for it, of the query
+// itself, or of a keyframe within `options.overlap_spacing` of it, with `task.against`. It costs
+// what there are overlaps close by, not in the local maps.
+bool HasOverlapNearby(const MissionState& state, const QueryTask& task,
+                      const MapStoreOptions& options);
+
 // Finds keyframes of `task.against` that may show the query's place, best first: settled ones
 // that share enough words, the best of each of the best groups of covisible keyframes; first of
 // all, for the first keyframes of a robot's local map, the last one of its local map before. There

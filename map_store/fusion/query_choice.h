@@ -21,7 +21,8 @@ LocalMapId ChooseNextToQuery(const MissionState& state);
 // that are worth a worker's time, in the queue's order: the two that hold what looks most like it;
 // the one of an island it is not joined with that does, if those two are of its own; and the one
 // that ended where its own local map begins. Of a place that is linked to two others of its
-// island already, its own local map and other islands alone are left. So a keyframe costs at most
+// island already, other islands alone are left, and its own local map if that looks like it as
+// these do. So a keyframe costs at most
 // four queries, however many local maps there are (docs/adr/0038-look-ups-by-keyframe.md). Of an
 // empty queue there are none: a mission that is deleted meanwhile has one. ABORTED: as `read` says.
 absl::StatusOr<std::vector<LocalMapId>> ChooseQueriedMaps(const MissionState& state,

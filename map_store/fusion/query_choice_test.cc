@@ -35,7 +35,8 @@ struct Drives {
 
 struct Row {
   size_t look_ups = 0;
-  size_t of_the_last = 0;  // Those of the last drive's keyframes.
+  size_t of_the_last = 0;            // Those of the last drive's keyframes.
+  size_t of_the_last_in_itself = 0;  // The same, in its own local map: loops.
   size_t most_of_a_keyframe = 0;
   size_t islands = 0;
 };
@@ -62,6 +63,8 @@ Row Fuse(const Drives& drives, const MapStoreOptions& options) {
   for (const TruthfulWorker::Asked& asked : worker.asked()) {
     ++row.look_ups;
     row.of_the_last += asked.query.local_map == last;
+    row.of_the_last_in_itself +=
+        asked.query.local_map == last && asked.candidates.front().local_map == last;
     row.most_of_a_keyframe = std::max(row.most_of_a_keyframe, ++of_keyframe[asked.query]);
   }
   row.islands = store.GlobalMapView(kMission)->size();
@@ -111,6 +114,15 @@ TEST(QueryChoiceTest, KnownGroundCostsTheSameHoweverOftenItWasVisited) {
   EXPECT_EQ(twelve.islands, 1u);
   EXPECT_GT(four.of_the_last, 0u);
   EXPECT_LE(twelve.of_the_last, four.of_the_last);
+}
+
+// What a drive saw before looks as much like the place as what others saw.
+TEST(QueryChoiceTest, OnKnownGroundADriveIsStillHeldAgainstItself) {
+  MapStoreOptions options = DeterministicOptions();
+  options.overlap_spacing = 2;
+  options.min_shared_landmarks = 100000;
+  options.min_loop_gap = 2;
+  EXPECT_GT(Fuse({6, 0.3, false}, options).of_the_last_in_itself, 0u);
 }
 
 class NextToQueryTest : public ::testing::Test {

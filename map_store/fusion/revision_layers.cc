@@ -5,6 +5,7 @@
 #include "absl/container/flat_hash_set.h"
 #include "map_store/ingest/local_motion.h"
 #include "map_store/view/placement.h"
+#include "map_store/view/visible_motion.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::map_store {
@@ -31,25 +32,15 @@ void EraseKeyframesOf(LocalMapId local_map, PlacedKeyframes& keyframes) {
   keyframes.erase(begin, end);
 }
 
-// Moving by less than this share of its distance is the rounding of sums, and no news to anybody.
-constexpr double kRounding = 1e-9;
-
-bool IsSamePlace(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
-  return (a - b).norm() <= kRounding * (1 + a.norm());
-}
-
-bool IsSamePose(const Similarity3d& a, const Similarity3d& b) {
-  return std::abs(a.scale - b.scale) <= kRounding * a.scale &&
-         a.rotation.angularDistance(b.rotation) <= kRounding &&
-         IsSamePlace(a.translation, b.translation);
-}
-
-void PlaceKeyframe(const PlacedKeyframe& planned, PlacedKeyframe& placed) {
+void PlaceKeyframe(const PlacedKeyframe& planned, const Camera& camera, PlacedKeyframe& placed) {
+  const bool was_shown = placed.moved_by > 0;
+  const Similarity3d shown = was_shown ? placed.shown_from_island : placed.camera_from_island;
   const bool stays =
-      placed.revision > 0 && IsSamePose(planned.camera_from_island, placed.camera_from_island);
+      placed.revision > 0 && !IsSeenToMove(shown, planned.camera_from_island, camera);
   const uint64_t moved_by = stays ? placed.moved_by : planned.revision;
   placed = planned;
   placed.moved_by = moved_by;
+  placed.shown_from_island = stays ? shown : planned.camera_from_island;
 }
 
 void PlaceKeyframes(const RevisionPlan& plan, const MissionState& state, RevisionLayers& layers) {
@@ -59,7 +50,8 @@ void PlaceKeyframes(const RevisionPlan& plan, const MissionState& state, Revisio
     }
   }
   for (const auto& [id, placed] : plan.keyframes) {
-    if (state.FindKeyframe(id) != nullptr) PlaceKeyframe(placed, layers.keyframes[id]);
+    const Keyframe* keyframe = state.FindKeyframe(id);
+    if (keyframe != nullptr) PlaceKeyframe(placed, keyframe->camera(), layers.keyframes[id]);
   }
   for (const KeyframeId& id : plan.culled) {
     if (state.FindKeyframe(id) != nullptr) layers.keyframes.erase(id);
@@ -83,16 +75,27 @@ std::optional<PlacedPoint> AnchorPlanned(MapPointId id, const PlannedPoint& plan
                 layers.keyframes);
 }
 
-// Returns the point's place; one that stays where it was keeps its revision, as a keyframe keeps
-// the one that moved it.
+// Says that a point is still seen where it was `before`, if it is.
+void NoteUnseenMotion(const PlacedPoint& before, const MissionState& state, PlacedPoint& placed) {
+  if (before.anchor != placed.anchor) return;
+  const Keyframe* anchor = state.FindKeyframe(placed.anchor);
+  if (anchor == nullptr) return;
+  const double unseen =
+      before.unseen_motion + (placed.position_in_anchor - before.position_in_anchor).norm();
+  if (unseen > LeastVisibleMotion(before.position_in_anchor, anchor->camera())) return;
+  placed.revision = before.revision;
+  placed.unseen_motion = unseen;
+}
+
+// Returns the point's place; one that is seen to stay keeps its revision, as a keyframe keeps the
+// one that moved it.
 std::optional<PlacedPoint> PlacePoint(MapPointId id, const PlannedPoint& planned,
                                       const MissionState& state, RevisionLayers& layers) {
   std::optional<PlacedPoint> placed = AnchorPlanned(id, planned, state, layers);
   const auto before = state.global.points.find(id);
-  const bool stays = placed.has_value() && before != state.global.points.end() &&
-                     before->second.anchor == placed->anchor &&
-                     IsSamePlace(before->second.position_in_anchor, placed->position_in_anchor);
-  if (stays) placed->revision = before->second.revision;
+  if (placed.has_value() && before != state.global.points.end()) {
+    NoteUnseenMotion(before->second, state, *placed);
+  }
   return placed;
 }
 

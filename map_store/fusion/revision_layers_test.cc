@@ -256,33 +256,73 @@ size_t CountMoved(const MissionState& state, uint64_t revision) {
   return moved;
 }
 
-TEST(RevisionLayersTest, WhatStaysWhereItWasHasNotMoved) {
-  Owners owners(3, 300);
-  MissionState state = owners.state();
-  RevisionPlan plan = owners.PlanSomething();
-  plan.culled.clear();
-  const auto commit = [&] {
-    RevisionLayers layers = PrepareLayers(plan, {}, state);
-    CommitRevision(plan, layers, state);
-    return CountMoved(state, plan.revision - 1);
-  };
-  const size_t moved = commit();
+// The same plan again and again, with what the test changes of it.
+class PlannedAgainTest : public ::testing::Test {
+ protected:
+  PlannedAgainTest() { plan_.culled.clear(); }
+
+  // Returns how many points are said to have moved.
+  size_t Commit() {
+    RevisionLayers layers = PrepareLayers(plan_, {}, state_);
+    CommitRevision(plan_, layers, state_);
+    const size_t moved = CountMoved(state_, plan_.revision - 1);
+    ++plan_.revision;
+    for (auto& [id, keyframe] : plan_.keyframes) keyframe.revision = plan_.revision;
+    for (auto& [id, point] : plan_.points) point.revision = plan_.revision;
+    return moved;
+  }
+
+  Owners owners_{3, 300};
+  MissionState state_ = owners_.state();
+  RevisionPlan plan_ = owners_.PlanSomething();
+};
+
+TEST_F(PlannedAgainTest, WhatStaysWhereItWasHasNotMoved) {
+  const size_t moved = Commit();
   ASSERT_GT(moved, 100u);
-  const auto plan_again = [&] {
-    ++plan.revision;
-    for (auto& [id, keyframe] : plan.keyframes) keyframe.revision = plan.revision;
-    for (auto& [id, point] : plan.points) point.revision = plan.revision;
-  };
-  plan_again();
-  EXPECT_EQ(commit(), 0u);
-  plan_again();
-  PlacedKeyframe& turned = plan.keyframes.begin()->second;
-  turned.camera_from_island.translation.x() += 1e-3;
-  const size_t of_one = commit();
+  EXPECT_EQ(Commit(), 0u);
+  PlacedKeyframe& turned = plan_.keyframes.begin()->second;
+  turned.camera_from_island.translation.x() += 0.1;
+  const size_t of_one = Commit();
   EXPECT_GT(of_one, 0u);
   EXPECT_LT(of_one, moved / 4);
   // That it was looked at again is known all the same.
-  EXPECT_EQ(state.global.keyframes.at(plan.keyframes.rbegin()->first).revision, plan.revision);
+  EXPECT_EQ(state_.global.keyframes.at(plan_.keyframes.rbegin()->first).revision,
+            plan_.revision - 1);
+}
+
+// At the depth of 4 m that the camera knows well, eight millimetres are a pixel.
+TEST_F(PlannedAgainTest, WhatNobodyCouldSeeIsToldOnceItHasAddedUp) {
+  Commit();
+  const auto move_all = [this] {
+    for (auto& [id, planned] : plan_.keyframes) {
+      planned.camera_from_island.translation.x() += 1.5e-3;
+    }
+    for (auto& [id, point] : plan_.points) point.position_in_island.x() -= 1.5e-3;
+    return Commit();
+  };
+  size_t told = 0;
+  for (int i = 0; i < 4; ++i) told += move_all();
+  EXPECT_EQ(told, 0u);
+  for (int i = 0; i < 3; ++i) told += move_all();
+  EXPECT_GT(told, 100u);
+}
+
+// Points that move in the cameras that see them, which stay.
+TEST_F(PlannedAgainTest, SoItIsOfPointsAlone) {
+  Commit();
+  size_t told = 0;
+  for (int i = 0; i < 5; ++i) {
+    for (auto& [id, point] : plan_.points) point.position_in_island.y() += 1e-4;
+    told += Commit();
+  }
+  EXPECT_EQ(told, 0u);
+  for (int i = 0; i < 100; ++i) {
+    for (auto& [id, point] : plan_.points) point.position_in_island.y() += 1e-3;
+    told += Commit();
+  }
+  EXPECT_GT(told, 100u);
+  EXPECT_LT(told, 100u * 300u) << "of some hundred points, seldom";
 }
 
 TEST(RefreshedLayersTest, AreUselessWhereTheStateHasForgottenWhatChanged) {

@@ -93,6 +93,7 @@ class ShareStep {
         news_(share.news),
         steps_(read, kStepsInAPiece),
         poses_(state, all_placed_),
+        anchors_(state.global),
         reach_(state, poses_, share) {}
 
   SharedUpdate Take() {
@@ -124,8 +125,14 @@ class ShareStep {
       budget_.End();
       return false;
     }
-    if (state_.version != version) poses_.Clear();
+    if (state_.version != version) ForgetPlaces();
     return true;
+  }
+
+  // Owners have moved keyframes in a pause.
+  void ForgetPlaces() {
+    poses_.Clear();
+    anchors_.Clear();
   }
 
   bool IsOwn(MapPointId point) const { return point.local_map == share_.local_map; }
@@ -395,7 +402,7 @@ class ShareStep {
 
   Eigen::Vector3d PositionOf(MapPointId id) {
     const LocalMapState& owner = *state_.FindLocalMap(id.local_map);
-    return ComputePosition(*owner.map.FindPoint(id), owner, state_.global, PosesOf(owner));
+    return ComputePosition(*owner.map.FindPoint(id), owner, anchors_, PosesOf(owner), all_placed_);
   }
 
   // Takes the point in full, unless the agent has it, with the landmark that it stands for. It goes
@@ -430,6 +437,7 @@ class ShareStep {
   StepsInPieces steps_;
   const Unplaced all_placed_;
   PoseCache poses_;
+  AnchorCache anchors_;
   ShareReach reach_;
   std::set<KeyframeId> new_keyframes_;
   SharedUpdate update_;

@@ -163,8 +163,10 @@ struct PlacedKeyframe {
   Similarity3d camera_from_island;
   Rigid3d camera_from_local;  // The local pose from which it was derived.
   uint64_t revision = 0;
-  // The last revision that put it elsewhere than it was; not stored.
+  // The last revision by which it was seen to stand elsewhere (view/visible_motion.h), and where it
+  // stood then; not stored.
   uint64_t moved_by = 0;
+  Similarity3d shown_from_island = {};
 };
 
 using PlacedKeyframes = std::map<KeyframeId, PlacedKeyframe>;
@@ -175,7 +177,10 @@ using PlacedKeyframes = std::map<KeyframeId, PlacedKeyframe>;
 struct PlacedPoint {
   KeyframeId anchor;
   Eigen::Vector3d position_in_anchor = Eigen::Vector3d::Zero();
-  uint64_t revision = 0;  // The one that moved the point; its anchor may have moved since.
+  // The one by which the point was seen to move; its anchor may have moved since.
+  uint64_t revision = 0;
+  // How far it may have moved in the anchor since then, in the anchor's units; not stored.
+  double unseen_motion = 0;
 };
 using PlacedPoints = absl::btree_map<MapPointId, PlacedPoint>;
 

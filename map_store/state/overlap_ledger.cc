@@ -11,6 +11,23 @@ bool IsLive(OverlapState state) {
   return state == OverlapState::kWaiting || state == OverlapState::kInGraph;
 }
 
+using Ids = OverlapLedger::Ids;
+
+template <typename Key>
+const Ids& IdsAt(const Key& key, const std::map<Key, Ids>& index) {
+  static const Ids& none = *new Ids();
+  const auto it = index.find(key);
+  return it == index.end() ? none : it->second;
+}
+
+template <typename Key>
+void RemoveAt(const Key& key, uint64_t id, std::map<Key, Ids>& index) {
+  const auto it = index.find(key);
+  if (it == index.end()) return;
+  it->second.erase(id);
+  if (it->second.empty()) index.erase(it);
+}
+
 }  // namespace
 
 OverlapLedger::OverlapLedger(Entries entries) : entries_(std::move(entries)) {
@@ -28,10 +45,10 @@ OverlapLedger::Pair OverlapLedger::PairOf(const Overlap& overlap) {
 }
 
 const OverlapLedger::Ids& OverlapLedger::LiveBetween(LocalMapId a, LocalMapId b) const {
-  static const Ids& none = *new Ids();
-  const auto it = live_between_.find(std::minmax(a, b));
-  return it == live_between_.end() ? none : it->second;
+  return IdsAt(Pair(std::minmax(a, b)), live_between_);
 }
+
+const OverlapLedger::Ids& OverlapLedger::LiveAt(KeyframeId id) const { return IdsAt(id, live_at_); }
 
 void OverlapLedger::Add(OverlapEntry entry) {
   const uint64_t id = entry.id;
@@ -51,7 +68,9 @@ uint64_t OverlapLedger::HeapBytes() const {
   return TreeBytes<Entries::value_type>(entries_.size()) + entries_.size() * HeapBlockBytes(1) +
          inliers_ * sizeof(PointPair) +
          TreeBytes<uint64_t>(entries_.size() + waiting_.size() + in_graph_.size()) +
-         TreeBytes<decltype(live_between_)::value_type>(live_between_.size());
+         TreeBytes<decltype(live_between_)::value_type>(live_between_.size()) +
+         TreeBytes<decltype(live_at_)::value_type>(live_at_.size()) +
+         TreeBytes<uint64_t>(2 * (waiting_.size() + in_graph_.size()));
 }
 
 void OverlapLedger::Index(const OverlapEntry& entry) {
@@ -62,6 +81,8 @@ void OverlapLedger::Index(const OverlapEntry& entry) {
   }
   (entry.state == OverlapState::kWaiting ? waiting_ : in_graph_).insert(entry.id);
   live_between_[PairOf(entry.overlap)].insert(entry.id);
+  live_at_[entry.overlap.query].insert(entry.id);
+  live_at_[entry.overlap.candidate].insert(entry.id);
 }
 
 void OverlapLedger::Unindex(const OverlapEntry& entry) {
@@ -69,10 +90,9 @@ void OverlapLedger::Unindex(const OverlapEntry& entry) {
   waiting_.erase(entry.id);
   in_graph_.erase(entry.id);
   history_.erase(entry.id);
-  const auto it = live_between_.find(PairOf(entry.overlap));
-  if (it == live_between_.end()) return;
-  it->second.erase(entry.id);
-  if (it->second.empty()) live_between_.erase(it);
+  RemoveAt(PairOf(entry.overlap), entry.id, live_between_);
+  RemoveAt(entry.overlap.query, entry.id, live_at_);
+  RemoveAt(entry.overlap.candidate, entry.id, live_at_);
 }
 
 void OverlapLedger::ForgetOldest() {

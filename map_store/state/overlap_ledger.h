@@ -60,6 +60,8 @@ class OverlapLedger {
   const Ids& in_graph() const { return in_graph_; }
   // Returns the live entries between keyframes of these two local maps, in either order.
   const Ids& LiveBetween(LocalMapId a, LocalMapId b) const;
+  // Returns the live entries of which the keyframe is one end.
+  const Ids& LiveAt(KeyframeId id) const;
 
   // Returns about how much of the heap it takes.
   uint64_t HeapBytes() const;
@@ -82,6 +84,7 @@ class OverlapLedger {
   Ids in_graph_;
   Ids history_;  // The entries that are not live.
   std::map<Pair, Ids> live_between_;
+  std::map<KeyframeId, Ids> live_at_;
   uint64_t inliers_ = 0;  // Of all entries.
 };
 

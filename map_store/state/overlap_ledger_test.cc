@@ -52,12 +52,26 @@ TEST(OverlapLedgerTest, ChangesMoveEntries) {
   EXPECT_THAT(ledger.waiting(), ElementsAre(1));
 }
 
+TEST(OverlapLedgerTest, FindsWhatIsLiveAtAKeyframe) {
+  OverlapLedger ledger;
+  ledger.Add(Entry(1, kA, kB, OverlapState::kWaiting));
+  ledger.Add(Entry(2, kC, kA, OverlapState::kInGraph));
+  ledger.Add(Entry(3, kA, kC, OverlapState::kRefused));
+  EXPECT_THAT(ledger.LiveAt({kA, 0}), ElementsAre(1, 2));
+  EXPECT_THAT(ledger.LiveAt({kB, 0}), ElementsAre(1));
+  EXPECT_THAT(ledger.LiveAt({kA, 1}), IsEmpty());
+  ledger.Change(1, [](OverlapEntry& entry) { entry.state = OverlapState::kFailed; });
+  EXPECT_THAT(ledger.LiveAt({kA, 0}), ElementsAre(2));
+  EXPECT_THAT(ledger.LiveAt({kB, 0}), IsEmpty());
+}
+
 TEST(OverlapLedgerTest, IsMadeOfItsEntries) {
   OverlapLedger::Entries entries;
   entries[1] = Entry(1, kA, kB, OverlapState::kInGraph);
   entries[2] = Entry(2, kA, kC, OverlapState::kWaiting);
   const OverlapLedger ledger(entries);
   EXPECT_THAT(ledger.waiting(), ElementsAre(2));
+  EXPECT_THAT(ledger.LiveAt({kA, 0}), ElementsAre(1, 2));
   EXPECT_THAT(ledger.LiveBetween(kB, kA), ElementsAre(1));
 }
 

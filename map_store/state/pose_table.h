@@ -21,8 +21,11 @@ using IslandPoses = std::map<KeyframeId, Similarity3d>;
 struct PoseTable {
   struct Standing {
     KeyframeId id;
-    bool placed = false;      // By fusion itself.
-    uint64_t changed_at = 0;  // The version of the places at which this keyframe's changed last.
+    bool placed = false;  // By fusion itself.
+    // The version of the places at which the keyframe was seen to stand elsewhere
+    // (view/visible_motion.h), and its pose then.
+    uint64_t changed_at = 0;
+    Similarity3d shown = {};
   };
 
   uint64_t version = 0;  // The version of the local map's places (LocalMapState::places_version).

@@ -53,6 +53,12 @@ class MapMirror {
     std::map<MapPointId, Eigen::Vector3d> points;
   };
 
+  // What is not told is a pixel in the pictures of the test's cameras (view/visible_motion.h),
+  // for who came late up to two of them: at most so much close by, and a few times that farther
+  // off.
+  static constexpr double kUnseen_m = 0.09;
+  static constexpr double kUnseen_rad = 0.007;
+
   static void ExpectKeyframes(const Island& island, const map_store::IslandView& view) {
     EXPECT_EQ(island.keyframes.size(), view.keyframes.size());
     for (const auto& place : view.keyframes) {
@@ -60,7 +66,9 @@ class MapMirror {
       ASSERT_NE(found, island.keyframes.end()) << ToString(place.id);
       EXPECT_EQ(found->second.parent, place.parent);
       EXPECT_EQ(found->second.placed, place.placed) << ToString(place.id);
-      EXPECT_EQ(found->second.camera_from_island.translation, place.camera_from_island.translation);
+      const Rigid3d motion = found->second.camera_from_island * place.camera_from_island.Inverse();
+      EXPECT_LT(motion.translation.norm(), kUnseen_m) << ToString(place.id);
+      EXPECT_LT(RotationAngle(motion.rotation), kUnseen_rad) << ToString(place.id);
     }
   }
 
@@ -68,7 +76,8 @@ class MapMirror {
     for (const auto& point : view.points) {
       const auto found = island.points.find(point.id);
       ASSERT_NE(found, island.points.end()) << ToString(point.id);
-      EXPECT_LT((found->second - point.position_in_island).norm(), 1e-12) << ToString(point.id);
+      EXPECT_LT((found->second - point.position_in_island).norm(), 3 * kUnseen_m)
+          << ToString(point.id);
     }
     // Points that nobody sees any more are in no view, but were not said to be gone either.
     EXPECT_LT(island.points.size(), view.points.size() + 20);

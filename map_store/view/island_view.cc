@@ -28,6 +28,7 @@ class ViewBuilder {
         rejected_(rejected),
         steps_(read, kStepsInAPiece),
         poses_(state, unplaced),
+        anchors_(state.global),
         view_(covisibility) {}
 
   void AddKeyframe(const LocalMapState& local_map, const Keyframe& from) {
@@ -118,7 +119,7 @@ class ViewBuilder {
     const Similarity3d& island_from_local = IslandFromLocalAt(from.reference, owner);
     MapPoint point;
     point.id = id;
-    point.position_in_map = ComputePosition(from, owner, state_.global, PosesOf(owner), unplaced_);
+    point.position_in_map = ComputePosition(from, owner, anchors_, PosesOf(owner), unplaced_);
     point.reference = from.reference;
     point.descriptor = from.descriptor;
     point.normal_in_map = island_from_local.rotation * from.normal_in_map;
@@ -174,6 +175,7 @@ class ViewBuilder {
 
   void ForgetPoses() {
     poses_.Clear();
+    anchors_.Clear();
     motions_.clear();
   }
 
@@ -200,6 +202,7 @@ class ViewBuilder {
   const Rejected rejected_;
   StepsInPieces steps_;
   PoseCache poses_;
+  AnchorCache anchors_;
   absl::flat_hash_map<KeyframeId, Similarity3d> motions_;
   Map view_;
 };

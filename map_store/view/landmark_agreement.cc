@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <limits>
-#include <map>
 #include <utility>
 
+#include "absl/container/flat_hash_map.h"
 #include "map_store/view/island_view.h"
 #include "map_store/view/placement.h"
 #include "slam/util/median.h"
@@ -29,7 +29,8 @@ std::vector<SharedLandmark> FindSharedLandmarks(const MissionState& state, Keyfr
   if (state.global.island_of.at(a.local_map) != state.global.island_of.at(b.local_map)) return {};
   const auto by_first = ObservedPoints(state, *state.FindLocalMap(a.local_map), *first);
   const auto by_second = ObservedPoints(state, *state.FindLocalMap(b.local_map), *second);
-  std::map<MapPointId, uint32_t> keypoint_of_first;
+  absl::flat_hash_map<MapPointId, uint32_t> keypoint_of_first;
+  keypoint_of_first.reserve(by_first.size());
   for (uint32_t k = 0; k < by_first.size(); ++k) {
     if (by_first[k].IsValid()) keypoint_of_first[by_first[k]] = k;
   }

@@ -5,6 +5,8 @@
 #include <utility>
 #include <vector>
 
+#include "map_store/view/visible_motion.h"
+
 namespace corbslam::map_store {
 namespace {
 
@@ -61,31 +63,22 @@ std::deque<KeyframeId> FindFront(const Map& map, const IslandPoses& poses) {
   return {front.begin(), front.end()};
 }
 
-bool IsSame(const Similarity3d& a, const Similarity3d& b) {
-  return a.scale == b.scale && a.rotation.coeffs() == b.rotation.coeffs() &&
-         a.translation == b.translation;
-}
-
 // Goes through a table in the order of ids.
 class TableWalk {
  public:
   // `table` may be null: then nothing stood anywhere.
-  explicit TableWalk(const PoseTable* table) : table_(table) {
-    if (table_ != nullptr) pose_ = table_->poses.begin();
-  }
+  explicit TableWalk(const PoseTable* table) : table_(table) {}
 
-  // Returns where the keyframe stood; null if it did not. Ids rise from call to call.
-  const PoseTable::Standing* Find(KeyframeId id, const Similarity3d& pose) {
+  // Returns how the keyframe stood; null if it did not. Ids rise from call to call.
+  const PoseTable::Standing* Find(KeyframeId id) {
     if (table_ == nullptr) return nullptr;
     const std::vector<PoseTable::Standing>& standings = table_->standings;
-    for (; at_ < standings.size() && standings[at_].id < id; ++at_) ++pose_;
-    if (at_ == standings.size() || standings[at_].id != id) return nullptr;
-    return IsSame(pose_->second, pose) ? &standings[at_] : nullptr;
+    while (at_ < standings.size() && standings[at_].id < id) ++at_;
+    return at_ == standings.size() || standings[at_].id != id ? nullptr : &standings[at_];
   }
 
  private:
   const PoseTable* const table_;
-  IslandPoses::const_iterator pose_;
   size_t at_ = 0;
 };
 
@@ -115,6 +108,17 @@ class PlacedWalk {
   PlacedKeyframes::const_iterator at_;
   LocalMapId name_;
 };
+
+// Returns where the point lies by its place relative to its reference keyframe or, if that has no
+// pose, to one that sees it.
+Eigen::Vector3d FollowReference(const MapPoint& point, KeyframeId reference,
+                                const LocalMapState& local_map, const GlobalLayer& global,
+                                const IslandPoses& poses) {
+  if (!poses.contains(reference) && !point.observations.empty()) {
+    reference = point.observations.begin()->first;
+  }
+  return IslandFromLocal(reference, local_map, global, poses) * point.position_in_map;
+}
 
 }  // namespace
 
@@ -159,9 +163,11 @@ std::shared_ptr<const PoseTable> FindPoses(const MissionState& state,
   PlacedWalk walk(state.global.keyframes);
   for (const auto& [id, pose] : table->poses) {
     const bool is_placed = walk.Find(id) != nullptr;
-    const PoseTable::Standing* stood = before.Find(id, pose);
-    const bool stands = stood != nullptr && stood->placed == is_placed;
-    table->standings.push_back({id, is_placed, stands ? stood->changed_at : table->version});
+    const PoseTable::Standing* stood = before.Find(id);
+    const bool stands = stood != nullptr && stood->placed == is_placed &&
+                        !IsSeenToMove(stood->shown, pose, local_map.map.FindKeyframe(id)->camera());
+    table->standings.push_back(stands ? *stood
+                                      : PoseTable::Standing{id, is_placed, table->version, pose});
   }
   state.poses.Add(local_map.id, table);
   return table;
@@ -219,19 +225,40 @@ std::optional<PlacedPoint> Anchor(const MapPoint& point, const Eigen::Vector3d& 
                      revision};
 }
 
+std::optional<Eigen::Vector3d> AnchorCache::FindPosition(MapPointId id, const Unplaced& unplaced) {
+  const auto point = global_.points.find(id);
+  if (point == global_.points.end()) return std::nullopt;
+  const KeyframeId anchor = point->second.anchor;
+  if (unplaced.contains(anchor)) return std::nullopt;
+  const auto [it, added] = island_from_anchor_.try_emplace(anchor);
+  if (added) {
+    const auto placed = global_.keyframes.find(anchor);
+    if (placed != global_.keyframes.end()) it->second = placed->second.camera_from_island.Inverse();
+  }
+  if (!it->second.has_value()) return std::nullopt;
+  return *it->second * point->second.position_in_anchor;
+}
+
 Eigen::Vector3d ComputePosition(const MapPoint& point, const LocalMapState& local_map,
                                 const GlobalLayer& global, const IslandPoses& poses,
                                 const Unplaced& unplaced) {
-  KeyframeId reference = ReferenceOf(point, global);
+  const KeyframeId reference = ReferenceOf(point, global);
   const std::optional<PlacedAnchor> placed = FindPlaced(point.id, global);
   if (placed.has_value() && !unplaced.contains(reference) &&
       !unplaced.contains(placed->point->anchor)) {
     return placed->PositionInIsland();
   }
-  if (!poses.contains(reference) && !point.observations.empty()) {
-    reference = point.observations.begin()->first;
+  return FollowReference(point, reference, local_map, global, poses);
+}
+
+Eigen::Vector3d ComputePosition(const MapPoint& point, const LocalMapState& local_map,
+                                AnchorCache& anchors, const IslandPoses& poses,
+                                const Unplaced& unplaced) {
+  const KeyframeId reference = ReferenceOf(point, anchors.global());
+  if (!unplaced.contains(reference)) {
+    if (const auto position = anchors.FindPosition(point.id, unplaced)) return *position;
   }
-  return IslandFromLocal(reference, local_map, global, poses) * point.position_in_map;
+  return FollowReference(point, reference, local_map, anchors.global(), poses);
 }
 
 KeyframeId ReferenceOf(const MapPoint& point, const GlobalLayer& global) {

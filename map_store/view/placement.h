@@ -61,6 +61,24 @@ struct PlacedAnchor {
 // Returns nullopt where the point is not placed, or its anchor is not any more.
 std::optional<PlacedAnchor> FindPlaced(MapPointId id, const GlobalLayer& global);
 
+// Places many points: each keyframe that they are anchored in is looked up once. The global layer
+// must stay as it is. Not thread-safe.
+class AnchorCache {
+ public:
+  // `global` is not copied.
+  explicit AnchorCache(const GlobalLayer& global) : global_(global) {}
+
+  const GlobalLayer& global() const { return global_; }
+  // Returns nullopt where FindPlaced does, or where the anchor is in `unplaced`.
+  std::optional<Eigen::Vector3d> FindPosition(MapPointId id, const Unplaced& unplaced);
+  // The caller says that the global layer has changed.
+  void Clear() { island_from_anchor_.clear(); }
+
+ private:
+  const GlobalLayer& global_;
+  absl::flat_hash_map<KeyframeId, std::optional<Similarity3d>> island_from_anchor_;
+};
+
 // Returns the keyframe in which a living point that lies at `position_in_island` is to be anchored,
 // and its place there: the one that it follows or, if that is not placed, the first one of those
 // that see it. Nullopt: none of them is placed. `revision` put the point where it lies.
@@ -74,6 +92,10 @@ std::optional<PlacedPoint> Anchor(const MapPoint& point, const Eigen::Vector3d& 
 Eigen::Vector3d ComputePosition(const MapPoint& point, const LocalMapState& local_map,
                                 const GlobalLayer& global, const IslandPoses& poses,
                                 const Unplaced& unplaced = {});
+// The same for who places many.
+Eigen::Vector3d ComputePosition(const MapPoint& point, const LocalMapState& local_map,
+                                AnchorCache& anchors, const IslandPoses& poses,
+                                const Unplaced& unplaced);
 
 // Returns island_from_local by the keyframe that the point refers to, or the nearest to it that
 // there is.

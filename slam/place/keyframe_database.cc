@@ -156,6 +156,8 @@ std::vector<PlaceCandidate> KeyframeDatabase::Query(const BagOfWords& query,
   std::vector<PlaceCandidate> candidates;
   candidates.reserve(sharing.size());
   for (const Shared& with : sharing) {
+    // Most keyframes share a word or two: nobody asks whether they are admitted.
+    if (with.words < options.min_shared_words) continue;
     const KeyframeId id = entries_[with.slot].id;
     if (options.admit && !options.admit(id)) continue;
     candidates.push_back({id, with.words, with.score});

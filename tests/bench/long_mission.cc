@@ -10,8 +10,10 @@
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <numeric>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "absl/strings/str_cat.h"
@@ -91,6 +93,28 @@ class LockProbe {
   std::thread thread_;
 };
 
+// Counts what workers are asked to verify: that does not depend on what else the machine does.
+class CountingWorker : public BelievingWorker {
+ public:
+  struct Counts {
+    size_t requests = 0;
+    size_t keyframes = 0;  // Of the requests' views.
+  };
+
+  absl::StatusOr<VerifyOverlapResult> VerifyOverlap(const VerifyOverlapRequest& request,
+                                                    const ProgressCallback& progress) override {
+    ++counts_.requests;
+    counts_.keyframes +=
+        request.query_view->keyframes().size() + request.candidate_view.keyframes().size();
+    return BelievingWorker::VerifyOverlap(request, progress);
+  }
+  Counts Take() { return std::exchange(counts_, {}); }
+
+ private:
+  // A deterministic store asks from the thread that runs its fusion.
+  Counts counts_;
+};
+
 // What was measured since the last row.
 struct Spell {
   std::vector<double> apply_ms;
@@ -101,11 +125,13 @@ struct Spell {
 
 class LongMission {
  public:
-  LongMission(const Flags& flags, MapStore& store) : store_(store), fleet_(Options(flags)) {}
+  LongMission(const Flags& flags, MapStore& store, CountingWorker& worker)
+      : store_(store), worker_(worker), fleet_(Options(flags)) {}
 
   // Begins the next row: it is about what comes from here on.
   void Begin(LockProbe& probe) {
     spell_ = {};
+    worker_.Take();
     probe.Take();
   }
 
@@ -149,6 +175,7 @@ class LongMission {
     row["longest_lock_so_far_ms"] = 1e3 * Load().longest_write_s;
     spread("shared_update", spell_.shared_ms);
     spread("fusion", spell_.fusion_ms);
+    AddFusion(row);
     const std::vector<double> probed_ms = probe.Take();
     row["wait_for_lock_p99_ms"] = Quantile(probed_ms, 0.99);
     row["longest_wait_for_lock_ms"] = Quantile(probed_ms, 1);
@@ -177,6 +204,18 @@ class LongMission {
     options.robots = flags.robots;
     options.features = flags.features;
     return options;
+  }
+
+  // Adds what fusion took in all, weldings and adjustments with it, for each of the row's
+  // keyframes.
+  void AddFusion(Json& row) {
+    const auto keyframes = static_cast<double>(std::max<size_t>(spell_.fusion_ms.size(), 1));
+    row["fusion_mean_ms"] =
+        std::accumulate(spell_.fusion_ms.begin(), spell_.fusion_ms.end(), 0.0) / keyframes;
+    const CountingWorker::Counts counts = worker_.Take();
+    row["verifications_per_keyframe"] = static_cast<double>(counts.requests) / keyframes;
+    row["verified_views_keyframes"] = static_cast<double>(counts.keyframes) /
+                                      static_cast<double>(std::max<size_t>(counts.requests, 1));
   }
 
   absl::Status MeasurePages(Json& row) const {
@@ -240,6 +279,7 @@ class LongMission {
   }
 
   MapStore& store_;
+  CountingWorker& worker_;
   SyntheticFleet fleet_;
   std::vector<uint64_t> sessions_;
   const uint64_t resident_at_start_ = ResidentBytes();
@@ -277,9 +317,9 @@ absl::Status Run(const Flags& flags) {
   ASSIGN_OR_RETURN(std::unique_ptr<RocksJournal> journal, RocksJournal::Open(journal_options));
   MapStoreOptions options;
   options.deterministic = true;
-  BelievingWorker worker;
+  CountingWorker worker;
   MapStore store(options, vocabulary, std::move(journal), &worker);
-  LongMission mission(flags, store);
+  LongMission mission(flags, store, worker);
   RETURN_IF_ERROR(mission.Open());
   RETURN_IF_ERROR(mission.AddKeyframe());
   LockProbe probe(store, mission.first_local_map());

@@ -67,7 +67,7 @@ const std::string& ReplayedMission::name() {
   return *name;
 }
 
-absl::Status ReplayedMission::Stream() {
+absl::Status ReplayedMission::Stream(absl::FunctionRef<absl::Status(Step)> note) {
   std::vector<uint64_t> sessions;
   size_t most = 0;
   for (size_t i = 0; i < recorded_.robots.size(); ++i) {
@@ -83,10 +83,13 @@ absl::Status ReplayedMission::Stream() {
       if (batch >= recorded_.robots[i].size()) continue;
       RETURN_IF_ERROR(store_.Apply(sessions[i], recorded_.robots[i][batch]).status());
     }
+    RETURN_IF_ERROR(note(Step::kSent));
     RETURN_IF_ERROR(Fuse());
+    RETURN_IF_ERROR(note(Step::kFused));
   }
   for (const uint64_t session : sessions) store_.CloseSession(session);
-  return Fuse();
+  RETURN_IF_ERROR(Fuse());
+  return note(Step::kFused);
 }
 
 absl::StatusOr<FusedMapError> ReplayedMission::Error() const {

@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "absl/functional/function_ref.h"
+#include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "map_store/store/map_store.h"
 #include "slam/evaluation/trajectory.h"
@@ -38,8 +40,12 @@ class ReplayedMission {
   ReplayedMission(const RecordedMission& recorded, map_store::MapStoreOptions options,
                   FusionWorker* worker);
 
-  // Every robot sends a batch in turn, and all that is to be fused is fused.
-  absl::Status Stream();
+  // Every robot sends a batch in turn, and all that is to be fused is fused. `note` is called after
+  // each of both; what it returns ends the stream if it is an error.
+  enum class Step { kSent, kFused };
+  absl::Status Stream(absl::FunctionRef<absl::Status(Step)> note = [](Step) {
+    return absl::OkStatus();
+  });
   absl::Status Fuse() { return store_.RunFusionUntilIdle(name()); }
   absl::StatusOr<FusedMapError> Error() const;
 
