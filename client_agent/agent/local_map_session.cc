@@ -109,6 +109,10 @@ void LocalMapSession::OnPlaced(const PlacementChange& change, const Map& map) {
   for (const KeyframeId id : change.released_keyframes) {
     PostJob([this, id](GuardedMap&) { mapper_.AdjustLocalBundle(id); });
   }
+  // One by one they come out of what they were fitted to as far as the ones beside them let them.
+  if (change.released_keyframes.empty()) return;
+  const KeyframeId first = change.released_keyframes.front();
+  PostJob([this, first](GuardedMap&) { mapper_.AdjustSince(first); });
 }
 
 }  // namespace corbslam::client_agent

@@ -11,6 +11,9 @@ class NoUplink : public Uplink {
  public:
   void Open(const SessionRequest& /*request*/, UplinkListener* /*listener*/) override {}
   bool Send(const MapUpdateBatch& /*batch*/) override { return false; }
+  bool SendLocalised(const LocalisedFrames& /*localised*/) override { return false; }
+  bool SendPicture(const KeyframePicture& /*picture*/) override { return false; }
+  bool SendReport(const AgentReport& /*report*/) override { return false; }
   void Close() override {}
   uint64_t bytes_up() const override { return 0; }
   uint64_t bytes_down() const override { return 0; }

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "absl/time/clock.h"
+#include "absl/types/span.h"
 #include "client_agent/map/provisional_keyframes.h"
 #include "client_agent/mapping/keyframe_insertion.h"
 #include "client_agent/mapping/point_creation.h"
@@ -126,11 +127,32 @@ void Mapper::MapKeyframe(KeyframeId id) {
 }
 
 void Mapper::AdjustLocalBundle(KeyframeId centre) {
+  AdjustScope(
+      [&](const Map& map) { return LocalBundleScope(map, centre, parts_.map->local_map()); },
+      centre);
+}
+
+void Mapper::AdjustSince(KeyframeId first) {
+  const LocalMapId own = parts_.map->local_map();
+  AdjustScope(
+      [&](const Map& map) {
+        std::vector<KeyframeId> since;
+        for (auto it = map.keyframes().lower_bound(first);
+             it != map.keyframes().end() && it->first.local_map == own; ++it) {
+          since.push_back(it->first);
+        }
+        const size_t most = std::min(since.size(), kMostTogether);
+        return LocalBundleScope(map, absl::MakeConstSpan(since).last(most), own);
+      },
+      first);
+}
+
+void Mapper::AdjustScope(ChooseScope choose, KeyframeId about) {
   const absl::Time start = absl::Now();
   BundleScope scope;
   const Map copy = parts_.map->Read([&](const Map& map) {
     if (map.keyframes().size() < kMinKeyframesToAdjust) return Map();
-    scope = LocalBundleScope(map, centre, parts_.map->local_map());
+    scope = choose(map);
     return CopyScope(map, scope);
   });
   if (scope.free_keyframes.empty()) return;
@@ -143,7 +165,7 @@ void Mapper::AdjustLocalBundle(KeyframeId centre) {
   };
   const absl::StatusOr<BundleResult> result = AdjustBundle(copy, scope, options);
   if (!result.ok()) {
-    LOG(WARNING) << "local bundle adjustment of " << ToString(centre) << ": " << result.status();
+    LOG(WARNING) << "local bundle adjustment of " << ToString(about) << ": " << result.status();
     return;
   }
   CommitBundle(*result, copy);

@@ -6,6 +6,7 @@
 #include <deque>
 #include <functional>
 
+#include "absl/functional/function_ref.h"
 #include "client_agent/map/guarded_map.h"
 #include "client_agent/mapping/culling.h"
 #include "client_agent/mapping/keyframe_judgement.h"
@@ -48,6 +49,8 @@ class Mapper {
   void Run();
   // Adjusts what lies around an own keyframe; does nothing where that is not in the map.
   void AdjustLocalBundle(KeyframeId centre);
+  // Adjusts all own keyframes from this one on together, the newest kMostTogether of them.
+  void AdjustSince(KeyframeId first);
 
  private:
   void Insert(const NewKeyframe& keyframe);
@@ -55,10 +58,14 @@ class Mapper {
   void InsertWaiting();
   void MapNextKeyframe();
   void MapKeyframe(KeyframeId id);
+  using ChooseScope = absl::FunctionRef<BundleScope(const Map&)>;
+  void AdjustScope(ChooseScope choose, KeyframeId about);
   void CommitBundle(const BundleResult& result, const Map& before);
   void CullKeyframes(KeyframeId centre);
   void JudgeKeyframes();
   void ApplyMeasurements();
+
+  static constexpr size_t kMostTogether = 150;
 
   const MapperOptions options_;
   const MapperParts parts_;

@@ -32,6 +32,10 @@ class ObservedUplink : public Uplink, private UplinkListener {
     return uplink_.SendLocalised(localised);
   }
 
+  bool SendPicture(const KeyframePicture& picture) override {
+    return uplink_.SendPicture(picture);
+  }
+
   bool SendReport(const AgentReport& report) override { return uplink_.SendReport(report); }
 
   void PauseReading() override { uplink_.PauseReading(); }

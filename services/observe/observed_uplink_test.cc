@@ -22,12 +22,27 @@ class ScriptedUplink : public Uplink {
  public:
   void Open(const SessionRequest&, UplinkListener* listener) override { listener_ = listener; }
   bool Send(const MapUpdateBatch&) override { return has_room_; }
+  bool SendLocalised(const LocalisedFrames& localised) override {
+    localised_run_ = localised.run;
+    return has_room_;
+  }
+  bool SendPicture(const KeyframePicture& picture) override {
+    picture_ = picture.jpeg;
+    return has_room_;
+  }
+  bool SendReport(const AgentReport& report) override {
+    report_frames_ = report.frames;
+    return has_room_;
+  }
   void Close() override {}
   uint64_t bytes_up() const override { return 11; }
   uint64_t bytes_down() const override { return 22; }
 
   UplinkListener* listener_ = nullptr;
   bool has_room_ = true;
+  uint64_t localised_run_ = 0;
+  std::string picture_;
+  uint64_t report_frames_ = 0;
 };
 
 // Plays the agent's part.
@@ -89,6 +104,23 @@ TEST(ObservedUplinkTest, ObserversHearAllAndTheAgentToo) {
                                  "closed", "agent closed"));
   EXPECT_EQ(uplink->bytes_up(), 11u);
   EXPECT_EQ(uplink->bytes_down(), 22u);
+}
+
+TEST(ObservedUplinkTest, WhatNobodyObservesGoesThroughToo) {
+  ScriptedUplink inner;
+  const auto uplink = MakeObservedUplink(&inner, {});
+  LocalisedFrames localised;
+  localised.run = 5;
+  EXPECT_TRUE(uplink->SendLocalised(localised));
+  EXPECT_TRUE(uplink->SendPicture({.keyframe = {kMap, 1}, .jpeg = "a picture"}));
+  EXPECT_TRUE(uplink->SendReport({.frames = 6}));
+  EXPECT_EQ(inner.localised_run_, 5u);
+  EXPECT_EQ(inner.picture_, "a picture");
+  EXPECT_EQ(inner.report_frames_, 6u);
+  inner.has_room_ = false;
+  EXPECT_FALSE(uplink->SendLocalised({}));
+  EXPECT_FALSE(uplink->SendPicture({}));
+  EXPECT_FALSE(uplink->SendReport({}));
 }
 
 TEST(PendingBatchesTest, AnAcknowledgementCoversAllBefore) {

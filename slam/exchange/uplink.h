@@ -165,14 +165,12 @@ class Uplink {
   // Returns false when no session stands, or the transport's queue is full: keep the batch, try
   // again.
   virtual bool Send(const MapUpdateBatch& batch) = 0;
-  // Does the same with what an agent says that changes nothing. The default is for an uplink that
-  // carries batches only.
-  virtual bool SendLocalised(const LocalisedFrames& /*localised*/) { return false; }
+  // Does the same with what an agent says that changes nothing.
+  virtual bool SendLocalised(const LocalisedFrames& localised) = 0;
   // Does the same with a picture, which nobody answers: one that was taken may still be lost.
-  virtual bool SendPicture(const KeyframePicture& /*picture*/) { return false; }
-  // Does the same with what an agent says of itself, of which only the newest counts. The default
-  // is for an uplink that carries none.
-  virtual bool SendReport(const AgentReport& /*report*/) { return false; }
+  virtual bool SendPicture(const KeyframePicture& picture) = 0;
+  // Does the same with what an agent says of itself, of which only the newest counts.
+  virtual bool SendReport(const AgentReport& report) = 0;
   // Reads nothing more from the store until ResumeReading, but for what is being read: the listener
   // has no room. Acknowledgements wait, too. May be called by the listener. A transport that brings
   // only what its owner asks for needs neither.

@@ -18,14 +18,8 @@ KeyframeId RootOf(const Map& map) {
 
 bool IsRoot(const Keyframe& keyframe) { return !keyframe.parent.IsValid(); }
 
-}  // namespace
-
-BundleScope LocalBundleScope(const Map& map, KeyframeId centre, LocalMapId own) {
-  if (map.FindKeyframe(centre) == nullptr) return {};
-  absl::btree_set<KeyframeId> near = {centre};
-  for (const CovisibleKeyframe& neighbour : map.Covisible(centre, kMinCovisibility)) {
-    near.insert(neighbour.id);
-  }
+// All of `near` are in the map.
+BundleScope ScopeOf(const Map& map, const absl::btree_set<KeyframeId>& near, LocalMapId own) {
   absl::btree_set<KeyframeId> free;
   absl::btree_set<KeyframeId> fixed;
   for (const KeyframeId id : near) {
@@ -51,6 +45,25 @@ BundleScope LocalBundleScope(const Map& map, KeyframeId centre, LocalMapId own) 
   scope.free_keyframes.assign(free.begin(), free.end());
   scope.fixed_keyframes.assign(fixed.begin(), fixed.end());
   return scope;
+}
+
+}  // namespace
+
+BundleScope LocalBundleScope(const Map& map, KeyframeId centre, LocalMapId own) {
+  if (map.FindKeyframe(centre) == nullptr) return {};
+  absl::btree_set<KeyframeId> near = {centre};
+  for (const CovisibleKeyframe& neighbour : map.Covisible(centre, kMinCovisibility)) {
+    near.insert(neighbour.id);
+  }
+  return ScopeOf(map, near, own);
+}
+
+BundleScope LocalBundleScope(const Map& map, absl::Span<const KeyframeId> centres, LocalMapId own) {
+  absl::btree_set<KeyframeId> near;
+  for (const KeyframeId id : centres) {
+    if (map.FindKeyframe(id) != nullptr) near.insert(id);
+  }
+  return ScopeOf(map, near, own);
 }
 
 BundleScope GlobalBundleScope(const Map& map, absl::Span<const KeyframeId> fixed) {

@@ -23,6 +23,10 @@ struct BundleScope {
 // empty where `centre` is unknown. Where nothing else would be fixed, the oldest free keyframe is.
 BundleScope LocalBundleScope(const Map& map, KeyframeId centre, LocalMapId own);
 
+// Does the same where several are at the centre: free are these of the local map `own`, and `own`
+// points that they see. Those that the map does not have are skipped.
+BundleScope LocalBundleScope(const Map& map, absl::Span<const KeyframeId> centres, LocalMapId own);
+
 // Returns a scope of all keyframes and points. `fixed` are held (those unknown to the map are
 // skipped); where none of them is in the map, its root is.
 BundleScope GlobalBundleScope(const Map& map, absl::Span<const KeyframeId> fixed);

@@ -4,7 +4,9 @@
 
 #include <cctype>
 #include <fstream>
+#include <map>
 #include <set>
+#include <string>
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
@@ -184,6 +186,23 @@ TEST_F(MetricsTest, AreAllThereIsAndNoRequestEndsAProgram) {
     EXPECT_EQ(status("HEAD", "/metrics"), 200) << name;
     EXPECT_EQ(ScrapeOf(name).Count("corbslam_build_info"), 1u) << name;
   }
+}
+
+// Robots' programs sent none once, though every part of the way had a test.
+TEST_F(ObservedMissionTest, TheStoreHasPicturesOfEachRobotsKeyframes) {
+  const json list = Ask("corbslam.v1.MapStore/ListKeyframes",
+                        {{"parent", "missions/lab/localMaps/-"}, {"page_size", 1000}});
+  std::map<std::string, int> with_picture;
+  for (const json& keyframe : list["keyframes"]) {
+    const std::string name = keyframe["name"];
+    const json seen = Ask("corbslam.v1.MapStore/GetKeyframe",
+                          {{"name", name}, {"view", "KEYFRAME_VIEW_PICTURE"}});
+    // What JPEGs begin with, in base 64.
+    if (!absl::StartsWith(seen.value("picture", ""), "/9j/")) continue;
+    ++with_picture[name.substr(0, name.find("/keyframes/"))];
+  }
+  EXPECT_EQ(with_picture.size(), 2u) << "local maps with pictures";
+  for (const auto& [local_map, pictures] : with_picture) EXPECT_GT(pictures, 1) << local_map;
 }
 
 TEST_F(ObservedMissionTest, JsonLogsSayWhoseSessionItIs) {

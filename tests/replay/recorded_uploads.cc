@@ -40,6 +40,9 @@ class RecordingUplink : public Uplink {
     listener_->OnAcknowledged({batch.local_map, batch.number});
     return true;
   }
+  bool SendLocalised(const LocalisedFrames& /*localised*/) override { return false; }
+  bool SendPicture(const KeyframePicture& /*picture*/) override { return false; }
+  bool SendReport(const AgentReport& /*report*/) override { return false; }
   void Close() override { listener_ = nullptr; }
   uint64_t bytes_up() const override { return 0; }
   uint64_t bytes_down() const override { return 0; }

@@ -43,6 +43,7 @@ class FakeUplink : public Uplink {
     if (acknowledge) listener_->OnAcknowledged({batch.local_map, batches.size()});
     return true;
   }
+  bool SendLocalised(const LocalisedFrames& /*localised*/) override { return false; }
   bool SendPicture(const KeyframePicture& picture) override {
     if (!open || !takes_pictures) return false;
     bytes += picture.jpeg.size();

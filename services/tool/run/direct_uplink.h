@@ -23,6 +23,8 @@ class DirectUplink : public Uplink {
   void Open(const SessionRequest& request, UplinkListener* listener) override;
   bool Send(const MapUpdateBatch& batch) override;
   bool SendLocalised(const LocalisedFrames& localised) override;
+  // Agents in lockstep make no pictures.
+  bool SendPicture(const KeyframePicture& /*picture*/) override { return false; }
   bool SendReport(const AgentReport& report) override;
   void Close() override;
   // Returns the size of the messages as the wire would carry them.
