@@ -34,10 +34,9 @@ class FolderPlace : public JournalPlace {
   ~FolderPlace() override { fs::remove_all(root_); }
 
   absl::StatusOr<std::unique_ptr<Journal>> Open(uint64_t min_bytes_between_snapshots) override {
-    auto journal =
-        RocksJournal::Open({.directory = folder_.string(),
-                            .min_bytes_between_snapshots = min_bytes_between_snapshots,
-                            .env = &env_});
+    auto journal = RocksJournal::Open({.directory = folder_.string(),
+                                       .min_bytes_between_snapshots = min_bytes_between_snapshots,
+                                       .env = &env_});
     if (!journal.ok()) return journal.status();
     return *std::move(journal);
   }
