@@ -194,9 +194,9 @@ TEST_F(PostgresFaultsTest, AServerKilledUnderLoadLosesNothingAndDoublesNothing) 
             BatchRecord{
                 "a", std::make_shared<const MapUpdateBatch>(BlankBatch(LocalMapId{7}, number, 20)),
                 absl::UnixEpoch()});
+        if (!appended.ok()) absl::SleepFor(absl::Milliseconds(20));
       } while (!appended.ok());
-      while (!journal_->Sync(kMission, *appended).ok()) {
-      }
+      while (!journal_->Sync(kMission, *appended).ok()) absl::SleepFor(absl::Milliseconds(20));
       acknowledged = number;
     }
   });
@@ -231,16 +231,25 @@ TEST_F(PostgresFaultsTest, AWaitForAStandbyThatIsCancelledIsNoSuccess) {
   ASSERT_TRUE(journal_->Sync(kMission, Append(1, 1)).ok());
   server_.Ask("postgres", "ALTER SYSTEM SET synchronous_standby_names = 'nobody'");
   server_.Ask("postgres", "SELECT pg_reload_conf()");
-  const Journal::Position last = Append(2, 3);
   std::atomic<bool> ends = false;
+  std::atomic<int> cancelled = 0;
   std::thread canceller([&] {
     while (!ends) {
-      server_.Ask("postgres",
-                  "SELECT count(pg_cancel_backend(pid)) FROM pg_stat_activity"
-                  " WHERE wait_event = 'SyncRep'");
-      absl::SleepFor(absl::Milliseconds(50));
+      int count = 0;
+      EXPECT_TRUE(
+          absl::SimpleAtoi(server_.Ask("postgres",
+                                       "SELECT count(pg_cancel_backend(pid)) FROM pg_stat_activity"
+                                       " WHERE wait_event = 'SyncRep'"),
+                           &count));
+      cancelled += count;
+      absl::SleepFor(absl::Milliseconds(20));
     }
   });
+  // The server takes up the setting in its own time.
+  while (cancelled == 0) {
+    ASSERT_TRUE(server_.QueryAll("postgres", {"CREATE TABLE probe ()", "DROP TABLE probe"}).ok());
+  }
+  const Journal::Position last = Append(2, 3);
   // The server then says that it has committed, with a warning.
   const absl::Status synced = journal_->Sync(kMission, last);
   ends = true;

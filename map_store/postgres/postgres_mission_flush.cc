@@ -32,7 +32,8 @@ absl::StatusOr<Journal::Position> PostgresMission::Append(std::shared_ptr<const 
   {
     absl::MutexLock lock(&mutex_);
     RETURN_IF_ERROR(CheckOpen());
-    if (absl::Now() < failed_at_ + kBetweenAttempts) RETURN_IF_ERROR(failure_);
+    const bool is_lasting = absl::IsFailedPrecondition(failure_);
+    if (is_lasting || absl::Now() < failed_at_ + kBetweenAttempts) RETURN_IF_ERROR(failure_);
     must_flush = !failure_.ok() || waiting_bytes_ > kMostWaitingBytes;
   }
   if (must_flush) RETURN_IF_ERROR(FlushAll());

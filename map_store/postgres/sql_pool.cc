@@ -113,8 +113,9 @@ absl::StatusOr<std::vector<SqlResult>> SqlPool::Read(const SqlStatements& statem
   std::vector<SqlResult> results;
   const SqlOutcome outcome = Try([&](SqlConnection& connection) -> SqlOutcome {
     absl::StatusOr<std::vector<SqlResult>> read = connection.Run(statements);
-    if (read.ok()) results = *std::move(read);
-    return {read.status()};
+    if (!read.ok()) return {read.status()};
+    results = *std::move(read);
+    return {absl::OkStatus()};
   });
   RETURN_IF_ERROR(outcome.status);
   return results;
