@@ -11,10 +11,14 @@ namespace {
 
 constexpr char kSelect[] =
     "SELECT state, format, epoch, head, head_group, snapshot_position, snapshot_generation,"
-    " snapshot_bytes FROM corbslam.missions WHERE mission_id = $1";
+    " snapshot_bytes, holder, holder_name,"
+    " coalesce(ceil(extract(epoch FROM lease_until - clock_timestamp()) * 1000), 0)::bigint"
+    " FROM corbslam.missions WHERE mission_id = $1";
 constexpr char kSelectForUpdate[] =
     "SELECT state, format, epoch, head, head_group, snapshot_position, snapshot_generation,"
-    " snapshot_bytes FROM corbslam.missions WHERE mission_id = $1 FOR UPDATE";
+    " snapshot_bytes, holder, holder_name,"
+    " coalesce(ceil(extract(epoch FROM lease_until - clock_timestamp()) * 1000), 0)::bigint"
+    " FROM corbslam.missions WHERE mission_id = $1 FOR UPDATE";
 
 }  // namespace
 
@@ -24,13 +28,15 @@ int64_t DrawRowId() {
   return static_cast<int64_t>(drawn >> 1) | 1;
 }
 
-SqlStatement InsertMissionRow(int64_t id, const std::string* name, MissionStage stage) {
+SqlStatement InsertMissionRow(int64_t id, const std::string* name, MissionStage stage,
+                              const MissionHolder& holder) {
   return {
-      "INSERT INTO corbslam.missions (mission_id, name, state, format, epoch, head, head_group,"
-      " snapshot_position, snapshot_generation, snapshot_bytes, bytes)"
-      " VALUES ($1, $2, $3, $4, 1, 0, 0, 0, 0, 0, 0) ON CONFLICT DO NOTHING",
+      "INSERT INTO corbslam.missions (mission_id, name, state, format, epoch, holder,"
+      " holder_name, head, head_group, snapshot_position, snapshot_generation, snapshot_bytes,"
+      " bytes) VALUES ($1, $2, $3, $4, 1, $5, $6, 0, 0, 0, 0, 0, 0) ON CONFLICT DO NOTHING",
       {SqlValue::Number(id), name == nullptr ? SqlValue::Null() : SqlValue::Text(*name),
-       SqlValue::Number(static_cast<int64_t>(stage)), SqlValue::Number(kJournalFormat)}};
+       SqlValue::Number(static_cast<int64_t>(stage)), SqlValue::Number(kJournalFormat),
+       SqlValue::Number(holder.id), SqlValue::Text(holder.name)}};
 }
 
 SqlStatement SelectMissionRow(int64_t id) { return {kSelect, {SqlValue::Number(id)}}; }
@@ -46,6 +52,9 @@ absl::StatusOr<MissionRow> MissionRowOf(const SqlResult& result) {
   row.snapshot_position = result.Bits(0, 5);
   row.snapshot_generation = result.Number(0, 6);
   row.snapshot_bytes = result.Bits(0, 7);
+  row.holder = result.Number(0, 8);
+  row.holder_name = result.Text(0, 9);
+  row.lease_left = absl::Milliseconds(result.Number(0, 10));
   return row;
 }
 

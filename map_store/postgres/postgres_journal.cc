@@ -20,7 +20,9 @@ namespace corbslam::map_store {
 
 PostgresJournal::PostgresJournal(const PostgresJournalOptions& options,
                                  std::unique_ptr<SqlPool> pool)
-    : options_(options), pool_(std::move(pool)) {}
+    : options_(options),
+      pool_(std::move(pool)),
+      holder_{DrawRowId(), options.holder_name, options.lease} {}
 
 absl::StatusOr<std::unique_ptr<PostgresJournal>> PostgresJournal::Open(
     const PostgresJournalOptions& options) {
@@ -44,6 +46,7 @@ PostgresJournal::~PostgresJournal() {
     const absl::Status flushed = mission->FlushOlderThan(absl::InfiniteFuture());
     LOG_IF(WARNING, !flushed.ok()) << "what nobody was told of is lost: " << flushed;
   }
+  if (options_.lease > absl::ZeroDuration()) Hold(absl::ZeroDuration());
 }
 
 absl::Status PostgresJournal::FindMissions() {
@@ -59,7 +62,8 @@ absl::Status PostgresJournal::FindMissions() {
     known.is_aside = read.front().Number(i, 2) == static_cast<int64_t>(MissionStage::kAside);
     known.bytes = read.front().Bits(i, 3);
     const std::string name = read.front().Text(i, 1);
-    missions_[name] = std::make_shared<PostgresMission>(name, options_, pool_.get(), known);
+    missions_[name] =
+        std::make_shared<PostgresMission>(name, options_, pool_.get(), holder_, known);
   }
   return absl::OkStatus();
 }
@@ -93,7 +97,8 @@ PostgresJournal::MissionPtr PostgresJournal::FindOrBegin(absl::string_view name)
   if (mission == nullptr) {
     PostgresMission::Known known;
     known.id = DrawRowId();
-    mission = std::make_shared<PostgresMission>(std::string(name), options_, pool_.get(), known);
+    mission =
+        std::make_shared<PostgresMission>(std::string(name), options_, pool_.get(), holder_, known);
   }
   return mission;
 }
@@ -106,30 +111,54 @@ std::vector<PostgresJournal::MissionPtr> PostgresJournal::All() const {
 }
 
 void PostgresJournal::Tend() {
+  const bool has_lease = options_.lease > absl::ZeroDuration();
+  const absl::Duration at_rest = has_lease ? options_.lease / 3 : absl::InfiniteDuration();
   const auto has_work = [this]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
     return stops_ || has_waiting_ || has_deleted_;
   };
   while (true) {
+    bool flushes = false;
     bool sweeps = false;
     {
       absl::MutexLock lock(&mutex_);
-      mutex_.Await(absl::Condition(&has_work));
-      mutex_.AwaitWithTimeout(absl::Condition(&stops_), options_.flush_after);
+      if (mutex_.AwaitWithTimeout(absl::Condition(&has_work), at_rest)) {
+        mutex_.AwaitWithTimeout(absl::Condition(&stops_), std::min(options_.flush_after, at_rest));
+      }
       if (stops_) return;
+      flushes = std::exchange(has_waiting_, false);
       sweeps = std::exchange(has_deleted_, false);
-      has_waiting_ = false;
     }
-    for (const MissionPtr& mission : All()) {
-      const absl::Status flushed = mission->FlushOlderThan(absl::Now());
-      LOG_IF(WARNING, !flushed.ok()) << "records wait: " << flushed;
-    }
-    if (!sweeps) continue;
-    const absl::Status swept = RemoveDeletedRows(*pool_, [this] {
-      absl::MutexLock lock(&mutex_);
-      return !stops_;
-    });
-    LOG_IF(WARNING, !swept.ok()) << "rows of deleted missions are left for now: " << swept;
+    if (has_lease) Hold(options_.lease);
+    if (flushes) FlushWaiting();
+    if (sweeps) Sweep();
   }
+}
+
+void PostgresJournal::FlushWaiting() {
+  for (const MissionPtr& mission : All()) {
+    const absl::Status flushed = mission->FlushOlderThan(absl::Now());
+    LOG_IF(WARNING, !flushed.ok()) << "records wait: " << flushed;
+  }
+}
+
+void PostgresJournal::Sweep() {
+  const absl::Status swept = RemoveDeletedRows(*pool_, [this] {
+    absl::MutexLock lock(&mutex_);
+    return !stops_;
+  });
+  LOG_IF(WARNING, !swept.ok()) << "rows of deleted missions are left for now: " << swept;
+}
+
+void PostgresJournal::Hold(absl::Duration lease) {
+  const absl::Status held =
+      pool_
+          ->WriteAgain({{"UPDATE corbslam.missions SET lease_until = CASE WHEN $2 > 0"
+                         " THEN clock_timestamp() + $2 * interval '1 millisecond' END"
+                         " WHERE holder = $1 AND state = 0",
+                         {SqlValue::Number(holder_.id),
+                          SqlValue::Number(absl::ToInt64Milliseconds(lease))}}})
+          .status();
+  LOG_IF(WARNING, !held.ok()) << "the missions' leases are not prolonged: " << held;
 }
 
 void PostgresJournal::Prepare(BatchRecord& record) const { record.bytes = EncodeBatch(record); }

@@ -15,6 +15,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "absl/synchronization/mutex.h"
+#include "map_store/postgres/mission_row.h"
 #include "map_store/postgres/postgres_options.h"
 #include "map_store/records/journal.h"
 
@@ -67,11 +68,17 @@ class PostgresJournal : public Journal {
   absl::StatusOr<MissionPtr> Find(absl::string_view name) const ABSL_LOCKS_EXCLUDED(mutex_);
   MissionPtr FindOrBegin(absl::string_view name) ABSL_LOCKS_EXCLUDED(mutex_);
   std::vector<MissionPtr> All() const ABSL_LOCKS_EXCLUDED(mutex_);
-  // Writes what waits too long, and removes the rows of deleted missions.
+  // Writes what waits too long, removes the rows of deleted missions, and says that this process
+  // lives.
   void Tend() ABSL_LOCKS_EXCLUDED(mutex_);
+  void FlushWaiting() ABSL_LOCKS_EXCLUDED(mutex_);
+  void Sweep() ABSL_LOCKS_EXCLUDED(mutex_);
+  // Holds the missions for `lease` from now on; zero: lets go of them.
+  void Hold(absl::Duration lease);
 
   const PostgresJournalOptions options_;
   const std::unique_ptr<SqlPool> pool_;
+  const MissionHolder holder_;
 
   mutable absl::Mutex mutex_;
   std::map<std::string, MissionPtr, std::less<>> missions_ ABSL_GUARDED_BY(mutex_);

@@ -22,10 +22,11 @@ uint64_t SummaryChecksum(const std::string& summary) {
 }  // namespace
 
 PostgresMission::PostgresMission(std::string name, const PostgresJournalOptions& options,
-                                 SqlPool* pool, const Known& known)
+                                 SqlPool* pool, const MissionHolder& holder, const Known& known)
     : name_(std::move(name)),
       options_(options),
       pool_(*pool),
+      holder_(holder),
       id_(known.id),
       is_loaded_(!known.is_made),
       is_made_(known.is_made),
@@ -90,7 +91,8 @@ absl::Status PostgresMission::PutAside(absl::string_view summary) {
       pool_
           .WriteAgain(
               {{"UPDATE corbslam.missions SET state = 3, summary = $3,"
-                " summary_checksum = $4, bytes = $5 WHERE mission_id = $1 AND epoch = $2",
+                " summary_checksum = $4, bytes = $5, lease_until = NULL WHERE mission_id = $1 AND "
+                "epoch = $2",
                 {Id(), SqlValue::Number(epoch), SqlValue::Bytes(std::string(summary)),
                  SqlValue::Bits(SummaryChecksum(std::string(summary))), SqlValue::Bits(bytes)}}})
           .status());
@@ -136,7 +138,7 @@ absl::Status PostgresMission::DeleteRow(int64_t epoch) {
   // A row whose making is in the air would come to be after its deletion: the insertion waits for
   // it.
   ASSIGN_OR_RETURN(const std::vector<SqlResult> results,
-                   pool_.WriteAgain({InsertMissionRow(id_, &name_, MissionStage::kInUse),
+                   pool_.WriteAgain({InsertMissionRow(id_, &name_, MissionStage::kInUse, holder_),
                                      {"UPDATE corbslam.missions SET name = NULL, state = 2"
                                       " WHERE mission_id = $1 AND (epoch = $2 OR $2 = 0)",
                                       {Id(), SqlValue::Number(epoch)}},

@@ -30,7 +30,8 @@ namespace corbslam::map_store {
 
 // Does for one mission what Journal says; all errors name the database and the mission. Besides
 // Journal's errors, FAILED_PRECONDITION: another process writes into the mission, or has deleted
-// it; this one does not any more, until it reads the mission anew. Thread-safe.
+// it; this one does not any more, until it reads the mission anew. UNAVAILABLE: another process
+// holds it (PostgresJournalOptions::lease). Thread-safe.
 class PostgresMission {
  public:
   using Position = Journal::Position;
@@ -45,7 +46,7 @@ class PostgresMission {
 
   // `pool` must outlive it.
   PostgresMission(std::string name, const PostgresJournalOptions& options, SqlPool* pool,
-                  const Known& known);
+                  const MissionHolder& holder, const Known& known);
 
   absl::StatusOr<Position> Append(std::shared_ptr<const BatchBytes> bytes,
                                   const std::vector<KeyframeId>& removed)
@@ -94,6 +95,8 @@ class PostgresMission {
   absl::Status EnsureLoaded(bool wakes = false) ABSL_LOCKS_EXCLUDED(loading_, mutex_);
   absl::Status Load() ABSL_EXCLUSIVE_LOCKS_REQUIRED(loading_) ABSL_LOCKS_EXCLUDED(mutex_);
   absl::StatusOr<MissionRow> TakeOver() ABSL_LOCKS_EXCLUDED(mutex_);
+  // Returns UNAVAILABLE while another process holds it.
+  absl::Status CheckHeld(const MissionRow& row) const;
   absl::Status LoadContents(const MissionRow& row) ABSL_LOCKS_EXCLUDED(mutex_);
   absl::Status CheckOpen() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
@@ -140,6 +143,7 @@ class PostgresMission {
   const std::string name_;
   const PostgresJournalOptions options_;
   SqlPool& pool_;
+  const MissionHolder holder_;
   const int64_t id_;
 
   // Held while the mission is read for the first time.

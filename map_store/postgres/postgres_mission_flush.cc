@@ -116,7 +116,7 @@ SqlOutcome PostgresMission::WriteGroup(SqlConnection& connection) {
   SqlStatements before;
   {
     absl::MutexLock lock(&mutex_);
-    if (!is_made_) before.push_back(InsertMissionRow(id_, &name_, MissionStage::kInUse));
+    if (!is_made_) before.push_back(InsertMissionRow(id_, &name_, MissionStage::kInUse, holder_));
   }
   const absl::StatusOr<MissionRow> row = LockMissionRow(connection, id_, before);
   if (absl::IsNotFound(row.status())) {
@@ -150,9 +150,9 @@ absl::Status PostgresMission::CheckTurn(const MissionRow& row) const {
     return absl::FailedPreconditionError("another process has deleted it");
   }
   if (row.epoch == epoch_) return absl::OkStatus();
-  return absl::FailedPreconditionError(absl::StrCat("another process has taken it over, in epoch ",
-                                                    row.epoch, "; this one had it in epoch ",
-                                                    epoch_, " and writes nothing more"));
+  return absl::FailedPreconditionError(
+      absl::StrCat("another process (", row.holder_name, ") has taken it over, in epoch ",
+                   row.epoch, "; this one had it in epoch ", epoch_, " and writes nothing more"));
 }
 
 absl::Status PostgresMission::Settle(const MissionRow& row) {
@@ -225,9 +225,11 @@ SqlStatements PostgresMission::StatementsOf(const Group& group) const {
     AddPictureRemovals(record.gone, statements);
   }
   statements.push_back(
-      {"UPDATE corbslam.missions SET head = $2, head_group = $3, bytes = $4 WHERE mission_id = $1",
+      {"UPDATE corbslam.missions SET head = $2, head_group = $3, bytes = $4, lease_until ="
+       " CASE WHEN $5 > 0 THEN clock_timestamp() + $5 * interval '1 millisecond' END"
+       " WHERE mission_id = $1",
        {Id(), SqlValue::Bits(group.last), SqlValue::Number(group.id),
-        SqlValue::Bits(group.mission_bytes)}});
+        SqlValue::Bits(group.mission_bytes), holder_.LeaseMilliseconds()}});
   return statements;
 }
 

@@ -86,6 +86,13 @@ absl::Status PostgresMission::Load() {
   return absl::OkStatus();
 }
 
+absl::Status PostgresMission::CheckHeld(const MissionRow& row) const {
+  if (row.holder == holder_.id || row.lease_left <= absl::ZeroDuration()) return absl::OkStatus();
+  return absl::UnavailableError(absl::StrCat("another process (", row.holder_name,
+                                             ") holds it for another ",
+                                             absl::FormatDuration(row.lease_left)));
+}
+
 absl::StatusOr<MissionRow> PostgresMission::TakeOver() {
   MissionRow row;
   const SqlOutcome outcome = pool_.Try([&](SqlConnection& connection) -> SqlOutcome {
@@ -95,16 +102,22 @@ absl::StatusOr<MissionRow> PostgresMission::TakeOver() {
     }
     if (!locked.ok()) return {locked.status()};
     row = *locked;
-    if (const absl::Status readable = CheckRowFormat(row.format); !readable.ok()) {
+    absl::Status mine = CheckRowFormat(row.format);
+    mine.Update(CheckHeld(row));
+    if (!mine.ok()) {
       connection.Rollback();
-      return {readable};
+      return {mine};
     }
     ++row.epoch;
     // Once this lasts, so does all that is read afterwards.
     return connection.Commit(
         {{"UPDATE corbslam.missions SET epoch = $2, format = $3, state = 0, summary = NULL,"
-          " summary_checksum = NULL WHERE mission_id = $1",
-          {Id(), SqlValue::Number(row.epoch), SqlValue::Number(kJournalFormat)}}});
+          " summary_checksum = NULL, holder = $4, holder_name = $5, lease_until ="
+          " CASE WHEN $6 > 0 THEN clock_timestamp() + $6 * interval '1 millisecond' END"
+          " WHERE mission_id = $1",
+          {Id(), SqlValue::Number(row.epoch), SqlValue::Number(kJournalFormat),
+           SqlValue::Number(holder_.id), SqlValue::Text(holder_.name),
+           holder_.LeaseMilliseconds()}}});
   });
   RETURN_IF_ERROR(outcome.status);
   return row;

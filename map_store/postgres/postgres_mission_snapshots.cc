@@ -123,7 +123,8 @@ absl::Status PostgresMission::WriteFeatures(const MissionState& state) {
 
 absl::Status PostgresMission::WriteNewMission(const MissionState& state) {
   RETURN_IF_ERROR(
-      pool_.WriteAgain({InsertMissionRow(id_, nullptr, MissionStage::kBeingMade)}).status());
+      pool_.WriteAgain({InsertMissionRow(id_, nullptr, MissionStage::kBeingMade, holder_)})
+          .status());
   RETURN_IF_ERROR(WriteFeatures(state));
   const JournalSnapshot snapshot = TakeSnapshot(state);
   const int64_t generation = DrawRowId();
@@ -132,10 +133,13 @@ absl::Status PostgresMission::WriteNewMission(const MissionState& state) {
       pool_
           .WriteAgain(
               {{"UPDATE corbslam.missions SET name = $2, state = 0, head = $3, head_group = $4,"
-                " snapshot_position = $3, snapshot_generation = $4, snapshot_bytes = $5"
+                " snapshot_position = $3, snapshot_generation = $4, snapshot_bytes = $5,"
+                " lease_until = CASE WHEN $6 > 0"
+                " THEN clock_timestamp() + $6 * interval '1 millisecond' END"
                 " WHERE mission_id = $1",
                 {Id(), SqlValue::Text(name_), SqlValue::Bits(kFirstPosition),
-                 SqlValue::Number(generation), SqlValue::Bits(snapshot.state.size())}}})
+                 SqlValue::Number(generation), SqlValue::Bits(snapshot.state.size()),
+                 holder_.LeaseMilliseconds()}}})
           .status());
   absl::MutexLock lock(&mutex_);
   is_made_ = true;

@@ -31,6 +31,11 @@ struct PostgresJournalOptions {
   absl::Duration lock_timeout = absl::Seconds(10);
   // What was appended and nobody waits for is written after so long.
   absl::Duration flush_after = absl::Seconds(1);
+  // This process holds the missions that it uses, and others may take one over once it has not said
+  // for so long that it lives; zero: at once.
+  absl::Duration lease = absl::ZeroDuration();
+  // The process, for people.
+  std::string holder_name = "a map store";
 };
 
 // Keywords of a connection, as PQconnectdbParams takes them.

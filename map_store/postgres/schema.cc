@@ -26,13 +26,17 @@ CREATE TABLE IF NOT EXISTS corbslam.schema_versions (
 );
 
 -- A mission: state 0 in use, 1 being made, 2 deleted, 3 aside. head is the position of its last
--- record, and head_group names the transaction that wrote it. Who writes has the epoch.
+-- record, and head_group names the transaction that wrote it. Who writes has the epoch, and the
+-- holder's name is for people; until lease_until, by this database's clock, nobody else takes it.
 CREATE TABLE IF NOT EXISTS corbslam.missions (
   mission_id bigint PRIMARY KEY,
   name text UNIQUE,
   state bigint NOT NULL,
   format bigint NOT NULL,
   epoch bigint NOT NULL,
+  holder bigint NOT NULL,
+  holder_name text NOT NULL,
+  lease_until timestamptz,
   head bigint NOT NULL,
   head_group bigint NOT NULL,
   snapshot_position bigint NOT NULL,

@@ -1,5 +1,6 @@
 #include "map_store/testing/cutting_proxy.h"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
 #include <netinet/in.h>
 #include <poll.h>
@@ -40,14 +41,15 @@ bool WriteAll(int fd, const std::string& bytes) {
 }  // namespace
 
 CuttingProxy::CuttingProxy(int server_port) : server_port_(server_port) {
-  listener_ = socket(AF_INET, SOCK_STREAM, 0);
+  // A server that a test starts must not hold what is closed here.
+  listener_ = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
   sockaddr_in address = Loopback(0);
   socklen_t size = sizeof(address);
   EXPECT_EQ(bind(listener_, reinterpret_cast<sockaddr*>(&address), size), 0);
   EXPECT_EQ(listen(listener_, 16), 0);
   EXPECT_EQ(getsockname(listener_, reinterpret_cast<sockaddr*>(&address), &size), 0);
   port_ = ntohs(address.sin_port);
-  EXPECT_EQ(pipe(wake_), 0);
+  EXPECT_EQ(pipe2(wake_, O_CLOEXEC), 0);
   thread_ = std::thread([this] { Run(); });
 }
 
@@ -83,8 +85,8 @@ CuttingProxy::Moment CuttingProxy::Judge(const std::string& bytes) {
 
 void CuttingProxy::Accept() {
   Pair pair;
-  pair.client = accept(listener_, nullptr, nullptr);
-  pair.server = socket(AF_INET, SOCK_STREAM, 0);
+  pair.client = accept4(listener_, nullptr, nullptr, SOCK_CLOEXEC);
+  pair.server = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
   sockaddr_in address = Loopback(server_port_);
   if (connect(pair.server, reinterpret_cast<sockaddr*>(&address), sizeof(address)) == 0) {
     pairs_.push_back(pair);

@@ -211,6 +211,10 @@ std::vector<Setting> PlaceRows(Flags& flags) {
        {.unit = "postgres:URI"}},
       {"--journal-password-file", &flags.journal.password_file,
        "File with the database's password alone, read again for each connection", kRare},
+      {"--journal-lease", &flags.journal.lease_s,
+       "Seconds without a sign of life after which another store may take over the missions that "
+       "this one uses, at least 3; 0: at once",
+       RareWithin(0, 3600)},
       {"--min-free-mb", &flags.journal.min_free_mb,
        "MiB that are left free on its disk; with less, agents are told to wait",
        RareWithin(0, 1 << 20)},

@@ -1,6 +1,7 @@
 #include "services/programs/store_journal.h"
 
 #include <glog/logging.h>
+#include <unistd.h>
 
 #include <utility>
 
@@ -23,12 +24,20 @@ namespace {
 
 constexpr char kPostgres[] = "postgres:";
 
+std::string NameOfThisProcess() {
+  char host[256] = "";
+  return gethostname(host, sizeof(host) - 1) == 0 ? absl::StrCat("process ", getpid(), " of ", host)
+                                                  : absl::StrCat("process ", getpid());
+}
+
 PostgresJournalOptions PostgresOptionsOf(const JournalFlags& flags) {
   PostgresJournalOptions options;
   // postgres://HOST/DATABASE is a URI by itself.
   const bool is_whole = absl::StartsWith(flags.journal, "postgres://");
   options.uri = is_whole ? flags.journal : std::string(absl::StripPrefix(flags.journal, kPostgres));
   options.password_file = flags.password_file;
+  options.lease = absl::Seconds(flags.lease_s);
+  options.holder_name = NameOfThisProcess();
   return options;
 }
 
@@ -44,6 +53,10 @@ absl::Status CheckJournalFlags(const JournalFlags& flags) {
   if (!flags.data_dir.empty()) {
     return absl::InvalidArgumentError(
         "--journal and --data-dir exclude each other: a store keeps its missions in one of them");
+  }
+  if (flags.lease_s != 0 && flags.lease_s < 3) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("--journal-lease is ", flags.lease_s, ", must be 0 or at least 3"));
   }
   if (!absl::StartsWith(flags.journal, kPostgres)) {
     return absl::InvalidArgumentError(

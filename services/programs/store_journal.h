@@ -17,6 +17,7 @@ struct JournalFlags {
   std::string data_dir = {};  // Empty: no journal on a disk of this machine.
   std::string journal = {};   // postgres:URI; empty: none in a database.
   std::string password_file = {};
+  double lease_s = 0;  // 0: another store takes a database's missions over at once.
   uint64_t min_free_mb = map_store::RocksJournalOptions().min_free_bytes >> 20;
 };
 

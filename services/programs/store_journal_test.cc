@@ -24,6 +24,7 @@ TEST(StoreJournalTest, ADatabaseIsNamedByAUriWithoutSecrets) {
     EXPECT_EQ(Wrong({.journal = journal}), "") << journal;
     EXPECT_EQ(DescribeJournal({.journal = journal}), "postgres db1:5432/x") << journal;
   }
+  EXPECT_THAT(Wrong({.journal = "postgres://db1/x", .lease_s = 1}), HasSubstr("at least 3"));
   EXPECT_THAT(Wrong({.journal = "mysql://db1/x"}), HasSubstr("--journal must be postgres:URI"));
   EXPECT_THAT(Wrong({.journal = "postgres:host=db1 sslmod=require"}), HasSubstr("sslmod"));
   const std::string secret = Wrong({.journal = "postgres://corbslam:hush@db1/x"});
