@@ -7,6 +7,7 @@
 #include <string>
 
 #include "absl/time/clock.h"
+#include "map_store/archive/state_archive.h"
 #include "map_store/postgres/postgres_journal.h"
 #include "map_store/testing/feature_mission.h"
 #include "map_store/testing/postgres_server.h"
@@ -77,6 +78,10 @@ TEST_F(PostgresLeaseTest, AHolderThatWasSilentTooLongWritesNothingOnceAnotherOne
   EXPECT_TRUE(absl::IsFailedPrecondition(lost)) << lost;
   EXPECT_THAT(std::string(lost.message()), HasSubstr("(other) has taken it over, in epoch 2"));
   EXPECT_EQ(Head(), "2");
+  JournalSnapshot snapshot = TakeSnapshot(MakeFeatureMission(kHeld, 1, 10));
+  snapshot.position = 2;
+  EXPECT_FALSE(silent->WriteSnapshot(kHeld, snapshot).ok());
+  EXPECT_EQ(server_.Ask(database_, "SELECT count(*) FROM corbslam.snapshots"), "0");
   EXPECT_TRUE(Write(*other).ok());
   EXPECT_EQ(Head(), "3");
 }

@@ -118,6 +118,8 @@ class PostgresMission {
   // Epoch 0 stands for any.
   absl::Status DeleteRow(int64_t epoch);
   absl::Status WritePieces(absl::string_view state, int64_t generation);
+  // Removes the pieces of a snapshot that has no turn: the mission is another one's.
+  void DropPieces(int64_t generation);
   absl::Status WriteFeatures(const MissionState& state);
   absl::Status WriteNewMission(const MissionState& state);
   // Puts a snapshot that is written in the place of the records.

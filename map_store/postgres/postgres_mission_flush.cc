@@ -87,6 +87,7 @@ absl::Status PostgresMission::Flush(Position position) {
   const uint64_t failures = failures_;
   while (synced_ < position) {
     if (absl::IsFailedPrecondition(failure_)) return failure_;
+    if (is_deleted_) return CheckOpen();
     if (is_flushing_) {
       flushed_.Wait(&mutex_);
       // The attempt of another one serves all who waited for it.

@@ -48,7 +48,7 @@ absl::Status PostgresMission::PutPicture(const KeyframePicture& picture, uint64_
   statements.push_back(
       {"INSERT INTO corbslam.pictures (mission_id, local_map, keyframe, ordinal, scale, size,"
        " checksum, bytes) SELECT $1, $2, $3, $4, $5, $6, $7, $8 FROM corbslam.missions"
-       " WHERE mission_id = $1 AND epoch = $9 ON CONFLICT DO NOTHING",
+       " WHERE mission_id = $1 AND epoch = $9 AND state = 0 ON CONFLICT DO NOTHING",
        {Id(), SqlValue::Bits(picture.keyframe.local_map.value),
         SqlValue::Number(picture.keyframe.index), SqlValue::Bits(added.order),
         SqlValue::Bits(std::bit_cast<uint64_t>(picture.scale)), SqlValue::Bits(bytes),

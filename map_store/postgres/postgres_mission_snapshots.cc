@@ -39,6 +39,17 @@ absl::Status PostgresMission::WritePieces(absl::string_view state, int64_t gener
   return absl::OkStatus();
 }
 
+void PostgresMission::DropPieces(int64_t generation) {
+  // The turn may have been done before its answer was lost.
+  pool_
+      .WriteAgain({{"DELETE FROM corbslam.snapshots WHERE mission_id = $1 AND generation = $2"
+                    " AND NOT EXISTS (SELECT 1 FROM corbslam.missions WHERE mission_id = $1"
+                    " AND snapshot_generation = $2)",
+                    {Id(), SqlValue::Number(generation)}}})
+      .status()
+      .IgnoreError();
+}
+
 SqlOutcome PostgresMission::Turn(SqlConnection& connection, const JournalSnapshot& snapshot,
                                  int64_t generation, const SqlStatements& drops) {
   const absl::StatusOr<MissionRow> row = LockMissionRow(connection, id_);
@@ -94,6 +105,7 @@ absl::Status PostgresMission::WriteSnapshot(const JournalSnapshot& snapshot) {
   AddPictureRemovals(gone, drops);
   const SqlOutcome outcome = pool_.Try(
       [&](SqlConnection& connection) { return Turn(connection, snapshot, generation, drops); });
+  if (absl::IsFailedPrecondition(outcome.status)) DropPieces(generation);
   RETURN_IF_ERROR(Name(outcome.status));
   absl::MutexLock lock(&mutex_);
   contents_.NoteSnapshot(snapshot.position, snapshot.state.size(), unneeded);

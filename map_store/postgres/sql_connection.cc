@@ -104,9 +104,11 @@ absl::Status SqlConnection::ToError(const pg_result* result) {
   const std::string sqlstate = FieldOf(result, PG_DIAG_SQLSTATE);
   // A server that only reads, or is about to go, is not the primary any more.
   if (sqlstate == "25006" || absl::StartsWith(sqlstate, "57P")) is_broken_ = true;
-  const std::string text = OneLine(PQresultErrorMessage(result));
-  return absl::Status(sqlstate.empty() ? absl::StatusCode::kUnavailable : CodeOf(sqlstate),
-                      sqlstate.empty() ? text : absl::StrCat(text, " (SQLSTATE ", sqlstate, ")"));
+  if (sqlstate.empty()) return absl::UnavailableError(OneLine(PQresultErrorMessage(result)));
+  const std::string detail = FieldOf(result, PG_DIAG_MESSAGE_DETAIL);
+  return absl::Status(CodeOf(sqlstate), absl::StrCat(FieldOf(result, PG_DIAG_MESSAGE_PRIMARY),
+                                                     detail.empty() ? "" : ": ", detail,
+                                                     " (SQLSTATE ", sqlstate, ")"));
 }
 
 bool SqlConnection::AwaitSocket(bool writes, absl::Time until) {

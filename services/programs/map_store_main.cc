@@ -208,7 +208,7 @@ std::vector<Setting> PlaceRows(Flags& flags) {
       {"--journal",
        &flags.journal.journal,
        "Database that keeps the missions instead: postgres:URI, as libpq takes it",
-       {.unit = "postgres:URI"}},
+       {.unit = "URI"}},
       {"--journal-password-file", &flags.journal.password_file,
        "File with the database's password alone, read again for each connection", kRare},
       {"--journal-lease", &flags.journal.lease_s,
