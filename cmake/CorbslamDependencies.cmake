@@ -11,6 +11,7 @@ find_package(OpenSSL 3.0 REQUIRED)
 find_package(PkgConfig REQUIRED)
 pkg_check_modules(GRPCPP REQUIRED IMPORTED_TARGET grpc++)
 pkg_check_modules(ROCKSDB REQUIRED IMPORTED_TARGET rocksdb)
+pkg_check_modules(LIBPQ REQUIRED IMPORTED_TARGET libpq)
 pkg_check_modules(PROTOBUF REQUIRED IMPORTED_TARGET protobuf)
 # Live cameras; without it robots play recordings alone.
 pkg_check_modules(GSTREAMER gstreamer-app-1.0>=1.20 gstreamer-video-1.0)

@@ -21,7 +21,7 @@
 #include "map_store/rocks/backup_note.h"
 #include "map_store/rocks/journal_options.h"
 #include "map_store/rocks/log_file_check.h"
-#include "map_store/rocks/mission_contents.h"
+#include "map_store/records/mission_contents.h"
 
 namespace rocksdb {
 class DB;

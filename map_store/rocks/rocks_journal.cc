@@ -3,10 +3,9 @@
 #include <glog/logging.h>
 
 #include <utility>
-#include <variant>
 
 #include "absl/strings/str_cat.h"
-#include "map_store/archive/feature_archive.h"
+#include "map_store/archive/batch_bytes.h"
 #include "map_store/archive/record_archive.h"
 #include "map_store/rocks/files_check.h"
 #include "map_store/rocks/journal_scrubber.h"
@@ -17,33 +16,6 @@
 #include "slam/util/status_macros.h"
 
 namespace corbslam::map_store {
-namespace {
-
-std::shared_ptr<const BatchBytes> EncodeBatch(const BatchRecord& record) {
-  auto bytes = std::make_shared<BatchBytes>();
-  bytes->record = map_store::EncodeRecord(record);
-  for (const FullKeyframe& keyframe : record.batch->full_keyframes) {
-    bytes->features.emplace_back(keyframe.payload->id,
-                                 map_store::EncodeFeatures(*keyframe.payload));
-  }
-  return bytes;
-}
-
-// Returns what is to be written of the record; only batches have features.
-std::shared_ptr<const BatchBytes> BytesOf(const JournalRecord& record) {
-  if (const auto* batch = std::get_if<BatchRecord>(&record)) {
-    return batch->bytes != nullptr ? batch->bytes : EncodeBatch(*batch);
-  }
-  return std::make_shared<const BatchBytes>(BatchBytes{map_store::EncodeRecord(record), {}});
-}
-
-uint64_t SizeOf(const BatchBytes& bytes) {
-  uint64_t size = bytes.record.size();
-  for (const auto& [id, features] : bytes.features) size += features.size();
-  return size;
-}
-
-}  // namespace
 
 RocksJournal::~RocksJournal() {
   if (tidier_ != nullptr) tidier_->Stop();

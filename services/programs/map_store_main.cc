@@ -13,7 +13,6 @@
 #include "absl/strings/str_join.h"
 #include "fusion_worker/local_fusion_worker.h"
 #include "map_store/mission/mission_load.h"
-#include "map_store/rocks/rocks_journal.h"
 #include "map_store/store/map_store.h"
 #include "services/command_line/setting.h"
 #include "services/convert/resource_names.h"
@@ -26,6 +25,7 @@
 #include "services/programs/program.h"
 #include "services/programs/start_lines.h"
 #include "services/programs/store_backups.h"
+#include "services/programs/store_journal.h"
 #include "services/programs/store_observers.h"
 #include "services/programs/store_workers.h"
 #include "services/security/flags.h"
@@ -39,12 +39,8 @@
 namespace corbslam::services {
 
 using fusion_worker::MakeLocalFusionWorker;
-using map_store::InMemoryJournal;
-using map_store::Journal;
 using map_store::MapStore;
 using map_store::MapStoreOptions;
-using map_store::RocksJournal;
-using map_store::RocksJournalOptions;
 
 namespace {
 
@@ -63,8 +59,7 @@ struct Flags {
   std::vector<std::string> workers;
   bool in_process_worker = false;
   std::string vocabulary = DefaultVocabularyPath();
-  std::string data_dir;
-  uint64_t min_free_mb = RocksJournalOptions().min_free_bytes >> 20;
+  JournalFlags journal;
   BackupFlags backup;
   // Nullopt: DefaultMemoryBudget().
   std::optional<uint64_t> memory_budget_bytes;
@@ -94,21 +89,6 @@ absl::StatusOr<std::unique_ptr<FusionWorker>> MakeWorker(const Flags& flags) {
   return ConnectWorkers(flags.workers, flags.security);
 }
 
-// Sets `rocks` to the journal if it is one on a disk.
-absl::StatusOr<std::unique_ptr<Journal>> OpenJournal(const Flags& flags, RocksJournal** rocks) {
-  if (flags.data_dir.empty()) {
-    LOG(WARNING) << "no --data-dir: missions are kept in memory and end with this process";
-    return std::make_unique<InMemoryJournal>();
-  }
-  RocksJournalOptions options;
-  options.directory = flags.data_dir;
-  options.min_free_bytes = flags.min_free_mb << 20;
-  options.scrub_bytes_per_s = static_cast<uint64_t>(flags.backup.scrub_mb_per_s * 1e6);
-  ASSIGN_OR_RETURN(std::unique_ptr<RocksJournal> journal, RocksJournal::Open(options));
-  *rocks = journal.get();
-  return journal;
-}
-
 std::vector<absl::Status> CheckWorkers(const Flags& flags) {
   std::vector<absl::Status> found;
   for (const std::string& worker : flags.workers) {
@@ -128,8 +108,8 @@ std::vector<absl::Status> Check(const Flags& flags) {
   };
   const std::vector<absl::Status> workers = CheckWorkers(flags);
   found.insert(found.end(), workers.begin(), workers.end());
-  if (!flags.data_dir.empty()) found.push_back(CheckFolder("--data-dir", flags.data_dir));
-  found.push_back(CheckBackupFlags(flags.backup, flags.data_dir));
+  found.push_back(CheckJournalFlags(flags.journal));
+  found.push_back(CheckBackupFlags(flags.backup, flags.journal.data_dir));
   const std::vector<absl::Status> observing = CheckObserving(flags.observe);
   found.insert(found.end(), observing.begin(), observing.end());
   return found;
@@ -144,8 +124,8 @@ std::string FormatBytes(uint64_t bytes) {
 std::string DescribeStart(const Flags& flags, const std::string& address, size_t missions) {
   return absl::StrCat(
       "serves ", address, " ", DescribeServing(flags.security), "; ", missions,
-      missions == 1 ? " mission in " : " missions in ",
-      flags.data_dir.empty() ? "memory alone" : flags.data_dir, "; fusion by ",
+      missions == 1 ? " mission in " : " missions in ", DescribeJournal(flags.journal),
+      "; fusion by ",
       flags.in_process_worker
           ? "itself"
           : (flags.workers.empty() ? "nobody" : absl::StrJoin(flags.workers, ", ")),
@@ -160,16 +140,15 @@ absl::Status Run(Flags flags) {
   flags.store.fusion_threads = std::max(1, static_cast<int>(flags.workers.size()));
   RETURN_IF_ERROR(flags.store.Validate());
   RETURN_IF_ERROR(flags.service.streams.Validate());
-  RETURN_IF_ERROR(CheckBackupFlags(flags.backup, flags.data_dir));
+  RETURN_IF_ERROR(CheckBackupFlags(flags.backup, flags.journal.data_dir));
   for (const absl::Status& worker : CheckWorkers(flags)) RETURN_IF_ERROR(worker);
   ASSIGN_OR_RETURN(ServerSecurity security, MakeServerSecurity(flags.security));
   StoreObservers observers(flags.observe);
   ASSIGN_OR_RETURN(std::shared_ptr<const Vocabulary> vocabulary,
                    Vocabulary::Load(flags.vocabulary));
   ASSIGN_OR_RETURN(const std::unique_ptr<FusionWorker> worker, MakeWorker(flags));
-  RocksJournal* rocks = nullptr;
-  ASSIGN_OR_RETURN(std::unique_ptr<Journal> journal, OpenJournal(flags, &rocks));
-  MapStore store(flags.store, vocabulary, observers.Watch(std::move(journal)),
+  ASSIGN_OR_RETURN(OpenedJournal opened, OpenJournal(flags.journal, flags.backup.scrub_mb_per_s));
+  MapStore store(flags.store, vocabulary, observers.Watch(std::move(opened.journal)),
                  observers.Watch(worker.get()));
   store.SetExpiryListener(
       [auditor = security.server.auditor](const std::string& mission, const std::string& why) {
@@ -181,7 +160,7 @@ absl::Status Run(Flags flags) {
       });
   RETURN_IF_ERROR(store.Recover());
   ASSIGN_OR_RETURN(const std::unique_ptr<StoreBackups> backups,
-                   StoreBackups::Make(flags.backup, &store, rocks));
+                   StoreBackups::Make(flags.backup, &store, opened.rocks));
   MapStoreServiceOptions service_options = flags.service;
   service_options.door = security.access;
   service_options.observers = observers.OfStreams();
@@ -190,8 +169,8 @@ absl::Status Run(Flags flags) {
   ASSIGN_OR_RETURN(
       const auto metrics,
       observers.Serve(store, service, backups->MakeCollector(),
-                      {{"journal", flags.data_dir, flags.min_free_mb << 20},
-                       {"backups", flags.data_dir.empty() ? "" : flags.backup.directory}}));
+                      {{"journal", flags.journal.data_dir, flags.journal.min_free_mb << 20},
+                       {"backups", opened.rocks == nullptr ? "" : flags.backup.directory}}));
   security.server.rpc_observer = observers.OfCalls();
   ASSIGN_OR_RETURN(const std::unique_ptr<Server> server,
                    Server::Start(flags.listen, {&service}, security.server));
@@ -223,9 +202,20 @@ std::vector<Setting> PlaceRows(Flags& flags) {
        "HOST:PORT of a fusion worker; may be repeated",
        {.delimiter = ','}},
       {"--in-process-worker", &flags.in_process_worker, "Fuse in this process"},
-      {"--data-dir", &flags.data_dir,
-       "Folder that keeps the missions; made if it is not there. Without: in memory"},
-      {"--min-free-mb", &flags.min_free_mb,
+      {"--data-dir", &flags.journal.data_dir,
+       "Folder that keeps the missions; made if it is not there. Without, and without --journal: "
+       "in memory"},
+      {"--journal",
+       &flags.journal.journal,
+       "Database that keeps the missions instead: postgres:URI, as libpq takes it",
+       {.unit = "URI"}},
+      {"--journal-password-file", &flags.journal.password_file,
+       "File with the database's password alone, read again for each connection", kRare},
+      {"--journal-lease", &flags.journal.lease_s,
+       "Seconds without a sign of life after which another store may take over the missions that "
+       "this one uses, at least 3; 0: at once",
+       RareWithin(0, 3600)},
+      {"--min-free-mb", &flags.journal.min_free_mb,
        "MiB that are left free on its disk; with less, agents are told to wait",
        RareWithin(0, 1 << 20)},
       {"--vocabulary", &flags.vocabulary, "File of the bag of words"},
@@ -242,7 +232,7 @@ std::vector<Setting> WorkRows(Flags& flags) {
   return {
       {"--sleep-after", &flags.store.sleep_after_s,
        "Seconds after which a mission that nobody uses leaves memory, and is read again when "
-       "somebody wants it; needs --data-dir; 0: never",
+       "somebody wants it; needs --data-dir or --journal; 0: never",
        Within(0, 1e9)},
       {"--threads", &flags.service.threads, "Threads that apply batches and answer",
        Within(1, 256)},

@@ -1,6 +1,6 @@
 // How much a durable map store takes in: real batches of a recorded robot, streamed by any number
 // of robots at the camera's pace or as fast as they are acknowledged, to a map_store process with a
-// journal. Prints a table and writes JSON.
+// journal, in a folder or in a database. Prints a table and writes JSON.
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <filesystem>
@@ -15,6 +15,7 @@
 #include "absl/time/clock.h"
 #include "services/client/remote/channel.h"
 #include "services/client/remote/remote_uplink.h"
+#include "services/programs/store_journal.h"
 #include "services/simulated_source/simulated_source.h"
 #include "slam/util/status_macros.h"
 #include "slam/util/text_file.h"
@@ -36,6 +37,7 @@ using Json = nlohmann::ordered_json;
 struct Flags {
   std::string source;
   std::string data_dir;
+  std::string journal;
   std::string json;
   std::vector<size_t> agents = {1, 12, 50};
   double keyframes_per_s = 7;
@@ -55,10 +57,24 @@ struct Row {
   double peak_rss_mb = 0;
 };
 
+// Makes the journal empty.
+absl::Status Clear(const Flags& flags) {
+  fs::remove_all(flags.data_dir);
+  if (flags.journal.empty()) return absl::OkStatus();
+  ASSIGN_OR_RETURN(services::OpenedJournal opened,
+                   services::OpenJournal({.journal = flags.journal}, 0));
+  ASSIGN_OR_RETURN(const std::vector<std::string> missions, opened.journal->ListMissions());
+  for (const std::string& mission : missions) {
+    RETURN_IF_ERROR(opened.journal->DeleteMission(mission));
+  }
+  return absl::OkStatus();
+}
+
 absl::StatusOr<Row> Measure(const Flags& flags, size_t agents, double pace,
                             const RecordedUploads& uploads) {
-  fs::remove_all(flags.data_dir);
+  RETURN_IF_ERROR(Clear(flags));
   std::vector<std::string> arguments = {"--data-dir", flags.data_dir};
+  if (!flags.journal.empty()) arguments = {"--journal", flags.journal};
   if (flags.threads > 0) {
     arguments.insert(arguments.end(), {"--threads", absl::StrCat(flags.threads)});
   }
@@ -96,7 +112,7 @@ absl::StatusOr<Row> Measure(const Flags& flags, size_t agents, double pace,
   const ProcessEnd ended = store.process->Stop(kStopTimeout);
   row.store_cpu_cores = ended.cpu_s / seconds;
   row.peak_rss_mb = ended.peak_rss_mb;
-  fs::remove_all(flags.data_dir);
+  RETURN_IF_ERROR(Clear(flags));
   return row;
 }
 
@@ -152,6 +168,9 @@ int main(int argc, char** argv) {
       ->required();
   app.add_option("--data-dir", flags.data_dir, "Folder of the journal; made new, then removed")
       ->required();
+  app.add_option("--journal", flags.journal,
+                 "The store's --journal instead, whose missions are deleted; --data-dir names its "
+                 "log alone");
   app.add_option("--agents", flags.agents, "Numbers of agents")->capture_default_str();
   app.add_option("--pace", flags.keyframes_per_s, "Keyframes a second of each agent")
       ->check(CLI::PositiveNumber)

@@ -82,6 +82,7 @@ const std::map<absl::string_view, Heights>& Ladders() {
            {"retiring", 4},
            {"records", 5},
            {"archive", 6},
+           {"postgres", 7},
            {"rocks", 7},
            {"mission", 7},
            {"coordination", 8},

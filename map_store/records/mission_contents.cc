@@ -1,4 +1,4 @@
-#include "map_store/rocks/mission_contents.h"
+#include "map_store/records/mission_contents.h"
 
 #include <algorithm>
 

@@ -1,7 +1,7 @@
-// Says what a mission's database holds, as far as a journal has to know it: how much of what, and
+// Says what a journal holds of a mission, as far as it has to know it: how much of what, and
 // what is needed no more.
-#ifndef CORBSLAM_MAP_STORE_ROCKS_MISSION_CONTENTS_H_
-#define CORBSLAM_MAP_STORE_ROCKS_MISSION_CONTENTS_H_
+#ifndef CORBSLAM_MAP_STORE_RECORDS_MISSION_CONTENTS_H_
+#define CORBSLAM_MAP_STORE_RECORDS_MISSION_CONTENTS_H_
 
 #include <cstdint>
 #include <map>
@@ -57,4 +57,4 @@ class MissionContents {
 
 }  // namespace corbslam::map_store
 
-#endif  // CORBSLAM_MAP_STORE_ROCKS_MISSION_CONTENTS_H_
+#endif  // CORBSLAM_MAP_STORE_RECORDS_MISSION_CONTENTS_H_

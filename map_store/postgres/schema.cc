@@ -1,0 +1,176 @@
+#include "map_store/postgres/schema.h"
+
+#include <algorithm>
+#include <cctype>
+#include <string>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_replace.h"
+#include "map_store/postgres/sql_pool.h"
+#include "slam/util/program_version.h"
+#include "slam/util/status_macros.h"
+
+namespace corbslam::map_store {
+namespace {
+
+// A later version is a block of its own behind this one, which changes what this one made and adds
+// its row to schema_versions.
+constexpr char kVersion1[] = R"sql(
+CREATE SCHEMA IF NOT EXISTS corbslam;
+
+-- The versions that were brought in. A program works with these tables if it knows a version of at
+-- least the newest row's oldest_program.
+CREATE TABLE IF NOT EXISTS corbslam.schema_versions (
+  version bigint PRIMARY KEY,
+  oldest_program bigint NOT NULL
+);
+
+-- A mission: state 0 in use, 1 being made, 2 deleted, 3 aside. head is the position of its last
+-- record, and head_group names the transaction that wrote it. Who writes has the epoch, and the
+-- holder's name is for people; until lease_until, by this database's clock, nobody else takes it.
+CREATE TABLE IF NOT EXISTS corbslam.missions (
+  mission_id bigint PRIMARY KEY,
+  name text UNIQUE,
+  state bigint NOT NULL,
+  format bigint NOT NULL,
+  epoch bigint NOT NULL,
+  holder bigint NOT NULL,
+  holder_name text NOT NULL,
+  lease_until timestamptz,
+  head bigint NOT NULL,
+  head_group bigint NOT NULL,
+  snapshot_position bigint NOT NULL,
+  snapshot_generation bigint NOT NULL,
+  snapshot_bytes bigint NOT NULL,
+  bytes bigint NOT NULL,
+  summary bytea,
+  summary_checksum bigint,
+  made_at timestamptz NOT NULL DEFAULT now()
+);
+
+CREATE TABLE IF NOT EXISTS corbslam.records (
+  mission_id bigint NOT NULL,
+  position bigint NOT NULL,
+  piece bigint NOT NULL,
+  pieces bigint NOT NULL,
+  checksum bigint NOT NULL,
+  bytes bytea NOT NULL,
+  PRIMARY KEY (mission_id, position, piece)
+);
+
+CREATE TABLE IF NOT EXISTS corbslam.snapshots (
+  mission_id bigint NOT NULL,
+  generation bigint NOT NULL,
+  piece bigint NOT NULL,
+  pieces bigint NOT NULL,
+  checksum bigint NOT NULL,
+  bytes bytea NOT NULL,
+  PRIMARY KEY (mission_id, generation, piece)
+);
+
+-- Which features a keyframe has, by the SHA-256 of their bytes, and with which record they came.
+CREATE TABLE IF NOT EXISTS corbslam.keyframes (
+  mission_id bigint NOT NULL,
+  local_map bigint NOT NULL,
+  keyframe bigint NOT NULL,
+  position bigint NOT NULL,
+  hash bytea NOT NULL,
+  size bigint NOT NULL,
+  PRIMARY KEY (mission_id, local_map, keyframe)
+);
+CREATE INDEX IF NOT EXISTS keyframes_by_hash ON corbslam.keyframes (mission_id, hash);
+
+CREATE TABLE IF NOT EXISTS corbslam.payloads (
+  mission_id bigint NOT NULL,
+  hash bytea NOT NULL,
+  piece bigint NOT NULL,
+  bytes bytea NOT NULL,
+  PRIMARY KEY (mission_id, hash, piece)
+);
+
+CREATE TABLE IF NOT EXISTS corbslam.pictures (
+  mission_id bigint NOT NULL,
+  local_map bigint NOT NULL,
+  keyframe bigint NOT NULL,
+  ordinal bigint NOT NULL,
+  scale bigint NOT NULL,
+  size bigint NOT NULL,
+  checksum bigint NOT NULL,
+  bytes bytea NOT NULL,
+  PRIMARY KEY (mission_id, local_map, keyframe)
+);
+CREATE INDEX IF NOT EXISTS pictures_by_ordinal ON corbslam.pictures (mission_id, ordinal);
+
+-- Missions that were (list 0: deleted, list 1: promised to a robot).
+CREATE TABLE IF NOT EXISTS corbslam.mission_lists (
+  list bigint NOT NULL,
+  noted_at timestamptz NOT NULL DEFAULT now(),
+  entry_id bigint NOT NULL,
+  name text NOT NULL,
+  uid text NOT NULL,
+  PRIMARY KEY (list, noted_at, entry_id)
+);
+
+INSERT INTO corbslam.schema_versions (version, oldest_program) VALUES (1, 1)
+  ON CONFLICT (version) DO NOTHING;
+)sql";
+
+constexpr char kRights[] = R"sql(
+-- The role of map_store reads and writes rows; it makes, changes and drops no table.
+GRANT USAGE ON SCHEMA corbslam TO ROLE_NAME;
+GRANT SELECT ON corbslam.schema_versions TO ROLE_NAME;
+GRANT SELECT, INSERT, UPDATE, DELETE ON corbslam.missions, corbslam.records, corbslam.snapshots,
+  corbslam.keyframes, corbslam.payloads, corbslam.pictures, corbslam.mission_lists TO ROLE_NAME;
+)sql";
+
+constexpr char kHowToMake[] =
+    "run what `corbslam store-schema` prints in that database, as the one who owns it "
+    "(docs/fleet.md)";
+
+bool IsRoleName(const std::string& role) {
+  return !role.empty() && !std::isdigit(static_cast<unsigned char>(role[0])) &&
+         std::all_of(role.begin(), role.end(), [](char letter) {
+           return (letter >= 'a' && letter <= 'z') || (letter >= '0' && letter <= '9') ||
+                  letter == '_';
+         });
+}
+
+}  // namespace
+
+absl::StatusOr<std::string> MakeSchemaSql(const std::string& role) {
+  if (!IsRoleName(role)) {
+    return absl::InvalidArgumentError(absl::StrCat(
+        "the role \"", role, "\" is to be of lower-case letters, digits and underscores"));
+  }
+  return absl::StrCat("-- Tables of map_store --journal postgres:URI, version ", kSchemaVersion,
+                      "; by corbslam ", CorbslamVersion(), ".", kVersion1,
+                      absl::StrReplaceAll(kRights, {{"ROLE_NAME", role}}));
+}
+
+absl::Status CheckSchema(SqlPool& pool) {
+  const auto read = pool.Read(
+      {{"SELECT version, oldest_program FROM corbslam.schema_versions ORDER BY version DESC"
+        " LIMIT 1"}});
+  if (absl::IsFailedPrecondition(read.status()) || (read.ok() && read->front().rows() == 0)) {
+    const std::string said = read.ok() ? pool.name() : std::string(read.status().message());
+    return absl::FailedPreconditionError(
+        absl::StrCat(said, ": the journal's tables can't be used: ", kHowToMake));
+  }
+  RETURN_IF_ERROR(read.status());
+  const int64_t version = read->front().Number(0, 0);
+  const int64_t oldest = read->front().Number(0, 1);
+  if (version < kSchemaVersion) {
+    return absl::FailedPreconditionError(
+        absl::StrCat(pool.name(), ": its tables are of version ", version, ", and this program (",
+                     CorbslamVersion(), ") needs version ", kSchemaVersion, ": ", kHowToMake));
+  }
+  if (oldest > kSchemaVersion) {
+    return absl::FailedPreconditionError(
+        absl::StrCat(pool.name(), ": its tables are of version ", version,
+                     ", which takes programs that know ", oldest, " or more; this one (",
+                     CorbslamVersion(), ") knows ", kSchemaVersion, ": start a newer program"));
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace corbslam::map_store
