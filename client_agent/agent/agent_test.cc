@@ -189,7 +189,10 @@ TEST_F(RecordedAgentTest, PatchesAreFollowedBetweenKeyframesAndSearchedForFeatur
     followed += result->was_followed;
     follow_keyframes += result->follows_keyframe;
     EXPECT_FALSE(result->was_followed && result->made_keyframe) << "its features come later";
-    if (i > 2) EXPECT_GT(result->points_matched, 50);
+    // The first keyframe's points are made beside tracking.
+    if (i > 2) {
+      EXPECT_GT(result->points_matched, 50);
+    }
     EXPECT_GE(result->points_in_view, result->points_matched);
     ASSERT_TRUE(agent->UsePause().ok());
     ASSERT_TRUE(agent->UsePause().ok()) << "there is nothing left to do";
