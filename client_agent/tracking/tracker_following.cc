@@ -19,6 +19,10 @@ constexpr int kLeastFirst = 25;
 // A pose that patches give rests on so many, and on this share of those sought.
 constexpr int kLeastInliers = 60;
 constexpr double kLeastShare = 0.2;
+// In others' map, which more than so many points are of, it is features with depths that tell
+// whether it contradicts the camera: every other frame has them.
+constexpr int kFewForeign = 20;
+constexpr int kMostInOthers = 2;
 // How far from a patch its feature is sought.
 constexpr double kNear_px = 3;
 // Weight of the newest frame in how good guesses are.
@@ -46,7 +50,12 @@ Rigid3d AsTurned(const PictureShift& shift, const Camera& camera, const Rigid3d&
 bool Tracker::MayFollow(int64_t timestamp_ns) const {
   if (state_ != TrackingState::kTracking || !velocity_.has_value()) return false;
   if (options_.localise_only || frames_since_relocalisation_ < kProbation) return false;
-  return followed_ < options_.most_followed && TimesOfMotion(timestamp_ns) == 1;
+  return followed_ < MostFollowed() && TimesOfMotion(timestamp_ns) == 1;
+}
+
+int Tracker::MostFollowed() const {
+  return inliers_.foreign > kFewForeign ? std::min(options_.most_followed, kMostInOthers)
+                                        : options_.most_followed;
 }
 
 std::optional<TrackingResult> Tracker::Follow(const FreshPicture& fresh) {
@@ -75,7 +84,7 @@ std::optional<TrackingResult> Tracker::Follow(const FreshPicture& fresh) {
   if (parts_.map->corrections() != solution.corrections) return std::nullopt;
   const KeyframeEvidence guess = Guess(solution, sources.size());
   guessed_inliers_ = guess.inliers;
-  wants_features_ = ++followed_ >= options_.most_followed ||
+  wants_features_ = ++followed_ >= MostFollowed() ||
                     (!mapping_paused_ && ShouldMakeKeyframe(guess, options_.keyframe));
   for (const PatchSource& source : sources) solution.visible.push_back(source.point);
   return Take(std::move(solution));
@@ -86,17 +95,16 @@ std::optional<Rigid3d> Tracker::FindRoughly(const FreshPicture& fresh, const Rig
                                             const std::vector<PatchSource>& sources) {
   const HalvedPicture before = std::exchange(last_picture_, SmallOf(fresh.picture));
   const auto first = absl::MakeConstSpan(sources).first(std::min(sources.size(), kFirstPatches));
-  std::optional<Rigid3d> tried = predicted;
-  for (int i = 0; i < 2 && tried.has_value(); ++i) {
-    Frame roughly = FollowPatches(fresh, camera_, *tried, first, PatchSearch::kLevels - 1);
-    const int inliers = OptimiseFramePose(*tried, parts_.map->local_map(), roughly).map_points;
-    if (inliers >= kLeastFirst) return roughly.camera_from_map;
-    tried.reset();
-    if (const auto shift = FindPictureShift(before, fresh.picture); i == 0 && shift.has_value()) {
-      tried = AsTurned(*shift, *camera_, previous_->camera_from_map);
-    }
-  }
-  return std::nullopt;
+  const auto follow = [&](const Rigid3d& from) -> std::optional<Rigid3d> {
+    Frame roughly = FollowPatches(fresh, camera_, from, first, PatchSearch::kLevels - 1);
+    const InlierCount inliers = OptimiseFramePose(from, parts_.map->local_map(), roughly);
+    if (inliers.map_points < kLeastFirst) return std::nullopt;
+    return roughly.camera_from_map;
+  };
+  if (const auto roughly = follow(predicted)) return roughly;
+  const std::optional<PictureShift> shift = FindPictureShift(before, fresh.picture);
+  if (!shift.has_value()) return std::nullopt;
+  return follow(AsTurned(*shift, *camera_, previous_->camera_from_map));
 }
 
 TrackingResult Tracker::Take(Solution solution) {
