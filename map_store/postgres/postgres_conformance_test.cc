@@ -10,6 +10,7 @@
 namespace corbslam::map_store {
 namespace {
 
+using testing::DurableJournalConformance;
 using testing::JournalConformance;
 using testing::JournalKind;
 using testing::JournalPlace;
@@ -44,9 +45,11 @@ class DatabasePlace : public JournalPlace {
   bool is_down_ = false;
 };
 
-INSTANTIATE_TEST_SUITE_P(Postgres, JournalConformance,
-                         ::testing::Values(JournalKind{
-                             "Server", [] { return std::make_unique<DatabasePlace>(); }}),
+const JournalKind kServer = {"Server", [] { return std::make_unique<DatabasePlace>(); }};
+
+INSTANTIATE_TEST_SUITE_P(Postgres, JournalConformance, ::testing::Values(kServer),
+                         [](const auto& info) { return info.param.name; });
+INSTANTIATE_TEST_SUITE_P(Postgres, DurableJournalConformance, ::testing::Values(kServer),
                          [](const auto& info) { return info.param.name; });
 
 }  // namespace

@@ -14,6 +14,7 @@ namespace corbslam::map_store {
 namespace {
 
 namespace fs = std::filesystem;
+using testing::DurableJournalConformance;
 using testing::JournalConformance;
 using testing::JournalKind;
 using testing::JournalPlace;
@@ -74,6 +75,9 @@ JournalKind Kind(const std::string& name) {
 INSTANTIATE_TEST_SUITE_P(Rocks, JournalConformance,
                          ::testing::Values(Kind<FolderPlace>("Folder"),
                                            Kind<MemoryPlace>("Memory")),
+                         [](const auto& info) { return info.param.name; });
+INSTANTIATE_TEST_SUITE_P(Rocks, DurableJournalConformance,
+                         ::testing::Values(Kind<FolderPlace>("Folder")),
                          [](const auto& info) { return info.param.name; });
 
 }  // namespace

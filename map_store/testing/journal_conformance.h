@@ -60,6 +60,9 @@ class JournalConformance : public ::testing::TestWithParam<JournalKind> {
   std::unique_ptr<map_store::Journal> journal_;
 };
 
+// What is true of journals that keep records (Journal::KeepsRecords).
+class DurableJournalConformance : public JournalConformance {};
+
 }  // namespace corbslam::testing
 
 #endif  // CORBSLAM_MAP_STORE_TESTING_JOURNAL_CONFORMANCE_H_
