@@ -51,6 +51,9 @@ std::optional<Eigen::Matrix2d> SourceFromNow(const FreshPicture& fresh, const Ca
   return source_steps * now_steps.inverse();
 }
 
+// A corner of a small picture may be none in the large one.
+int FirstLevelOf(const PatchSource& source) { return source.octave < kCoarsest ? 0 : 1; }
+
 // Returns where the source is seen, as a keypoint of the camera.
 std::optional<Keypoint> Find(const FreshPicture& fresh, const Camera& camera,
                              const Rigid3d& camera_from_map, const PatchSource& source,
@@ -68,7 +71,7 @@ std::optional<Keypoint> Find(const FreshPicture& fresh, const Camera& camera,
                                {.source_px = *source_px,
                                 .source_from_now = *warp,
                                 .predicted_px = *predicted,
-                                .first_level = first_level});
+                                .first_level = std::max(first_level, FirstLevelOf(source))});
   if (!found.has_value()) return std::nullopt;
   Keypoint keypoint;
   keypoint.x_px = static_cast<float>(found->x());

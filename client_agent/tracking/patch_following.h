@@ -22,8 +22,8 @@ struct FreshPicture {
 };
 
 // Makes a frame of the sources that are found where `camera_from_map` has them; `first_level` is
-// PatchSearch::first_level. Its keypoints are those found, each with its association, and nothing
-// else; their descriptors are those of their keyframes. The pose is `camera_from_map`.
+// PatchSearch::first_level, at least. Its keypoints are those found, each with its association, and
+// nothing else; their descriptors are those of their keyframes. The pose is `camera_from_map`.
 Frame FollowPatches(const FreshPicture& fresh, std::shared_ptr<const Camera> camera,
                     const Rigid3d& camera_from_map, absl::Span<const PatchSource> sources,
                     int first_level);

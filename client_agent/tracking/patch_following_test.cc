@@ -139,12 +139,12 @@ TEST(FindPatchSourcesTest, AreOfTheNewestOwnKeyframeWithAPictureAndSpreadOverThe
   }
   KeyframePictures pictures;
   EXPECT_TRUE(
-      FindPatchSources(scene.map, options.local_map, points, scene.camera, pictures).empty());
+      FindPatchSources(scene.map, options.local_map, points, scene.camera, pictures, 1000).empty());
   const HalvedPicture picture = HalvePicture(cv::Mat(64, 64, CV_8UC1, cv::Scalar(1)));
   pictures.Add({options.local_map, 2}, picture);
   pictures.Add({options.local_map, 4}, picture);
   const std::vector<PatchSource> sources =
-      FindPatchSources(scene.map, options.local_map, points, scene.camera, pictures);
+      FindPatchSources(scene.map, options.local_map, points, scene.camera, pictures, 1000);
   ASSERT_GT(sources.size(), 100u);
   std::set<std::pair<int, int>> parts;
   for (size_t i = 0; i < sources.size(); ++i) {
@@ -159,7 +159,7 @@ TEST(FindPatchSourcesTest, AreOfTheNewestOwnKeyframeWithAPictureAndSpreadOverThe
   }
   EXPECT_EQ(parts.size(), 20u) << "the first ones are each of another part";
   EXPECT_TRUE(
-      FindPatchSources(scene.map, LocalMapId{0xf00}, points, scene.camera, pictures).empty());
+      FindPatchSources(scene.map, LocalMapId{0xf00}, points, scene.camera, pictures, 1000).empty());
 }
 
 }  // namespace

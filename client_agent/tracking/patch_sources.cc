@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <iterator>
 #include <limits>
-#include <optional>
-#include <utility>
 
 namespace corbslam::client_agent {
 namespace {
@@ -33,27 +31,41 @@ class Parts {
   std::vector<size_t> counts_;
 };
 
-std::optional<PatchSource> SourceOf(const Map& map, LocalMapId own, const PointInView& in_view,
-                                    const KeyframePictures& pictures) {
-  const MapPoint* const point = map.FindPoint(in_view.point.id);
-  if (point == nullptr) return std::nullopt;
-  const auto& observations = point->observations;
+// Who sees a point, and with which keypoint; null: nobody with a picture.
+struct Sight {
+  const HalvedPicture* picture = nullptr;
+  KeyframeId keyframe;
+  uint32_t keypoint = 0;
+};
+
+Sight FindSight(const MapPoint& point, LocalMapId own, const KeyframePictures& pictures) {
+  const auto& observations = point.observations;
   auto after = observations.upper_bound({own, std::numeric_limits<uint32_t>::max()});
   for (int i = 0; i < kMostTries && after != observations.begin(); ++i) {
     const auto& [id, keypoint] = *--after;
-    if (id.local_map != own) return std::nullopt;
-    const HalvedPicture* const picture = pictures.Find(id);
-    if (picture == nullptr) continue;
-    const Keyframe& keyframe = *map.FindKeyframe(id);
-    return PatchSource{.point = point->id,
-                       .position_in_map = point->position_in_map,
-                       .octave = in_view.view.octave,
-                       .picture = picture,
-                       .source_from_map = keyframe.camera_from_map,
-                       .keypoint = keyframe.keypoints()[keypoint],
-                       .descriptor = keyframe.descriptors()[keypoint]};
+    if (id.local_map != own) return {};
+    if (const HalvedPicture* picture = pictures.Find(id)) return {picture, id, keypoint};
   }
-  return std::nullopt;
+  return {};
+}
+
+// A point in view that somebody with a picture sees.
+struct Candidate {
+  size_t number = 0;  // Of those in its part of the picture.
+  const PointInView* in_view = nullptr;
+  const MapPoint* point = nullptr;
+  Sight sight;
+};
+
+PatchSource SourceOf(const Map& map, const Candidate& candidate) {
+  const Keyframe& keyframe = *map.FindKeyframe(candidate.sight.keyframe);
+  return {.point = candidate.point->id,
+          .position_in_map = candidate.point->position_in_map,
+          .octave = candidate.in_view->view.octave,
+          .picture = candidate.sight.picture,
+          .source_from_map = keyframe.camera_from_map,
+          .keypoint = keyframe.keypoints()[candidate.sight.keypoint],
+          .descriptor = keyframe.descriptors()[candidate.sight.keypoint]};
 }
 
 }  // namespace
@@ -71,17 +83,22 @@ const HalvedPicture* KeyframePictures::Find(KeyframeId id) const {
 
 std::vector<PatchSource> FindPatchSources(const Map& map, LocalMapId own,
                                           const std::vector<PointInView>& points,
-                                          const Camera& camera, const KeyframePictures& pictures) {
-  std::vector<std::pair<size_t, PatchSource>> numbered;
+                                          const Camera& camera, const KeyframePictures& pictures,
+                                          size_t most) {
+  std::vector<Candidate> candidates;
   Parts parts(camera);
   for (const PointInView& in_view : points) {
-    std::optional<PatchSource> source = SourceOf(map, own, in_view, pictures);
-    if (source.has_value()) numbered.emplace_back(parts.Count(in_view.view.pixel), *source);
+    const MapPoint* const point = map.FindPoint(in_view.point.id);
+    if (point == nullptr) continue;
+    const Sight sight = FindSight(*point, own, pictures);
+    if (sight.picture == nullptr) continue;
+    candidates.push_back({parts.Count(in_view.view.pixel), &in_view, point, sight});
   }
-  std::ranges::stable_sort(numbered, {}, &std::pair<size_t, PatchSource>::first);
+  std::ranges::stable_sort(candidates, {}, &Candidate::number);
+  if (candidates.size() > most) candidates.resize(most);
   std::vector<PatchSource> sources;
-  sources.reserve(numbered.size());
-  for (auto& [number, source] : numbered) sources.push_back(std::move(source));
+  sources.reserve(candidates.size());
+  for (const Candidate& candidate : candidates) sources.push_back(SourceOf(map, candidate));
   return sources;
 }
 

@@ -41,10 +41,11 @@ struct PatchSource {
 };
 
 // Returns the sources of those of the points that have one: first one of each part of the picture,
-// then a second one, and so on.
+// then a second one, and so on, `most` of them.
 std::vector<PatchSource> FindPatchSources(const Map& map, LocalMapId own,
                                           const std::vector<PointInView>& points,
-                                          const Camera& camera, const KeyframePictures& pictures);
+                                          const Camera& camera, const KeyframePictures& pictures,
+                                          size_t most);
 
 }  // namespace corbslam::client_agent
 

@@ -70,12 +70,12 @@ std::optional<TrackingResult> Tracker::Follow(const FreshPicture& fresh) {
     predicted = velocity_->camera_from_previous * previous_->camera_from_map;
     solution.local_map =
         GatherLocalMap(map, own, SeenPoints(*previous_), previous_->reference, *camera_, predicted);
-    sources = FindPatchSources(map, own, solution.local_map.points, *camera_, pictures_);
+    sources =
+        FindPatchSources(map, own, solution.local_map.points, *camera_, pictures_, kMostPatches);
   });
-  if (sources.size() > kMostPatches) sources.resize(kMostPatches);
   const std::optional<Rigid3d> roughly = FindRoughly(fresh, predicted, sources);
   if (!roughly.has_value()) return std::nullopt;
-  solution.frame = FollowPatches(fresh, camera_, *roughly, sources, 1);
+  solution.frame = FollowPatches(fresh, camera_, *roughly, sources, 0);
   solution.inliers = OptimiseFramePose(*roughly, own, solution.frame);
   const double least = kLeastShare * static_cast<double>(sources.size());
   if (solution.inliers.map_points < kLeastInliers || solution.inliers.map_points < least) {
