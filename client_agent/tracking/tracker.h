@@ -154,7 +154,6 @@ class Tracker {
   std::optional<Rigid3d> FindRoughly(const FreshPicture& fresh, const Rigid3d& predicted,
                                      const std::vector<PatchSource>& sources);
   TrackingResult Take(Solution followed);
-  int MostFollowed() const;
   void Accept(Solution solution, Frame& frame);
   // Only with stereo; and a robot that only localises has nothing but others' map.
   void HoldAgainstOthers(const Frame& frame);

@@ -19,10 +19,9 @@ constexpr int kLeastFirst = 25;
 // A pose that patches give rests on so many, and on this share of those sought.
 constexpr int kLeastInliers = 60;
 constexpr double kLeastShare = 0.2;
-// In others' map, which more than so many points are of, it is features with depths that tell
-// whether it contradicts the camera: every other frame has them.
+// In others' map, which more than so many points are of, the disparities of every frame tell
+// whether it contradicts the camera (HoldAgainstOthers).
 constexpr int kFewForeign = 20;
-constexpr int kMostInOthers = 2;
 // How far from a patch its feature is sought.
 constexpr double kNear_px = 3;
 // Weight of the newest frame in how good guesses are.
@@ -50,12 +49,8 @@ Rigid3d AsTurned(const PictureShift& shift, const Camera& camera, const Rigid3d&
 bool Tracker::MayFollow(int64_t timestamp_ns) const {
   if (state_ != TrackingState::kTracking || !velocity_.has_value()) return false;
   if (options_.localise_only || frames_since_relocalisation_ < kProbation) return false;
-  return followed_ < MostFollowed() && TimesOfMotion(timestamp_ns) == 1;
-}
-
-int Tracker::MostFollowed() const {
-  return inliers_.foreign > kFewForeign ? std::min(options_.most_followed, kMostInOthers)
-                                        : options_.most_followed;
+  if (options_.has_stereo && inliers_.foreign > kFewForeign) return false;
+  return followed_ < options_.most_followed && TimesOfMotion(timestamp_ns) == 1;
 }
 
 std::optional<TrackingResult> Tracker::Follow(const FreshPicture& fresh) {
@@ -84,7 +79,7 @@ std::optional<TrackingResult> Tracker::Follow(const FreshPicture& fresh) {
   if (parts_.map->corrections() != solution.corrections) return std::nullopt;
   const KeyframeEvidence guess = Guess(solution, sources.size());
   guessed_inliers_ = guess.inliers;
-  wants_features_ = ++followed_ >= MostFollowed() ||
+  wants_features_ = ++followed_ >= options_.most_followed ||
                     (!mapping_paused_ && ShouldMakeKeyframe(guess, options_.keyframe));
   for (const PatchSource& source : sources) solution.visible.push_back(source.point);
   return Take(std::move(solution));
