@@ -93,8 +93,8 @@ async function lookCloser(page: Page): Promise<void> {
   await shot(page, '04_overlap');
   await page.keyboard.press('Escape');
   await page.evaluate('window.corbslam.select(window.corbslam.keyframeNames()[0])');
-  await page.locator('canvas.keypoints').waitFor({ timeout: 20_000 });
-  check(true, 'a keyframe shows its keypoints');
+  await page.locator('figure.seen-figure input[type=checkbox]').waitFor({ timeout: 20_000 });
+  check(true, "a keyframe shows its camera's picture, with its keypoints");
   await shot(page, '05_keyframe');
   await page.keyboard.press('Escape');
 }
