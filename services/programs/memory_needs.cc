@@ -11,8 +11,9 @@ namespace {
 // Measured on short drives without a budget (docs/robot.md): programs with the vocabulary that is
 // shipped, threads' heaps and connections, ...
 constexpr uint64_t kPrograms_bytes = uint64_t{96} << 20;
-// ... what a pixel of one picture takes, in pyramids, rectification and pictures read ahead, ...
-constexpr uint64_t kBytesPerPixel = 40;
+// ... what a pixel of one picture takes, in pyramids, rectification, pictures read ahead, and those
+// of the newest keyframes (KeyframePictures: sixteen, each a third larger than its pixels), ...
+constexpr uint64_t kBytesPerPixel = 62;
 // ... and a feature, in frames that are under way.
 constexpr uint64_t kBytesPerFeature = 2048;
 // A keyframe's feature in the map, with the part of a point that it sees.
