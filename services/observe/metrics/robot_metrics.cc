@@ -65,6 +65,7 @@ RobotMetrics::RobotMetrics(prometheus::Registry& registry)
 void RobotMetrics::OnTracked(const TrackingResult& result, absl::Duration took) {
   frame_durations_.Observe(absl::ToDoubleSeconds(took));
   if (result.made_keyframe) keyframes_made_.Increment();
+  if (result.follows_keyframe) keyframes_made_.Increment();
   const auto now = static_cast<size_t>(result.state);
   states_[now].frames->Increment();
   for (size_t i = 0; i < states_.size(); ++i) states_[i].is_now->Set(i == now);
