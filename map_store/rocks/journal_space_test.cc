@@ -9,8 +9,8 @@
 
 #include "absl/time/clock.h"
 #include "map_store/archive/state_archive.h"
-#include "map_store/rocks/journal_folder.h"
 #include "map_store/records/mission_contents.h"
+#include "map_store/rocks/journal_folder.h"
 #include "map_store/rocks/rocks_journal.h"
 #include "map_store/testing/feature_mission.h"
 

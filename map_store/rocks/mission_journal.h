@@ -17,11 +17,11 @@
 #include "absl/time/time.h"
 #include "map_store/archive/feature_archive.h"
 #include "map_store/records/journal.h"
+#include "map_store/records/mission_contents.h"
 #include "map_store/records/picture_book.h"
 #include "map_store/rocks/backup_note.h"
 #include "map_store/rocks/journal_options.h"
 #include "map_store/rocks/log_file_check.h"
-#include "map_store/records/mission_contents.h"
 
 namespace rocksdb {
 class DB;
