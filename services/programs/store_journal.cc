@@ -68,7 +68,9 @@ absl::Status CheckJournalFlags(const JournalFlags& flags) {
 }
 
 absl::StatusOr<OpenedJournal> OpenJournal(const JournalFlags& flags, double scrub_mb_per_s) {
-  RETURN_IF_ERROR(CheckJournalFlags(flags));
+  // A folder is judged by who opens it, whose error says more.
+  const bool is_of_folder = flags.journal.empty() && flags.password_file.empty();
+  if (!is_of_folder) RETURN_IF_ERROR(CheckJournalFlags(flags));
   OpenedJournal opened;
   if (!flags.journal.empty()) {
     ASSIGN_OR_RETURN(opened.journal, PostgresJournal::Open(PostgresOptionsOf(flags)));
