@@ -262,14 +262,17 @@ void SingleAgent::LetGoOf(std::shared_ptr<const LocalMapSession> session) {
 
 absl::StatusOr<TrackingResult> SingleAgent::FindPose(const SensorImages& images) {
   Tracker& tracker = current().tracker();
-  // A question needs features.
-  const bool may_ask = WantsToAsk(/*is_lost=*/false, link_->GlobalFromLocal().has_value());
-  if (!may_ask && tracker.MayFollow(images.timestamp_ns)) {
+  // Others' points are found by features, and so is the answer to a question.
+  const bool needs_features = link_->shared_keyframes() > 0 ||
+                              WantsToAsk(/*is_lost=*/false, link_->GlobalFromLocal().has_value());
+  if (!needs_features && tracker.MayFollow(images.timestamp_ns)) {
     ASSIGN_OR_RETURN(const cv::Mat picture, sensor_->Picture(images));
     const std::optional<TrackingResult> followed =
         tracker.Follow({sensor_.get(), &images, HalvePicture(picture)});
-    if (tracker.WantsFeatures()) undescribed_ = {images, *followed};
-    if (followed.has_value()) return *followed;
+    if (followed.has_value()) {
+      if (tracker.WantsFeatures()) undescribed_ = {images, *followed};
+      return *followed;
+    }
   }
   ASSIGN_OR_RETURN(Features features, sensor_->Process(images));
   Watch(features);

@@ -19,20 +19,12 @@ constexpr int kLeastFirst = 25;
 // A pose that patches give rests on so many, and on this share of those sought.
 constexpr int kLeastInliers = 60;
 constexpr double kLeastShare = 0.2;
-// With more points of others in view a frame is searched for features: others' points are found by
-// these, and disparities of every frame tell whether they contradict (HoldAgainstOthers).
-constexpr int kFewForeign = 20;
 // How far from a patch its feature is sought.
 constexpr double kNear_px = 3;
+// What a guess is taken for, so that hardly one is too high.
+constexpr double kCautious = 0.9;
 // Weight of the newest frame in how good guesses are.
 constexpr double kNewestShare = 0.3;
-
-int CountForeign(const std::vector<PointInView>& points, LocalMapId own) {
-  const auto is_foreign = [own](const PointInView& in_view) {
-    return in_view.point.id.local_map != own;
-  };
-  return static_cast<int>(std::ranges::count_if(points, is_foreign));
-}
 
 // The levels that FindPictureShift reads, which are copies already.
 HalvedPicture SmallOf(const HalvedPicture& picture) {
@@ -56,7 +48,6 @@ Rigid3d AsTurned(const PictureShift& shift, const Camera& camera, const Rigid3d&
 bool Tracker::MayFollow(int64_t timestamp_ns) const {
   if (state_ != TrackingState::kTracking || !velocity_.has_value()) return false;
   if (options_.localise_only || frames_since_relocalisation_ < kProbation) return false;
-  if (inliers_.foreign > kFewForeign) return false;
   return followed_ < options_.most_followed && TimesOfMotion(timestamp_ns) == 1;
 }
 
@@ -75,7 +66,6 @@ std::optional<TrackingResult> Tracker::Follow(const FreshPicture& fresh) {
     sources =
         FindPatchSources(map, own, solution.local_map.points, *camera_, pictures_, kMostPatches);
   });
-  if (CountForeign(solution.local_map.points, own) > kFewForeign) return std::nullopt;
   const std::optional<Rigid3d> roughly = FindRoughly(fresh, predicted, sources);
   if (!roughly.has_value()) return std::nullopt;
   solution.frame = FollowPatches(fresh, camera_, *roughly, sources, 0);
@@ -85,8 +75,10 @@ std::optional<TrackingResult> Tracker::Follow(const FreshPicture& fresh) {
     return std::nullopt;
   }
   if (parts_.map->corrections() != solution.corrections) return std::nullopt;
-  const KeyframeEvidence guess = Guess(solution, sources.size());
+  KeyframeEvidence guess = Guess(solution, sources.size());
   guessed_inliers_ = guess.inliers;
+  // A guess that is too high would leave a keyframe out.
+  guess.inliers = static_cast<int>(kCautious * guess.inliers);
   wants_features_ = ++followed_ >= options_.most_followed ||
                     (!mapping_paused_ && ShouldMakeKeyframe(guess, options_.keyframe));
   for (const PatchSource& source : sources) solution.visible.push_back(source.point);

@@ -52,8 +52,7 @@ TEST(RecordedMissionTest, KittiSecondRobotTracksAgainstTheFirstOnesMap) {
       RunMission({"--source", Kitti(), "--robots", "2", "--pace", "step", "--sequential"});
   ExpectFused(mission, 0.37, 0.23);
   EXPECT_GT(mission.report["robots"][1]["shared"]["keyframes_held"], 0);
-  // Of all its frames' points: 17. Most frames are past what the first robot saw.
-  EXPECT_GE(mission.report["robots"][1]["shared"]["points_matched_percent"], 12);
+  EXPECT_GE(mission.report["robots"][1]["shared"]["points_matched_percent"], 20);
 }
 
 TEST(RecordedMissionTest, TumOneRobot) {
