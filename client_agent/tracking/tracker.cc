@@ -109,13 +109,17 @@ bool Tracker::FindPose(Frame& frame) {
 void Tracker::Accept(Solution solution, Frame& frame) {
   const bool goes_on = state_ == TrackingState::kTracking;
   frames_since_relocalisation_ = goes_on ? frames_since_relocalisation_ + 1 : 0;
+  Adopt(std::move(solution), frame);
+  HoldAgainstOthers(frame);
+}
+
+void Tracker::Adopt(Solution solution, Frame& frame) {
   frame = std::move(solution.frame);
   local_map_ = std::move(solution.local_map);
   inliers_ = solution.inliers;
   points_in_view_ = static_cast<int>(solution.visible.size());
   corrections_ = solution.corrections;
   parts_.statistics->Count(solution.visible, SeenPoints(frame));
-  HoldAgainstOthers(frame);
 }
 
 void Tracker::HoldAgainstOthers(const Frame& frame) {
@@ -161,12 +165,13 @@ void Tracker::SetReference(Frame& frame) const {
   }
 }
 
-KeyframeEvidence Tracker::EvidenceOf(int64_t timestamp_ns) const {
+KeyframeEvidence Tracker::EvidenceOf(const LocalMapView& local_map, int inliers,
+                                     int64_t timestamp_ns) const {
   KeyframeEvidence evidence;
-  evidence.inliers = inliers_.map_points;
-  evidence.reference_points = local_map_.reference_points;
-  evidence.share_of_reference = local_map_.share_of_reference;
-  evidence.map_keyframes = local_map_.map_keyframes;
+  evidence.inliers = inliers;
+  evidence.reference_points = local_map.reference_points;
+  evidence.share_of_reference = local_map.share_of_reference;
+  evidence.map_keyframes = local_map.map_keyframes;
   evidence.since_last_keyframe_s =
       std::abs(static_cast<double>(timestamp_ns - last_keyframe_ns_)) * 1e-9;
   evidence.mapper_idle = parts_.queue->IsIdle();
@@ -176,7 +181,8 @@ KeyframeEvidence Tracker::EvidenceOf(int64_t timestamp_ns) const {
 
 void Tracker::ConsiderKeyframe(Frame& frame) {
   SetReference(frame);
-  KeyframeEvidence evidence = EvidenceOf(frame.payload->timestamp_ns);
+  KeyframeEvidence evidence =
+      EvidenceOf(local_map_, inliers_.map_points, frame.payload->timestamp_ns);
   CountClosePoints(frame, evidence);
   LearnGuess(evidence);
   // Until the last keyframe is in the map, its points can't be told from untracked ones.

@@ -155,6 +155,8 @@ class Tracker {
                                      const std::vector<PatchSource>& sources);
   TrackingResult Take(Solution followed);
   void Accept(Solution solution, Frame& frame);
+  // Takes the solution for what is known of the frame.
+  void Adopt(Solution solution, Frame& frame);
   // Only with stereo; and a robot that only localises has nothing but others' map.
   void HoldAgainstOthers(const Frame& frame);
   std::optional<Solution> SolveInOneMap(const Frame& frame);
@@ -189,7 +191,9 @@ class Tracker {
   // Returns false for one in others' map that shows another camera than the rig's.
   bool IsOfThisCamera(const Solution& solution);
   void SetReference(Frame& frame) const;
-  KeyframeEvidence EvidenceOf(int64_t timestamp_ns) const;
+  // Returns all of a frame's evidence but its close points.
+  KeyframeEvidence EvidenceOf(const LocalMapView& local_map, int inliers,
+                              int64_t timestamp_ns) const;
   void ConsiderKeyframe(Frame& frame);
   // Returns what keyframe evidence the frame's features would give.
   KeyframeEvidence Guess(const Solution& followed, size_t sought) const;

@@ -104,16 +104,12 @@ std::optional<Rigid3d> Tracker::FindRoughly(const FreshPicture& fresh, const Rig
 
 TrackingResult Tracker::Take(Solution solution) {
   ++frames_since_relocalisation_;
-  Frame frame = std::move(solution.frame);
+  Frame frame;
+  Adopt(std::move(solution), frame);
   if (last_payload_ != nullptr) {
     rhythm_.Add(frame.payload->timestamp_ns - last_payload_->timestamp_ns);
   }
   last_payload_ = frame.payload;
-  local_map_ = std::move(solution.local_map);
-  inliers_ = solution.inliers;
-  points_in_view_ = static_cast<int>(solution.visible.size());
-  corrections_ = solution.corrections;
-  parts_.statistics->Count(solution.visible, SeenPoints(frame));
   velocity_ = MotionTo(frame);
   SetReference(frame);
   TrackingResult result = Conclude(std::move(frame), WhyNoPose::kHasOne);
@@ -128,17 +124,15 @@ KeyframeId Tracker::Describe(KeyframePayload seen) {
   if (previous_->payload->timestamp_ns != seen.timestamp_ns) return {};
   seen.camera = camera_;
   Solution solution;
+  solution.corrections = corrections_;
   solution.frame = MakeFrame(std::move(seen));
   parts_.map->ReadWithHistory(
       [&](const Map& map, const MapHistory& history) { Refresh(map, history, *previous_); });
-  Frame& frame = solution.frame;
-  MatchPreviousFrame(*previous_, previous_->camera_from_map, kNear_px, frame);
-  frame.camera_from_map = previous_->camera_from_map;
+  MatchPreviousFrame(*previous_, previous_->camera_from_map, kNear_px, solution.frame);
+  solution.frame.camera_from_map = previous_->camera_from_map;
   if (!TrackLocalMap(solution) || !IsBelievable(solution)) return {};
-  local_map_ = std::move(solution.local_map);
-  inliers_ = solution.inliers;
-  points_in_view_ = static_cast<int>(solution.visible.size());
-  parts_.statistics->Count(solution.visible, SeenPoints(frame));
+  Frame frame;
+  Adopt(std::move(solution), frame);
   HoldAgainstOthers(frame);
   ConsiderKeyframe(frame);
   KeepMeasurements(frame);
@@ -153,21 +147,17 @@ KeyframeId Tracker::Describe(KeyframePayload seen) {
 // for them.
 KeyframeEvidence Tracker::Guess(const Solution& followed, size_t sought) const {
   constexpr double kUsualShare = 0.8;
-  KeyframeEvidence guess = described_;
   const double share_found = static_cast<double>(followed.inliers.map_points) /
                              static_cast<double>(std::max<size_t>(1, sought));
   const double in_view = static_cast<double>(followed.local_map.points.size());
   const double as_described =
       static_cast<double>(described_.inliers) / std::max(1, described_in_view_);
-  guess.inliers = static_cast<int>(guess_factor_ * as_described * in_view *
-                                   std::min(1.0, share_found / kUsualShare));
-  guess.reference_points = followed.local_map.reference_points;
-  guess.map_keyframes = followed.local_map.map_keyframes;
-  guess.since_last_keyframe_s =
-      std::abs(static_cast<double>(followed.frame.payload->timestamp_ns - last_keyframe_ns_)) *
-      1e-9;
-  guess.mapper_idle = parts_.queue->IsIdle();
-  guess.queue_has_room = parts_.queue->HasRoom();
+  const double inliers =
+      guess_factor_ * as_described * in_view * std::min(1.0, share_found / kUsualShare);
+  KeyframeEvidence guess = EvidenceOf(followed.local_map, static_cast<int>(inliers),
+                                      followed.frame.payload->timestamp_ns);
+  guess.share_of_reference = described_.share_of_reference;
+  guess.close_untracked = described_.close_untracked;
   const double of_described = static_cast<double>(guess.inliers) / std::max(1, described_.inliers);
   guess.close_tracked = static_cast<int>(of_described * described_.close_tracked);
   return guess;
