@@ -12,6 +12,13 @@ find_package(PkgConfig REQUIRED)
 pkg_check_modules(GRPCPP REQUIRED IMPORTED_TARGET grpc++)
 pkg_check_modules(ROCKSDB REQUIRED IMPORTED_TARGET rocksdb)
 pkg_check_modules(LIBPQ REQUIRED IMPORTED_TARGET libpq)
+# What bags are read with.
+pkg_check_modules(LIBZSTD REQUIRED IMPORTED_TARGET libzstd)
+pkg_check_modules(LIBLZ4 REQUIRED IMPORTED_TARGET liblz4)
+pkg_check_modules(SQLITE3 REQUIRED IMPORTED_TARGET sqlite3)
+find_package(BZip2 REQUIRED)
+add_library(corbslam_bag_libraries INTERFACE)
+target_link_libraries(corbslam_bag_libraries INTERFACE PkgConfig::LIBZSTD PkgConfig::LIBLZ4 PkgConfig::SQLITE3 BZip2::BZip2)
 pkg_check_modules(PROTOBUF REQUIRED IMPORTED_TARGET protobuf)
 # Live cameras; without it robots play recordings alone.
 pkg_check_modules(GSTREAMER gstreamer-app-1.0>=1.20 gstreamer-video-1.0)

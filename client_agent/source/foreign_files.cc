@@ -20,10 +20,14 @@ constexpr char kPushOrExtract[] =
     "play it with its own player and push its pictures (push:SOCKET, docs/push.md), or write them "
     "out as a folder of one of the layouts";
 
+constexpr char kPlayAsBag[] =
+    "name it as bag:FILE, or bag:DIR for a folder of rosbag2 (docs/sources.md); 'corbslam bag info' "
+    "lists what is in it";
+
 const std::vector<ForeignKind>& Kinds() {
   static const auto& kinds = *new std::vector<ForeignKind>{
-      {{"bag", "db3", "rosbag", "rosbag2", "ros", "ros2"}, "a ROS bag", kPushOrExtract},
-      {{"mcap"}, "an MCAP recording", kPushOrExtract},
+      {{"bag", "db3", "rosbag", "rosbag2", "ros", "ros2"}, "a ROS bag", kPlayAsBag},
+      {{"mcap"}, "an MCAP recording", kPlayAsBag},
       {{"svo", "svo2", "zed"},
        "a recording of a ZED",
        "write it out with Stereolabs' SVO export as left and right pictures (kitti: with times.txt "
@@ -50,7 +54,8 @@ std::string DescribeForeignFile(absl::string_view name) {
   const std::string word = dot == std::string::npos ? lower : lower.substr(dot + 1);
   for (const ForeignKind& kind : Kinds()) {
     if (std::ranges::find(kind.names, word) == kind.names.end()) continue;
-    return absl::StrCat(kind.what, ", which is not played as it is: ", kind.advice);
+    const bool is_bag = kind.advice == kPlayAsBag;
+    return absl::StrCat(kind.what, is_bag ? ": " : ", which is not played as it is: ", kind.advice);
   }
   return "";
 }

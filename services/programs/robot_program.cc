@@ -12,6 +12,7 @@
 
 #include "client_agent/agent/agent.h"
 #include "client_agent/live/live_sources.h"
+#include "client_agent/source/bag/bag_source.h"
 #include "services/agent_service/agent_service.h"
 #include "services/client/remote/place_asker.h"
 #include "services/client/remote/remote_uplink.h"
@@ -48,6 +49,7 @@ using client_agent::Agent;
 using client_agent::AgentOptions;
 using client_agent::AgentOrders;
 using client_agent::FrameStream;
+using client_agent::RegisterBagSource;
 using client_agent::RegisterLiveSources;
 using client_agent::Spool;
 using client_agent::TrackingResult;
@@ -408,6 +410,7 @@ absl::Status Run(const RobotFlags& given) {
 int RunRobot(const std::string& program, int argc, char** argv) {
   BlockStopSignals();
   RegisterLiveSources();
+  RegisterBagSource();
   RobotFlags flags;
   CLI::App app("One robot of a shared exploration", program);
   AddRobotFlags(app, flags);

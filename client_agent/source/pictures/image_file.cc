@@ -16,14 +16,13 @@ namespace {
 
 constexpr size_t kFirstPictures = 10;
 
-absl::StatusOr<cv::Mat> ReadImage(const std::string& path, int flags) {
-  ASSIGN_OR_RETURN(const std::string bytes, ReadPictureBytes(path));
+absl::StatusOr<cv::Mat> DecodeImage(absl::string_view bytes, absl::string_view name, int flags) {
   if (IsCutShort(bytes)) {
     return absl::InvalidArgumentError(
-        absl::StrCat(path, ": the picture is cut short after ", bytes.size(), " bytes"));
+        absl::StrCat(name, ": the picture is cut short after ", bytes.size(), " bytes"));
   }
-  if (bytes.size() > static_cast<size_t>(std::numeric_limits<int>::max())) {
-    return absl::InvalidArgumentError(absl::StrCat(path, ": ", bytes.size(), " bytes"));
+  if (bytes.empty() || bytes.size() > static_cast<size_t>(std::numeric_limits<int>::max())) {
+    return absl::InvalidArgumentError(absl::StrCat(name, ": ", bytes.size(), " bytes"));
   }
   const cv::Mat data(1, static_cast<int>(bytes.size()), CV_8UC1,
                      const_cast<char*>(bytes.data()));  // The bytes are only read.
@@ -31,9 +30,9 @@ absl::StatusOr<cv::Mat> ReadImage(const std::string& path, int flags) {
     cv::Mat image = cv::imdecode(data, flags);
     if (!image.empty()) return image;
   } catch (const cv::Exception& exception) {
-    return absl::InvalidArgumentError(absl::StrCat(path, ": ", exception.what()));
+    return absl::InvalidArgumentError(absl::StrCat(name, ": ", exception.what()));
   }
-  return absl::InvalidArgumentError(absl::StrCat(path, ": no picture that can be read"));
+  return absl::InvalidArgumentError(absl::StrCat(name, ": no picture that can be read"));
 }
 
 }  // namespace
@@ -57,11 +56,18 @@ absl::StatusOr<std::string> ReadPictureBytes(const std::string& path) {
 }
 
 absl::StatusOr<cv::Mat> ReadGreyImage(const std::string& path) {
-  ASSIGN_OR_RETURN(cv::Mat image, ReadImage(path, cv::IMREAD_GRAYSCALE | cv::IMREAD_ANYDEPTH |
-                                                      cv::IMREAD_IGNORE_ORIENTATION));
+  ASSIGN_OR_RETURN(const std::string bytes, ReadPictureBytes(path));
+  return DecodeGreyImage(bytes, path);
+}
+
+absl::StatusOr<cv::Mat> DecodeGreyImage(absl::string_view bytes, absl::string_view name) {
+  ASSIGN_OR_RETURN(cv::Mat image,
+                   DecodeImage(bytes, name,
+                               cv::IMREAD_GRAYSCALE | cv::IMREAD_ANYDEPTH |
+                                   cv::IMREAD_IGNORE_ORIENTATION));
   if (image.type() == CV_8UC1 || image.type() == CV_16UC1) return image;
   return absl::InvalidArgumentError(
-      absl::StrCat(path, ": a picture has 8 or 16 bits, this one is of OpenCV type ",
+      absl::StrCat(name, ": a picture has 8 or 16 bits, this one is of OpenCV type ",
                    cv::typeToString(image.type())));
 }
 
@@ -76,10 +82,15 @@ absl::StatusOr<cv::Mat> ReadFirstGrey(const std::vector<std::string>& paths) {
 }
 
 absl::StatusOr<cv::Mat> ReadDepthImage(const std::string& path) {
-  ASSIGN_OR_RETURN(cv::Mat image, ReadImage(path, cv::IMREAD_UNCHANGED));
+  ASSIGN_OR_RETURN(const std::string bytes, ReadPictureBytes(path));
+  return DecodeDepthImage(bytes, path);
+}
+
+absl::StatusOr<cv::Mat> DecodeDepthImage(absl::string_view bytes, absl::string_view name) {
+  ASSIGN_OR_RETURN(cv::Mat image, DecodeImage(bytes, name, cv::IMREAD_UNCHANGED));
   if (image.type() != CV_16UC1) {
     return absl::InvalidArgumentError(absl::StrCat(
-        path, ": a depth image has one channel of 16 bits, this one is of OpenCV type ",
+        name, ": a depth image has one channel of 16 bits, this one is of OpenCV type ",
         cv::typeToString(image.type())));
   }
   return image;

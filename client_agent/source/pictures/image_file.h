@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "absl/strings/string_view.h"
 
 namespace corbslam::client_agent {
 
@@ -24,6 +25,10 @@ absl::StatusOr<cv::Mat> ReadFirstGrey(const std::vector<std::string>& paths);
 
 // Returns one channel of 16 bits, as it is stored.
 absl::StatusOr<cv::Mat> ReadDepthImage(const std::string& path);
+
+// Do the same with the bytes of a file; `name` stands for it in messages.
+absl::StatusOr<cv::Mat> DecodeGreyImage(absl::string_view bytes, absl::string_view name);
+absl::StatusOr<cv::Mat> DecodeDepthImage(absl::string_view bytes, absl::string_view name);
 
 }  // namespace corbslam::client_agent
 

@@ -18,6 +18,8 @@ void AddMissionCommand(CLI::App& app, Command& chosen);
 void AddRunCommand(CLI::App& app, const std::string& command_line, Command& chosen);
 // Adds `demo`, which is `run` of a simulated town and prints the report.
 void AddDemoCommand(CLI::App& app, const std::string& command_line, Command& chosen);
+// Adds `bag info`, which looks into a ROS bag.
+void AddBagCommand(CLI::App& app, Command& chosen);
 void AddDoctorCommand(CLI::App& app, Command& chosen);
 void AddEvalCommand(CLI::App& app, Command& chosen);
 // Adds `journal check`, which reads a stopped store's folder.

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "absl/strings/str_join.h"
+#include "client_agent/source/bag/bag_source.h"
 #include "services/command_line/command_line.h"
 #include "services/observe/logging/log_format.h"
 #include "services/simulated_source/simulated_source.h"
@@ -18,10 +19,12 @@ int main(int argc, char** argv) {
   FLAGS_minloglevel = google::GLOG_WARNING;
   const std::string command_line = absl::StrJoin(std::vector<std::string>(argv, argv + argc), " ");
   corbslam::services::RegisterSimulatedSources();
+  corbslam::client_agent::RegisterBagSource();
   CLI::App app("Several robots, one map", "corbslam");
   app.require_subcommand(1);
   corbslam::services::Command chosen;
   corbslam::services::AddDemoCommand(app, command_line, chosen);
+  corbslam::services::AddBagCommand(app, chosen);
   corbslam::services::AddDoctorCommand(app, chosen);
   corbslam::services::AddRunCommand(app, command_line, chosen);
   corbslam::services::AddMissionCommand(app, chosen);

@@ -39,11 +39,6 @@ absl::StatusOr<ConvertedRig> ReadEurocPair(const RigFiles& files);
 // KITTI's calib.txt (odometry) or calib_cam_to_cam.txt (raw): the grey pair.
 absl::StatusOr<ConvertedRig> ReadKittiPair(const RigFiles& files);
 
-// Returns right_from_left of a pair of which only the rectification is known: each camera's
-// rotation rectified_from_camera and the baseline of the rectified pair.
-Rigid3d MotionOfRectified(const Eigen::Matrix3d& left_rotation,
-                          const Eigen::Matrix3d& right_rotation, double baseline_m);
-
 // INVALID_ARGUMENT says how many files the format wants, unless it is given `count`.
 absl::Status ExpectFiles(const RigFiles& files, size_t count, absl::string_view what);
 

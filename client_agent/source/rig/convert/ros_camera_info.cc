@@ -5,6 +5,7 @@
 #include "client_agent/source/calibration/lens_names.h"
 #include "client_agent/source/calibration/yaml_fields.h"
 #include "client_agent/source/rig/convert/rig_readers.h"
+#include "client_agent/source/rig/rectified_motion.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::client_agent {
@@ -115,16 +116,6 @@ absl::Status Read(const YAML::Node& file, const std::string& path, CameraInfo& i
 }
 
 }  // namespace
-
-Rigid3d MotionOfRectified(const Eigen::Matrix3d& left_rotation,
-                          const Eigen::Matrix3d& right_rotation, double baseline_m) {
-  // A point of the rectified left frame has x less by the baseline in the rectified right one.
-  Rigid3d motion;
-  motion.rotation =
-      Eigen::Quaterniond(Eigen::Matrix3d(right_rotation.transpose() * left_rotation)).normalized();
-  motion.translation = right_rotation.transpose() * Eigen::Vector3d(-baseline_m, 0, 0);
-  return motion;
-}
 
 absl::StatusOr<ConvertedRig> ReadRosPair(const RigFiles& files) {
   RETURN_IF_ERROR(ExpectFiles(files, 2, "the camera_info of the left and of the right camera"));

@@ -4,6 +4,7 @@
 #include "client_agent/source/calibration/lens_names.h"
 #include "client_agent/source/calibration/yaml_fields.h"
 #include "client_agent/source/rig/convert/rig_readers.h"
+#include "client_agent/source/rig/rectified_motion.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::client_agent {
