@@ -28,7 +28,7 @@ uint64_t HalvedPicture::bytes() const {
 HalvedPicture HalvePicture(const cv::Mat& grey) {
   HalvedPicture halved;
   halved.levels[0] = grey;
-  for (int i = 1; i < HalvedPicture::kLevels; ++i) halved.levels[i] = HalfOf(halved.levels[i - 1]);
+  for (size_t i = 1; i < halved.levels.size(); ++i) halved.levels[i] = HalfOf(halved.levels[i - 1]);
   return halved;
 }
 

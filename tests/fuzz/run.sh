@@ -14,7 +14,7 @@ here=$(cd "$(dirname "$0")" && pwd)
 root=$(cd "$here/../.." && pwd)
 build=${CORBSLAM_FUZZ_BUILD:-$root/build/fuzz}
 fuzzers=${*:-sync_fuzzer store_fuzzer journal_fuzzer work_fuzzer shared_update_fuzzer spool_fuzzer \
-  feature_coding_fuzzer dataset_fuzzer rig_fuzzer spec_fuzzer vocabulary_fuzzer config_fuzzer name_fuzzer token_fuzzer}
+  feature_coding_fuzzer dataset_fuzzer bag_fuzzer rig_fuzzer spec_fuzzer vocabulary_fuzzer config_fuzzer name_fuzzer token_fuzzer}
 
 "$root/deploy/install_packages.sh" packages_fuzz.txt
 cmake -S "$root" -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release \

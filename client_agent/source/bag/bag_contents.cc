@@ -34,8 +34,8 @@ class ContentsReader {
     const RecordedPlace place{file, message.place};
     if (topic.HasPictures()) TakePicture(message, place, topic);
     // Of CameraInfo the first, second, fourth and so on: a calibration that changes is seen.
-    const bool is_kept = topic.IsFixedTransforms() || (topic.IsCameraInfo() &&
-                                                       std::has_single_bit(topic.messages + 1));
+    const bool is_kept = topic.IsFixedTransforms() ||
+                         (topic.IsCameraInfo() && std::has_single_bit(topic.messages + 1));
     if (is_kept && topic.kept.size() < kMostKept) topic.kept.push_back(place);
     ++topic.messages;
     ++contents_.messages;
@@ -50,9 +50,8 @@ class ContentsReader {
   BagTopic& TopicOf(size_t channel) {
     while (topic_of_channel_.size() <= channel) {
       const BagChannel& next = contents_.recording->channels()[topic_of_channel_.size()];
-      const auto [known, is_new] =
-          numbers_.emplace(std::tuple(next.topic, next.type, next.encoding_name),
-                           contents_.topics.size());
+      const auto [known, is_new] = numbers_.emplace(
+          std::tuple(next.topic, next.type, next.encoding_name), contents_.topics.size());
       if (is_new) {
         BagTopic topic;
         topic.name = next.topic;
@@ -118,9 +117,8 @@ absl::StatusOr<std::shared_ptr<const BagContents>> ReadBagContents(const std::st
   auto contents = std::make_shared<BagContents>();
   ASSIGN_OR_RETURN(contents->recording, BagRecording::Open(path));
   ContentsReader reader(*contents);
-  contents->recording->Scan([&](const ScannedMessage& message, uint32_t file) {
-    reader.Take(message, file);
-  });
+  contents->recording->Scan(
+      [&](const ScannedMessage& message, uint32_t file) { reader.Take(message, file); });
   reader.AddOthers();
   std::sort(contents->topics.begin(), contents->topics.end(),
             [](const BagTopic& a, const BagTopic& b) {

@@ -23,6 +23,9 @@ struct Stamped {
 };
 using StampedList = std::vector<Stamped>;
 
+constexpr size_t kMostToldJumps = 5;
+constexpr int64_t kEarlySecond_ns = 20'000'000;
+
 void Warn(absl::string_view code, std::string text, SourceRemarks& remarks) {
   remarks.findings.push_back({FindingLevel::kWarning, std::string(code), std::move(text)});
 }
@@ -84,34 +87,39 @@ bool IsUnstamped(const StampedList& list) {
   return list.size() > 1 && 2 * static_cast<size_t>(zeros) > list.size();
 }
 
+void TellJump(const FramePairing& pairing, int64_t from_ns, int64_t to_ns, SourceRemarks& remarks) {
+  Warn("times-jump-back",
+       absl::StrCat(pairing.bag, ": the time jumps back from ", FormatSeconds(from_ns), " s to ",
+                    FormatSeconds(to_ns),
+                    " s (a bag that was recorded while another one was played twice?): a new local "
+                    "map begins here"),
+       remarks);
+}
+
 void StampByRecording(StampedList& list) {
   for (Stamped& one : list) one.time_ns = one.message->recorded_ns;
 }
 
-// Numbers the drives of both topics together, in the order in which they were recorded.
+// Numbers the drives by the first topic's times. The second one's may be of another clock: they are
+// of the drive that was recorded when they came.
 void NumberDrives(const FramePairing& pairing, StampedList& first, StampedList& second,
                   SourceRemarks& remarks) {
-  int drive = 0;
-  size_t i = 0;
-  size_t k = 0;
-  std::optional<int64_t> latest_ns;
-  while (i < first.size() || k < second.size()) {
-    const bool takes_first =
-        k == second.size() ||
-        (i < first.size() && first[i].message->recorded_ns <= second[k].message->recorded_ns);
-    Stamped& next = takes_first ? first[i++] : second[k++];
-    if (latest_ns.has_value() && next.time_ns < *latest_ns - kJumpBack_ns) {
-      ++drive;
-      Warn("times-jump-back",
-           absl::StrCat(pairing.bag, ": the time jumps back from ", FormatSeconds(*latest_ns),
-                        " s to ", FormatSeconds(next.time_ns),
-                        " s (a bag that was recorded while another one was played twice?): a new "
-                        "local map begins here"),
-           remarks);
-      latest_ns.reset();
+  std::vector<int64_t> began_ns;  // When each drive but the first began, by the recorder's time.
+  int64_t latest_ns = first.empty() ? 0 : first.front().time_ns;
+  for (Stamped& next : first) {
+    if (next.time_ns < latest_ns - kJumpBack_ns) {
+      if (began_ns.size() < kMostToldJumps) TellJump(pairing, latest_ns, next.time_ns, remarks);
+      began_ns.push_back(next.message->recorded_ns);
+      latest_ns = next.time_ns;
     }
-    latest_ns = std::max(latest_ns.value_or(next.time_ns), next.time_ns);
-    next.drive = drive;
+    latest_ns = std::max(latest_ns, next.time_ns);
+    next.drive = static_cast<int>(began_ns.size());
+  }
+  for (Stamped& next : second) {
+    // A pair's second picture may come before its first one.
+    const auto drives = std::upper_bound(began_ns.begin(), began_ns.end(),
+                                         next.message->recorded_ns + kEarlySecond_ns);
+    next.drive = static_cast<int>(drives - began_ns.begin());
   }
 }
 
@@ -143,7 +151,12 @@ void PutInOrder(const FramePairing& pairing, const BagTopic& topic, StampedList&
                           " pictures have the time of the one before: these are left out"),
              remarks);
   }
-  std::erase_if(list, [](const Stamped& one) { return one.time_ns < 0; });
+  const size_t negative = std::erase_if(list, [](const Stamped& one) { return one.time_ns < 0; });
+  if (negative == 0) return;
+  LeaveOut("times-negative",
+           absl::StrCat(pairing.bag, ": ", topic.name, ": ", negative, " of ", all,
+                        " pictures have a time before 1970: these are left out"),
+           remarks);
 }
 
 // Pairs what is nearest in time. Both lists are in order.
@@ -163,8 +176,8 @@ std::vector<BagFrame> PairInTime(const StampedList& first, const StampedList& se
     // The next first picture is nearer to this second one.
     if (i + 1 < first.size() && gap_ns(i + 1, k) < gap_ns(i, k)) continue;
     if (gap_ns(i, k) > pairing.within_ns) continue;
-    frames.push_back({first[i].time_ns, first[i].drive, first[i].message->place,
-                      second[k].message->place});
+    frames.push_back(
+        {first[i].time_ns, first[i].drive, first[i].message->place, second[k].message->place});
     ++k;
   }
   return frames;
@@ -182,9 +195,8 @@ absl::Status NoFrames(const FramePairing& pairing, const BagTopic& first_topic,
   return absl::InvalidArgumentError(absl::StrCat(
       pairing.bag, ": no picture of ", first_topic.name, " has one of ", second_topic.name,
       " within ", 1e-6 * static_cast<double>(pairing.within_ns), " ms: ", first_topic.name, " has ",
-      SpanOf(first), ", ", second_topic.name, " has ", SpanOf(second),
-      "; try ?time=", pairing.by_recording_time ? "header" : "recording",
-      ", or a larger ?pair-within-ms"));
+      SpanOf(first), ", ", second_topic.name, " has ", SpanOf(second), "; try ?time=",
+      pairing.by_recording_time ? "header" : "recording", ", or a larger ?pair-within-ms"));
 }
 
 void TellUnpaired(const FramePairing& pairing, const BagTopic& first_topic, size_t first,

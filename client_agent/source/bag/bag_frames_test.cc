@@ -121,7 +121,7 @@ TEST(BagFramesTest, RepeatedTimesAreTakenOnce) {
 
 TEST(BagFramesTest, ABagThatWasPlayedTwiceIsTwoDrives) {
   SourceRemarks remarks;
-  const std::vector<Sent> twice = {{1000, 1}, {2000, 1001}, {3000, 2001},
+  const std::vector<Sent> twice = {{1000, 1},    {2000, 1001}, {3000, 2001},
                                    {1000, 3001}, {2000, 4001}, {3000, 5001}};
   const auto made =
       MakeBagFrames(TopicOf("left", twice), TopicOf("right", twice), Pairing(2), remarks);
@@ -139,9 +139,9 @@ TEST(BagFramesTest, OfTwoPublishersAtOnceOneIsPlayed) {
   for (int64_t i = 0; i < 6; ++i) both.push_back({100 * i, 100 * i, 0});
   both.push_back({150, 150, 1});
   both.push_back({350, 350, 1});
-  const auto made = MakeBagFrames(TopicOf("left", both),
-                                  Stamped("right", {0, 100, 150, 200, 300, 350, 400, 500}),
-                                  Pairing(2), remarks);
+  const auto made =
+      MakeBagFrames(TopicOf("left", both), Stamped("right", {0, 100, 150, 200, 300, 350, 400, 500}),
+                    Pairing(2), remarks);
   ASSERT_TRUE(made.ok()) << made.status();
   EXPECT_THAT(TimesOf(*made), ElementsAre(0, 100, 200, 300, 400, 500));
   EXPECT_THAT(CodesOf(remarks), ElementsAre("bag-two-publishers", "pairs-incomplete"));
@@ -160,9 +160,9 @@ TEST(BagFramesTest, ADriverThatWasRestartedIsOneTopic) {
 TEST(BagFramesTest, WithoutStampsTheRecordersTimesAreTaken) {
   SourceRemarks remarks;
   const std::vector<Sent> unstamped = {{0, 100}, {0, 200}, {0, 300}};
-  const auto made = MakeBagFrames(TopicOf("left", unstamped),
-                                  TopicOf("right", {{0, 101}, {0, 201}, {0, 301}}), Pairing(2),
-                                  remarks);
+  const auto made =
+      MakeBagFrames(TopicOf("left", unstamped), TopicOf("right", {{0, 101}, {0, 201}, {0, 301}}),
+                    Pairing(2), remarks);
   ASSERT_TRUE(made.ok()) << made.status();
   EXPECT_TRUE(made->by_recording_time);
   EXPECT_THAT(TimesOf(*made), ElementsAre(100, 200, 300));
@@ -187,12 +187,25 @@ TEST(BagFramesTest, ClocksThatDifferAreNamed) {
   EXPECT_THAT(made.status().message(), HasSubstr("?time=recording"));
 }
 
+TEST(BagFramesTest, StampsThatAreGarbageAreToldShortly) {
+  SourceRemarks remarks;
+  std::vector<Sent> garbage;
+  for (int64_t i = 0; i < 1000; ++i) garbage.push_back({i % 2 == 0 ? 900'000 : 5'000, 100 * i});
+  (void)MakeBagFrames(TopicOf("left", garbage), Stamped("right", {1, 2}), Pairing(2), remarks);
+  EXPECT_LT(remarks.findings.size(), 10u);
+  std::vector<Sent> early = {{-5'000, 100}, {5, 200}};
+  const auto made =
+      MakeBagFrames(TopicOf("left", early), TopicOf("right", early), Pairing(2), remarks);
+  ASSERT_TRUE(made.ok()) << made.status();
+  EXPECT_THAT(TimesOf(*made), ElementsAre(5));
+}
+
 TEST(BagFramesTest, AKnownDelayIsTakenOff) {
   SourceRemarks remarks;
   FramePairing pairing = Pairing(2);
   pairing.second_offset_ns = 50 * kMs;
-  const auto made = MakeBagFrames(Stamped("left", {100, 200}), Stamped("depth", {50, 150}),
-                                  pairing, remarks);
+  const auto made =
+      MakeBagFrames(Stamped("left", {100, 200}), Stamped("depth", {50, 150}), pairing, remarks);
   ASSERT_TRUE(made.ok()) << made.status();
   EXPECT_THAT(TimesOf(*made), ElementsAre(100, 200));
 }

@@ -12,10 +12,12 @@ struct TopicOption {
   absl::string_view name;
   std::string BagOptions::*topic;
 };
-constexpr TopicOption kTopicOptions[] = {
-    {"left", &BagOptions::left},           {"right", &BagOptions::right},
-    {"depth", &BagOptions::depth},         {"left_info", &BagOptions::left_info},
-    {"right_info", &BagOptions::right_info}, {"depth_info", &BagOptions::depth_info}};
+constexpr TopicOption kTopicOptions[] = {{"left", &BagOptions::left},
+                                         {"right", &BagOptions::right},
+                                         {"depth", &BagOptions::depth},
+                                         {"left_info", &BagOptions::left_info},
+                                         {"right_info", &BagOptions::right_info},
+                                         {"depth_info", &BagOptions::depth_info}};
 
 absl::Status BadBagOption(absl::string_view key, absl::string_view value,
                           absl::string_view wanted) {
@@ -42,8 +44,8 @@ absl::Status ParseBagFlag(absl::string_view key, absl::string_view value, bool& 
 std::vector<absl::string_view> BagOptionNames() {
   std::vector<absl::string_view> names;
   for (const TopicOption& option : kTopicOptions) names.push_back(option.name);
-  for (const char* name : {"rig", "time", "scale", "trust_calibration", "pair_within_ms",
-                           "depth_units", "register"}) {
+  for (const char* name :
+       {"rig", "time", "scale", "trust_calibration", "pair_within_ms", "depth_units", "register"}) {
     names.emplace_back(name);
   }
   return names;

@@ -69,8 +69,8 @@ class BagReader : public FrameReader {
   }
   absl::StatusOr<cv::Mat> ReadDepth(const BagFrame& frame) const {
     const PictureTopic& topic = parts_.choice.second;
-    ASSIGN_OR_RETURN(const cv::Mat recorded, ReadBagDepth(*parts_.contents, topic, frame.second,
-                                                          frame.timestamp_ns));
+    ASSIGN_OR_RETURN(const cv::Mat recorded,
+                     ReadBagDepth(*parts_.contents, topic, frame.second, frame.timestamp_ns));
     absl::StatusOr<cv::Mat> depth = parts_.depth.Prepare(recorded);
     if (!depth.ok()) return Bad(topic, frame.timestamp_ns, depth.status().message());
     RETURN_IF_ERROR(CheckSize(topic, frame.timestamp_ns, *depth));
@@ -127,8 +127,8 @@ absl::Status TakeRig(const BagOptions& options, std::optional<Rig> given, const 
     description.depth_units_from = std::move(made.depth_units_from);
     description.remarks.Add(std::move(made.findings));
   }
-  ASSIGN_OR_RETURN(SourceFindings findings, JudgeRig(parts.rig, description.intrinsics_from,
-                                                     options.trust_calibration));
+  ASSIGN_OR_RETURN(SourceFindings findings,
+                   JudgeRig(parts.rig, description.intrinsics_from, options.trust_calibration));
   description.remarks.Add(std::move(findings));
   ASSIGN_OR_RETURN(parts.calibration, CalibrationOf(parts.rig));
   if (parts.rig.kind == RigKind::kStereo) return absl::OkStatus();
@@ -154,9 +154,8 @@ absl::Status ListBagFrames(const BagOptions& options, BagParts& parts) {
   ASSIGN_OR_RETURN(description.times,
                    MeasureTimes(options.path, times_ns, description.remarks.findings));
   description.frames = parts.frames.size();
-  description.times_from =
-      absl::StrCat(made.by_recording_time ? "the recorder, of " : "the headers of ",
-                   parts.choice.first.name());
+  description.times_from = absl::StrCat(
+      made.by_recording_time ? "the recorder, of " : "the headers of ", parts.choice.first.name());
   return absl::OkStatus();
 }
 
@@ -178,10 +177,10 @@ void LookAtGrey(BagParts& parts) {
 void Describe(const BagOptions& options, BagParts& parts) {
   const RigChoice& choice = parts.choice;
   SourceDescription& description = parts.description;
-  description.layout = absl::StrCat(parts.contents->recording->format(), ", ",
-                                    choice.kind == RigKind::kStereo ? "stereo pair: " : "RGB-D: ",
-                                    DescribeTopic(choice.first), ", ",
-                                    DescribeTopic(choice.second));
+  description.layout = absl::StrCat(
+      parts.contents->recording->format(), ", ",
+      choice.kind == RigKind::kStereo ? "stereo pair: " : "RGB-D: ", DescribeTopic(choice.first),
+      ", ", DescribeTopic(choice.second));
   DescribeCamera(parts.calibration, description);
   for (const std::string& note : parts.contents->recording->notes()) {
     description.remarks.findings.push_back({FindingLevel::kWarning, "bag-not-whole", note});

@@ -77,7 +77,8 @@ TEST(BagReaderTest, TopicsAreNamed) {
   const std::string left = "/stereo/left/image_raw";
   const std::string right = "/stereo/right/image_raw";
   EXPECT_TRUE(Open(DrawnBag("stereo_zstd.mcap?left=" + left + "&right=" + right)).ok());
-  EXPECT_TRUE(Open(DrawnBag("stereo_png.mcap?left=" + left)).ok()) << "the transport's end is known";
+  EXPECT_TRUE(Open(DrawnBag("stereo_png.mcap?left=" + left)).ok())
+      << "the transport's end is known";
   EXPECT_THAT(Refusal("stereo_zstd.mcap?left=" + right + "&right=" + left),
               HasSubstr("to the left of"));
   EXPECT_THAT(Refusal("stereo_zstd.mcap?left=/front"),

@@ -23,11 +23,11 @@ std::string NoteOf(const BagTopic& topic, const std::vector<PictureTopic>& pictu
     if (picture.topic != &topic) continue;
     if (!picture.problem.empty()) return picture.problem;
     const cv::Size size = picture.form.size;
-    return absl::StrFormat(
-        "%s%s %dx%d, frame '%s', %s", picture.is_depth ? "depth, " : "", picture.form.encoding,
-        size.width, size.height, picture.frame_id,
-        picture.info.has_value() ? absl::StrCat("calibrated by ", picture.info_topic)
-                                 : "no CameraInfo");
+    return absl::StrFormat("%s%s %dx%d, frame '%s', %s", picture.is_depth ? "depth, " : "",
+                           picture.form.encoding, size.width, size.height, picture.frame_id,
+                           picture.info.has_value()
+                               ? absl::StrCat("calibrated by ", picture.info_topic)
+                               : "no CameraInfo");
   }
   if (topic.IsCameraInfo()) return "calibration";
   if (topic.IsFixedTransforms()) return "where the cameras sit";
@@ -35,7 +35,7 @@ std::string NoteOf(const BagTopic& topic, const std::vector<PictureTopic>& pictu
 }
 
 BagTopicSummary Summarise(const BagTopic& topic, const std::vector<PictureTopic>& pictures) {
-  BagTopicSummary row{topic.name,  topic.type, topic.encoding_name,          topic.messages,
+  BagTopicSummary row{topic.name,  topic.type, topic.encoding_name,    topic.messages,
                       topic.bytes, 0,          NoteOf(topic, pictures)};
   const double duration_s = SecondsBetween(topic.first_ns, topic.last_ns);
   if (topic.messages > 1 && duration_s > 0) {
@@ -87,10 +87,10 @@ std::string FormatBagSummary(const BagSummary& summary) {
     type = std::max(type, topic.type.size());
   }
   for (const BagTopicSummary& topic : summary.topics) {
-    absl::StrAppend(&text, absl::StrFormat("  %-*s  %-*s  %7d  %7.2f Hz  %s\n",
-                                           static_cast<int>(name), topic.name,
-                                           static_cast<int>(type), topic.type, topic.messages,
-                                           topic.rate_hz, topic.note));
+    absl::StrAppend(&text,
+                    absl::StrFormat("  %-*s  %-*s  %7d  %7.2f Hz  %s\n", static_cast<int>(name),
+                                    topic.name, static_cast<int>(type), topic.type, topic.messages,
+                                    topic.rate_hz, topic.note));
   }
   for (const std::string& note : summary.notes) absl::StrAppend(&text, "note: ", note, "\n");
   if (!summary.lacking.empty()) {

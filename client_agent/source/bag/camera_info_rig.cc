@@ -35,8 +35,7 @@ absl::Status BadInfo(const std::string& bag, const PictureTopic& picture, absl::
       absl::StrCat(bag, ": ", picture.info_topic, ": ", what, ", or give ?rig=FILE"));
 }
 
-absl::Status NoInfo(const std::string& bag, const PictureTopic& picture,
-                    absl::string_view option) {
+absl::Status NoInfo(const std::string& bag, const PictureTopic& picture, absl::string_view option) {
   return absl::NotFoundError(absl::StrCat(
       bag, ": ", picture.name(), " has no CameraInfo: name its topic by ?", option,
       "_info=TOPIC, or give the cameras by ?rig=FILE ('corbslam rig convert' makes it of what "
@@ -72,8 +71,8 @@ absl::Status FitToPicture(const std::string& bag, const PictureTopic& picture, d
 }
 
 template <typename Matrix>
-absl::Status CheckMatrix(const std::string& bag, const PictureTopic& picture, absl::string_view name,
-                         const Matrix& matrix, size_t row) {
+absl::Status CheckMatrix(const std::string& bag, const PictureTopic& picture,
+                         absl::string_view name, const Matrix& matrix, size_t row) {
   const bool is_finite =
       std::all_of(matrix.begin(), matrix.end(), [](double x) { return std::isfinite(x); });
   if (is_finite && matrix[0] > 0 && matrix[row + 1] > 0) return absl::OkStatus();
@@ -87,8 +86,8 @@ absl::StatusOr<LensModel> LensOf(const std::string& bag, const PictureTopic& pic
   const bool bends = std::any_of(info.d.begin(), info.d.end(), [](double k) { return k != 0; });
   // Drivers of rectified pictures leave the name empty.
   if (!bends && info.distortion_model != "equidistant") return LensModel(RadialTangential());
-  absl::StatusOr<LensModel> lens = LensOfName(
-      info.distortion_model.empty() ? "plumb_bob" : info.distortion_model, info.d);
+  absl::StatusOr<LensModel> lens =
+      LensOfName(info.distortion_model.empty() ? "plumb_bob" : info.distortion_model, info.d);
   if (lens.ok()) return lens;
   return BadInfo(bag, picture,
                  absl::StrCat("distortion_model, D: ", lens.status().message(),
@@ -115,7 +114,9 @@ absl::StatusOr<InfoCamera> CameraOfK(const std::string& bag, const PictureTopic&
   made.camera.raw.cx_px = k[2];
   made.camera.raw.cy_px = k[5];
   const bool has_r = std::any_of(info.r.begin(), info.r.end(), [](double x) { return x != 0; });
-  if (has_r) made.rectified_from_camera = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(info.r.data());
+  if (has_r)
+    made.rectified_from_camera =
+        Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(info.r.data());
   const Eigen::Matrix3d error =
       made.rectified_from_camera * made.rectified_from_camera.transpose() -
       Eigen::Matrix3d::Identity();
@@ -124,19 +125,19 @@ absl::StatusOr<InfoCamera> CameraOfK(const std::string& bag, const PictureTopic&
   }
   const auto* const bent = std::get_if<RadialTangential>(&made.camera.raw.lens);
   const std::array<double, 12>& p = info.p;
-  made.is_pinhole = bent != nullptr && bent->IsZero() &&
-                    (made.rectified_from_camera - Eigen::Matrix3d::Identity()).norm() <
-                        kSameRotation_rad &&
-                    std::abs(p[0] - k[0]) < kSame_px && std::abs(p[5] - k[4]) < kSame_px &&
-                    std::abs(p[2] - k[2]) < kSame_px && std::abs(p[6] - k[5]) < kSame_px;
+  made.is_pinhole =
+      bent != nullptr && bent->IsZero() &&
+      (made.rectified_from_camera - Eigen::Matrix3d::Identity()).norm() < kSameRotation_rad &&
+      std::abs(p[0] - k[0]) < kSame_px && std::abs(p[5] - k[4]) < kSame_px &&
+      std::abs(p[2] - k[2]) < kSame_px && std::abs(p[6] - k[5]) < kSame_px;
   return made;
 }
 
 absl::StatusOr<InfoCamera> CameraOf(const std::string& bag, const PictureTopic& picture,
                                     absl::string_view option, SourceFindings& findings) {
   if (!picture.info.has_value()) return NoInfo(bag, picture, option);
-  ASSIGN_OR_RETURN(InfoCamera made, SaysRectified(picture.base) ? CameraOfP(bag, picture)
-                                                                : CameraOfK(bag, picture));
+  ASSIGN_OR_RETURN(InfoCamera made,
+                   SaysRectified(picture.base) ? CameraOfP(bag, picture) : CameraOfK(bag, picture));
   double shrink_x = 1;
   double shrink_y = 1;
   bool is_cut = false;
@@ -172,8 +173,8 @@ absl::StatusOr<Rigid3d> MotionOfFrames(const std::string& bag, const TransformTr
           ? absl::StrCat("both pictures have the frame '", target.frame_id, "'")
           : absl::StrCat(tree.empty() ? "there is no /tf_static" : "/tf_static has no way",
                          " from frame '", source.frame_id, "' to '", target.frame_id, "'");
-  return absl::InvalidArgumentError(absl::StrCat(bag, ": ", instead, ", and ", why,
-                                                 ": give the cameras by ?rig=FILE"));
+  return absl::InvalidArgumentError(
+      absl::StrCat(bag, ": ", instead, ", and ", why, ": give the cameras by ?rig=FILE"));
 }
 
 bool IsAlongX(const Rigid3d& right_from_left) {
@@ -189,20 +190,19 @@ absl::Status PlaceRight(const std::string& bag, const RigChoice& choice, const T
   if (baseline_m.has_value() && *baseline_m < 0) {
     return absl::InvalidArgumentError(absl::StrCat(
         bag, ": by P's fourth column ", choice.second.info_topic, " is ", -*baseline_m,
-        " m to the left of ", choice.first.info_topic, ": exchange them (?left=",
-        choice.second.name(), "&right=", choice.first.name(), ")"));
+        " m to the left of ", choice.first.info_topic,
+        ": exchange them (?left=", choice.second.name(), "&right=", choice.first.name(), ")"));
   }
   if (baseline_m.has_value()) {
     rig.baseline_m = *baseline_m;
-    rig.right_from_left = MotionOfRectified(left.rectified_from_camera, right.rectified_from_camera,
-                                            *baseline_m);
+    rig.right_from_left =
+        MotionOfRectified(left.rectified_from_camera, right.rectified_from_camera, *baseline_m);
     return absl::OkStatus();
   }
-  ASSIGN_OR_RETURN(
-      rig.right_from_left,
-      MotionOfFrames(bag, tree, choice.second, choice.first,
-                     absl::StrCat("P of ", choice.first.info_topic, " and ",
-                                  choice.second.info_topic, " has no baseline")));
+  ASSIGN_OR_RETURN(rig.right_from_left,
+                   MotionOfFrames(bag, tree, choice.second, choice.first,
+                                  absl::StrCat("P of ", choice.first.info_topic, " and ",
+                                               choice.second.info_topic, " has no baseline")));
   rig.rectified = rig.rectified && IsAlongX(rig.right_from_left);
   rig.baseline_m = -rig.right_from_left.translation.x();
   return absl::OkStatus();
@@ -218,10 +218,9 @@ absl::StatusOr<CameraInfoRig> MakeStereo(const std::string& bag, const RigChoice
   rig.cameras = {left.camera, right.camera};
   RETURN_IF_ERROR(PlaceRight(bag, choice, tree, left, right, rig));
   if (rig.rectified) rig.close_depth_m = kRectifiedClose_baselines * rig.baseline_m;
-  made.from = absl::StrCat(choice.first.info_topic, ", ", choice.second.info_topic,
-                           BaselineOfP(choice.first, choice.second).has_value()
-                               ? ""
-                               : ", /tf_static");
+  made.from =
+      absl::StrCat(choice.first.info_topic, ", ", choice.second.info_topic,
+                   BaselineOfP(choice.first, choice.second).has_value() ? "" : ", /tf_static");
   return made;
 }
 
@@ -240,11 +239,10 @@ absl::Status PlaceDepth(const std::string& bag, const RigChoice& choice, const T
     return absl::OkStatus();
   }
   ASSIGN_OR_RETURN(const InfoCamera camera, CameraOf(bag, depth, "depth", made.findings));
-  ASSIGN_OR_RETURN(
-      made.rig.depth.colour_from_depth,
-      MotionOfFrames(bag, tree, picture, depth,
-                     absl::StrCat(depth.name(), " is not registered to ", picture.name(),
-                                  " (?register=0 if it is)")));
+  ASSIGN_OR_RETURN(made.rig.depth.colour_from_depth,
+                   MotionOfFrames(bag, tree, picture, depth,
+                                  absl::StrCat(depth.name(), " is not registered to ",
+                                               picture.name(), " (?register=0 if it is)")));
   made.rig.depth.camera = camera.camera;
   absl::StrAppend(&made.from, ", ", depth.info_topic, ", /tf_static");
   return absl::OkStatus();

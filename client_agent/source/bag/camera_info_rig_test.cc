@@ -31,8 +31,8 @@ class Topics {
     picture->topic = &topic;
     picture->base = BaseTopic(name);
     picture->is_compressed = picture->base != name;
-    picture->form = {encoding, {640, 480}, encoding != "32FC1", encoding == "16UC1" ||
-                                                                    encoding == "32FC1"};
+    picture->form = {
+        encoding, {640, 480}, encoding != "32FC1", encoding == "16UC1" || encoding == "32FC1"};
     picture->frame_id = frame;
     picture->is_depth = picture->form.can_be_depth && !SaysNoDepth(picture->base);
     pictures_.push_back(std::move(picture));
@@ -87,7 +87,8 @@ TransformTree Beside(const std::string& target, const std::string& source, doubl
 
 TEST(RigChoiceTest, PairsAreFoundByTheirNames) {
   for (const auto& [left, right] :
-       {std::pair("/left/image_raw", "/right/image_raw"), {"/cam0/image_raw", "/cam1/image_raw"},
+       {std::pair("/left/image_raw", "/right/image_raw"),
+        {"/cam0/image_raw", "/cam1/image_raw"},
         {"/camera/infra1/image_rect_raw", "/camera/infra2/image_rect_raw"},
         {"/zed/zed_node/left/image_rect_color", "/zed/zed_node/right/image_rect_color"},
         {"/kitti/image_02/image", "/kitti/image_03/image"},
@@ -217,9 +218,9 @@ TEST(CameraInfoRigTest, ASmallerPictureIsExplainedOrRefused) {
   for (PictureTopic& picture : pictures) picture.form.size = {320, 240};
   const auto choice = ChooseRig("b", pictures, {}, {}, std::nullopt);
   ASSERT_TRUE(choice.ok());
-  EXPECT_THAT(MakeCameraInfoRig("b", *choice, {}, {}).status().message(),
-              AllOf(HasSubstr("/left/image_raw_info"), HasSubstr("640, 480"),
-                    HasSubstr("320x240")));
+  EXPECT_THAT(
+      MakeCameraInfoRig("b", *choice, {}, {}).status().message(),
+      AllOf(HasSubstr("/left/image_raw_info"), HasSubstr("640, 480"), HasSubstr("320x240")));
 }
 
 TEST(CameraInfoRigTest, WhatWasNotCalibratedIsNamed) {

@@ -112,9 +112,9 @@ absl::StatusOr<cv::Mat> Named(const BagContents& contents, const PictureTopic& p
   if (!bytes.ok()) return bytes.status();  // It names file and offset.
   absl::StatusOr<cv::Mat> decoded = decode(*bytes);
   if (decoded.ok()) return decoded;
-  return absl::InvalidArgumentError(absl::StrCat(
-      contents.recording->path(), ": ", picture.name(), ": the message of ",
-      FormatSeconds(timestamp_ns), " s: ", decoded.status().message()));
+  return absl::InvalidArgumentError(absl::StrCat(contents.recording->path(), ": ", picture.name(),
+                                                 ": the message of ", FormatSeconds(timestamp_ns),
+                                                 " s: ", decoded.status().message()));
 }
 
 }  // namespace

@@ -145,9 +145,9 @@ std::vector<Candidate> Judge(const Question& question, std::optional<RigKind> ki
 }
 
 std::string AsOptions(const Candidate& candidate) {
-  return absl::StrCat("left=", candidate.first->name(),
-                      candidate.kind == RigKind::kStereo ? "&right=" : "&depth=",
-                      candidate.second->name());
+  return absl::StrCat(
+      "left=", candidate.first->name(),
+      candidate.kind == RigKind::kStereo ? "&right=" : "&depth=", candidate.second->name());
 }
 
 absl::Status CheckNamed(const std::string& bag, const std::vector<PictureTopic>& pictures,
@@ -170,8 +170,9 @@ absl::Status CheckNamed(const std::string& bag, const std::vector<PictureTopic>&
 absl::Status NoRig(const std::string& bag, const std::vector<PictureTopic>& pictures) {
   if (pictures.empty()) {
     return absl::NotFoundError(
-        absl::StrCat(bag, ": no pictures: no topic has sensor_msgs/Image or "
-                          "sensor_msgs/CompressedImage ('corbslam bag info' lists what it has)"));
+        absl::StrCat(bag,
+                     ": no pictures: no topic has sensor_msgs/Image or "
+                     "sensor_msgs/CompressedImage ('corbslam bag info' lists what it has)"));
   }
   std::vector<std::string> listed;
   for (const PictureTopic& picture : pictures) listed.push_back(DescribeTopic(picture));
@@ -195,9 +196,8 @@ absl::StatusOr<RigChoice> ChooseRig(const std::string& bag,
                                     const std::vector<PictureTopic>& pictures,
                                     const TransformTree& tree, const BagOptions& options,
                                     std::optional<RigKind> kind) {
-  for (const auto& [option, name] : {std::pair("left", options.left),
-                                     {"right", options.right},
-                                     {"depth", options.depth}}) {
+  for (const auto& [option, name] :
+       {std::pair("left", options.left), {"right", options.right}, {"depth", options.depth}}) {
     RETURN_IF_ERROR(CheckNamed(bag, pictures, option, name));
   }
   if (pictures.size() > kMostPictureTopics &&

@@ -17,12 +17,12 @@ namespace {
 
 // How the two cameras of a pair are called, left first; KITTI's colour pair is 02 and 03.
 constexpr std::pair<absl::string_view, absl::string_view> kSides[] = {
-    {"left", "right"},         {"Left", "Right"},         {"LEFT", "RIGHT"},
-    {"cam0", "cam1"},          {"cam_0", "cam_1"},        {"cam1", "cam2"},
-    {"camera0", "camera1"},    {"camera_0", "camera_1"},  {"camera1", "camera2"},
-    {"camera_1", "camera_2"},  {"image_0", "image_1"},    {"image_2", "image_3"},
-    {"image_00", "image_01"},  {"image_02", "image_03"},  {"infra1", "infra2"},
-    {"fisheye1", "fisheye2"},  {"/l/", "/r/"},            {"/0/", "/1/"}};
+    {"left", "right"},        {"Left", "Right"},        {"LEFT", "RIGHT"},
+    {"cam0", "cam1"},         {"cam_0", "cam_1"},       {"cam1", "cam2"},
+    {"camera0", "camera1"},   {"camera_0", "camera_1"}, {"camera1", "camera2"},
+    {"camera_1", "camera_2"}, {"image_0", "image_1"},   {"image_2", "image_3"},
+    {"image_00", "image_01"}, {"image_02", "image_03"}, {"infra1", "infra2"},
+    {"fisheye1", "fisheye2"}, {"/l/", "/r/"},           {"/0/", "/1/"}};
 
 bool HasAny(absl::string_view name, std::initializer_list<absl::string_view> words) {
   const std::string lower = absl::AsciiStrToLower(name);

@@ -41,11 +41,11 @@ nlohmann::ordered_json ToJson(const BagSummary& summary) {
   for (const client_agent::SourceFinding& finding : summary.findings) {
     findings.push_back({{"code", finding.code}, {"text", finding.text}});
   }
-  return {{"format", summary.format},   {"files", summary.files},
+  return {{"format", summary.format},     {"files", summary.files},
           {"messages", summary.messages}, {"first_ns", summary.first_ns},
-          {"last_ns", summary.last_ns}, {"topics", topics},
-          {"notes", summary.notes},     {"played", played},
-          {"findings", findings},       {"lacking", summary.lacking}};
+          {"last_ns", summary.last_ns},   {"topics", topics},
+          {"notes", summary.notes},       {"played", played},
+          {"findings", findings},         {"lacking", summary.lacking}};
 }
 
 absl::Status ShowBag(const std::string& bag) {

@@ -27,7 +27,8 @@ class Messages:
 
     def add(self, topic, kind, stamp_ns, frame, fields, data=None):
         # A recorder gets a message some milliseconds after its stamp.
-        line = {"topic": topic, "type": kind, "time_ns": stamp_ns + 3_000_000, "stamp_ns": stamp_ns,
+        # Times are texts: JavaScript's numbers have too few digits.
+        line = {"topic": topic, "type": kind, "time_ns": str(stamp_ns + 3_000_000), "stamp_ns": str(stamp_ns),
                 "frame_id": frame, **fields}
         if data is not None:
             line["offset"], line["size"] = self.bytes.tell(), len(data)

@@ -13,7 +13,8 @@ from sensor_msgs.msg import CameraInfo, CompressedImage, Image
 from tf2_msgs.msg import TFMessage
 
 
-def time_of(ns):
+def time_of(text):
+    ns = int(text)
     return genpy.Time(ns // 10**9, ns % 10**9)
 
 

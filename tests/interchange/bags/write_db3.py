@@ -31,7 +31,7 @@ def write_file(path, lines, cdr, pack):
                              (topics[line["topic"]], line["topic"], line["type"]))
         cdr.seek(line["offset"])
         database.execute("INSERT INTO messages (topic_id, timestamp, data) VALUES (?, ?, ?)",
-                         (topics[line["topic"]], line["time_ns"], pack(cdr.read(line["size"]))))
+                         (topics[line["topic"]], int(line["time_ns"]), pack(cdr.read(line["size"]))))
     database.commit()
     database.close()
 

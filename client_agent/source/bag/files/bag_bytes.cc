@@ -13,16 +13,17 @@
 
 namespace corbslam::client_agent {
 
-absl::StatusOr<std::unique_ptr<const BagBytes>> BagBytes::Open(const std::string& path) {
-  const int file = open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  if (file < 0) return absl::NotFoundError(absl::StrCat(path, ": ", std::strerror(errno)));
+absl::StatusOr<std::unique_ptr<const BagBytes>> BagBytes::Open(const std::string& path,
+                                                               const std::string& name) {
+  const int file = open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+  if (file < 0) return absl::NotFoundError(absl::StrCat(name, ": ", std::strerror(errno)));
   struct stat state = {};
   if (fstat(file, &state) != 0 || !S_ISREG(state.st_mode)) {
     close(file);
-    return absl::InvalidArgumentError(absl::StrCat(path, ": no file that can be read"));
+    return absl::InvalidArgumentError(absl::StrCat(name, ": no file that can be read"));
   }
   return std::unique_ptr<const BagBytes>(
-      new BagBytes(path, file, static_cast<uint64_t>(state.st_size)));
+      new BagBytes(name, file, static_cast<uint64_t>(state.st_size)));
 }
 
 BagBytes::BagBytes(std::string name, int file, uint64_t size)
@@ -46,8 +47,8 @@ absl::StatusOr<std::string> BagBytes::Read(uint64_t offset, uint64_t count,
                                         size_ - std::min(offset, size_), " are there"));
   }
   if (count > kMostBagBytes) {
-    return ErrorAt(offset,
-                   absl::StrCat(what, " has ", count, " bytes, at most ", kMostBagBytes, " are read"));
+    return ErrorAt(
+        offset, absl::StrCat(what, " has ", count, " bytes, at most ", kMostBagBytes, " are read"));
   }
   return ReadUpTo(offset, count);
 }

@@ -19,7 +19,12 @@ inline constexpr uint64_t kMostBagBytes = uint64_t{256} << 20;
 class BagBytes {
  public:
   // NOT_FOUND or INVALID_ARGUMENT, naming the file.
-  static absl::StatusOr<std::unique_ptr<const BagBytes>> Open(const std::string& path);
+  static absl::StatusOr<std::unique_ptr<const BagBytes>> Open(const std::string& path) {
+    return Open(path, path);
+  }
+  // `name` stands for the file in messages.
+  static absl::StatusOr<std::unique_ptr<const BagBytes>> Open(const std::string& path,
+                                                              const std::string& name);
   // The bytes of a chunk; `name` says for people which.
   BagBytes(std::string name, std::string bytes);
   ~BagBytes();

@@ -72,6 +72,8 @@ absl::StatusOr<std::unique_ptr<BagFile>> OpenBagFile(const std::string& path);
 // Returns the type's name without ROS 2's "/msg/".
 std::string PlainTypeName(absl::string_view type);
 BagEncoding EncodingOfName(absl::string_view name);
+// Returns a name of the bag as it can be printed: no control characters, not endless.
+std::string CleanName(absl::string_view name);
 
 }  // namespace corbslam::client_agent
 

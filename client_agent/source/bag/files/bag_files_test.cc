@@ -109,10 +109,50 @@ TEST(BagFilesTest, WhatIsNoBagIsNamed) {
   EXPECT_THAT(refusal("empty.bag", ""), HasSubstr("empty.bag: an empty file"));
   EXPECT_THAT(refusal("text.mcap", "hello"), HasSubstr("text.mcap: at 0: begins neither as"));
   EXPECT_THAT(refusal("old.bag", "#ROSBAG V1.2\n"), HasSubstr("'#ROSBAG V1.2'"));
-  EXPECT_THAT(refusal("whole.db3", std::string("\x28\xB5\x2F\xFD....")), HasSubstr("unzstd"));
+  EXPECT_THAT(refusal("whole.db3", std::string("\x28\xB5\x2F\xFD....")),
+              HasSubstr("whole.db3: at 0: "));
   EXPECT_THAT(refusal("none.db3", std::string("SQLite format 3\0....", 20)),
               HasSubstr("none.db3: "));
   EXPECT_THAT(ScanBag("/nowhere.bag").error, HasSubstr("no such bag"));
+}
+
+// Packs bytes that hardly repeat as zstd's blocks of plain bytes.
+std::string PackedPlainly(const std::string& bytes) {
+  // Frame header: no checksum, a window of 1 MiB.
+  std::string packed("\x28\xB5\x2F\xFD\x00\x50", 6);
+  constexpr size_t kBlock = 60'000;
+  for (size_t at = 0; at < bytes.size(); at += kBlock) {
+    const std::string block = bytes.substr(at, kBlock);
+    const bool is_last = at + kBlock >= bytes.size();
+    const uint32_t head = static_cast<uint32_t>(block.size()) << 3 | (is_last ? 1 : 0);
+    packed.append(reinterpret_cast<const char*>(&head), 3);
+    packed += block;
+  }
+  return packed;
+}
+
+TEST(BagFilesTest, AFilePackedAsAWholeIsUnpacked) {
+  for (const char* name :
+       {"stereo_zstd.mcap", "stereo_lz4.bag", "stereo_split/stereo_split_0.db3"}) {
+    const std::string packed = PackedPlainly(ReadBytes(DrawnBag(name)));
+    const Scanned whole = ScanBag(WriteBytes("packed.zstd", packed));
+    EXPECT_EQ(whole.error, "") << name;
+    EXPECT_GE(CountOf(whole), 6) << name;
+    EXPECT_THAT(whole.notes, IsEmpty()) << name;
+    EXPECT_THAT(ScanBag(WriteBytes("packed.zstd", packed.substr(0, packed.size() - 9))).error,
+                HasSubstr("packed.zstd: at"))
+        << name;
+  }
+  // A block that says it is one byte 100,000 times, a hundred times over.
+  std::string bomb("\x28\xB5\x2F\xFD\x00\x50", 6);
+  const uint32_t run = 100'000u << 3 | 1 << 1;
+  for (int i = 0; i < 100; ++i) bomb.append(reinterpret_cast<const char*>(&run), 3) += 'x';
+  EXPECT_THAT(ScanBag(WriteBytes("bomb.zstd", bomb)).error, HasSubstr("more than 200 times"));
+}
+
+TEST(BagFilesTest, NamesCanBePrinted) {
+  EXPECT_EQ(CleanName("/a\x1b[2J\n\xff"), "/a?[2J??");
+  EXPECT_EQ(CleanName(std::string(5000, 'a')).size(), 300u);
 }
 
 TEST(BagFilesTest, SizesAreNotTakenByTheirWord) {
@@ -154,8 +194,8 @@ TEST(BagFilesTest, AFolderIsReadAsItsMetadataSay) {
   fs::remove(folder + "/stereo_split_1.db3");
   Scanned scanned = ScanBag(folder);
   EXPECT_EQ(CountOf(scanned), 6);
-  EXPECT_THAT(scanned.notes, ElementsAre(AllOf(HasSubstr("stereo_split_1.db3"),
-                                               HasSubstr("not there"))));
+  EXPECT_THAT(scanned.notes,
+              ElementsAre(AllOf(HasSubstr("stereo_split_1.db3"), HasSubstr("not there"))));
   fs::remove(folder + "/metadata.yaml");
   scanned = ScanBag(folder);
   EXPECT_EQ(CountOf(scanned), 6);

@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 constexpr size_t kMostBagFiles = 100'000;
 
 bool IsBagName(const std::string& name) {
-  for (const char* ending : {".bag", ".db3", ".mcap", ".bag.active"}) {
+  for (const char* ending : {".bag", ".db3", ".mcap", ".bag.active", ".db3.zstd", ".mcap.zstd"}) {
     if (absl::EndsWith(name, ending)) return true;
   }
   return false;
@@ -58,7 +58,8 @@ absl::StatusOr<BagFolder> ListFolder(const std::string& path) {
   std::error_code error;
   for (auto entry = fs::directory_iterator(path, error); !error && entry != fs::end(entry);
        entry.increment(error)) {
-    if (IsBagName(entry->path().filename().string())) folder.files.push_back(entry->path().string());
+    if (IsBagName(entry->path().filename().string()))
+      folder.files.push_back(entry->path().string());
     if (folder.files.size() > kMostBagFiles) break;
   }
   if (error) return absl::InvalidArgumentError(absl::StrCat(path, ": ", error.message()));
@@ -67,8 +68,9 @@ absl::StatusOr<BagFolder> ListFolder(const std::string& path) {
         absl::StrCat(path, ": a folder with neither metadata.yaml nor a .bag, .db3 or .mcap file"));
   }
   std::sort(folder.files.begin(), folder.files.end(), IsBefore);
-  folder.notes.push_back(absl::StrCat(path, ": has no metadata.yaml (a recorder that was killed "
-                                            "writes none): its ",
+  folder.notes.push_back(absl::StrCat(path,
+                                      ": has no metadata.yaml (a recorder that was killed "
+                                      "writes none): its ",
                                       folder.files.size(), " files are read by name"));
   return folder;
 }
@@ -119,9 +121,9 @@ absl::Status TakeMetadata(const YAML::Node& file, const std::string& directory,
   }
   RETURN_IF_ERROR(TakeCompression(information, path, folder));
   if (!folder.files.empty()) return absl::OkStatus();
-  return absl::NotFoundError(absl::StrCat(
-      path, ": of the files in relative_file_paths none is there",
-      folder.notes.empty() ? "" : absl::StrCat(" (", folder.notes.front(), ")")));
+  return absl::NotFoundError(
+      absl::StrCat(path, ": of the files in relative_file_paths none is there",
+                   folder.notes.empty() ? "" : absl::StrCat(" (", folder.notes.front(), ")")));
 }
 
 }  // namespace

@@ -79,8 +79,8 @@ absl::StatusOr<std::string> BagRecording::Read(const RecordedPlace& place) const
   if (message_compression_.empty()) return bytes;
   absl::StatusOr<std::string> unpacked = Unpack(message_compression_, bytes, std::nullopt);
   if (unpacked.ok()) return unpacked;
-  return absl::InvalidArgumentError(
-      absl::StrCat(path_, ": a message at ", place.place.offset, ": ", unpacked.status().message()));
+  return absl::InvalidArgumentError(absl::StrCat(path_, ": a message at ", place.place.offset, ": ",
+                                                 unpacked.status().message()));
 }
 
 }  // namespace corbslam::client_agent

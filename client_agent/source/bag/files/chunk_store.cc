@@ -27,11 +27,13 @@ absl::StatusOr<std::shared_ptr<const BagBytes>> ChunkStore::UnpackChunk(uint32_t
                    file_->Read(chunk.offset, chunk.packed_size, "a chunk"));
   absl::StatusOr<std::string> bytes = Unpack(chunk.compression, packed, chunk.size);
   if (!bytes.ok()) {
-    return absl::Status(bytes.status().code(), file_->ErrorAt(chunk.offset, absl::StrCat(
-                            "a chunk: ", bytes.status().message())).message());
+    return absl::Status(
+        bytes.status().code(),
+        file_->ErrorAt(chunk.offset, absl::StrCat("a chunk: ", bytes.status().message()))
+            .message());
   }
-  return std::make_shared<const BagBytes>(
-      absl::StrCat(file_->name(), ": chunk at ", chunk.offset), *std::move(bytes));
+  return std::make_shared<const BagBytes>(absl::StrCat(file_->name(), ": chunk at ", chunk.offset),
+                                          *std::move(bytes));
 }
 
 absl::StatusOr<std::shared_ptr<const BagBytes>> ChunkStore::Chunk(uint32_t number) const {

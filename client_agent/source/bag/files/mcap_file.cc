@@ -167,10 +167,10 @@ absl::Status McapFile::TakeChannel(const McapWindow& window, const McapRecord& r
   const auto id = cursor.Take<uint16_t>();
   const auto schema = cursor.Take<uint16_t>();
   BagChannel channel;
-  channel.topic = std::string(cursor.TakeText());
-  channel.encoding_name = std::string(cursor.TakeText());
+  channel.topic = CleanName(cursor.TakeText());
+  channel.encoding_name = CleanName(cursor.TakeText());
   if (!cursor.ok()) return window.bytes.ErrorAt(record.offset, "a channel is cut short");
-  channel.publisher = McapValue(cursor.TakeText(), "callerid");
+  channel.publisher = CleanName(McapValue(cursor.TakeText(), "callerid"));
   channel.encoding = EncodingOfName(channel.encoding_name);
   if (const auto type = types_.find(schema); type != types_.end()) channel.type = type->second;
   if (numbers_.emplace(id, channels_.size()).second) channels_.push_back(std::move(channel));
@@ -192,7 +192,8 @@ absl::Status McapFile::TakeMessage(const McapWindow& window, const McapRecord& r
     return window.bytes.ErrorAt(record.offset,
                                 absl::StrCat("a message of channel ", id, ", which is not there"));
   }
-  use({channel->second, static_cast<int64_t>(recorded_ns),
+  use({channel->second,
+       static_cast<int64_t>(recorded_ns),
        {window.chunk, static_cast<uint32_t>(record.size - kMcapMessageHead),
         record.offset + kMcapMessageHead},
        cursor.rest()});
@@ -218,7 +219,7 @@ absl::Status McapFile::TakeChunk(const McapRecord& record, Use use) {
   PackedChunk chunk;
   chunk.size = cursor.Take<uint64_t>();
   const auto sum = cursor.Take<uint32_t>();
-  chunk.compression = std::string(cursor.TakeText());
+  chunk.compression = CleanName(cursor.TakeText());
   chunk.packed_size = cursor.Take<uint64_t>();
   const uint64_t head = kept.size() - cursor.rest().size();
   if (!cursor.ok() || chunk.packed_size > record.size - head) {

@@ -52,7 +52,7 @@ std::optional<Number> Ros1Number(const Ros1Fields& fields, absl::string_view nam
 
 std::string Ros1Text(const Ros1Fields& fields, absl::string_view name) {
   const auto field = fields.find(name);
-  return field == fields.end() ? "" : field->second;
+  return field == fields.end() ? "" : CleanName(field->second);
 }
 
 struct Ros1Window {
@@ -192,11 +192,13 @@ absl::Status Ros1File::TakeMessage(const Ros1Window& window, const Ros1Record& r
   }
   const auto seconds = static_cast<int64_t>(*time & UINT32_MAX);
   const auto nanoseconds = static_cast<int64_t>(*time >> 32);
-  ASSIGN_OR_RETURN(const std::string head,
-                   window.bytes.ReadUpTo(record.data, std::min<uint64_t>(record.size,
-                                                                         kBagHeadBytes)));
-  use({channel->second, seconds * kNsOfSecond + nanoseconds,
-       {window.chunk, record.size, record.data}, head});
+  ASSIGN_OR_RETURN(
+      const std::string head,
+      window.bytes.ReadUpTo(record.data, std::min<uint64_t>(record.size, kBagHeadBytes)));
+  use({channel->second,
+       seconds * kNsOfSecond + nanoseconds,
+       {window.chunk, record.size, record.data},
+       head});
   return absl::OkStatus();
 }
 

@@ -23,9 +23,8 @@ using Statement = std::unique_ptr<sqlite3_stmt, int (*)(sqlite3_stmt*)>;
 using Blob = std::unique_ptr<sqlite3_blob, int (*)(sqlite3_blob*)>;
 
 absl::Status SqliteError(const std::string& path, sqlite3* database, absl::string_view what) {
-  return absl::InvalidArgumentError(
-      absl::StrCat(path, ": ", what, ": ",
-                   database == nullptr ? "no memory" : sqlite3_errmsg(database)));
+  return absl::InvalidArgumentError(absl::StrCat(
+      path, ": ", what, ": ", database == nullptr ? "no memory" : sqlite3_errmsg(database)));
 }
 
 // Characters that end a path in a URI are written as such.
@@ -45,13 +44,14 @@ void BeCareful(sqlite3* database) {
                nullptr);
 }
 
-absl::StatusOr<Database> OpenDatabase(const std::string& path, absl::string_view options) {
+absl::StatusOr<Database> OpenDatabase(const std::string& path, const std::string& name,
+                                      absl::string_view options) {
   sqlite3* opened = nullptr;
   const int result =
       sqlite3_open_v2(UriOf(path, options).c_str(), &opened,
                       SQLITE_OPEN_READONLY | SQLITE_OPEN_URI | SQLITE_OPEN_FULLMUTEX, nullptr);
   Database database(opened, &sqlite3_close);
-  if (result != SQLITE_OK) return SqliteError(path, opened, "can't be opened");
+  if (result != SQLITE_OK) return SqliteError(name, opened, "can't be opened");
   BeCareful(opened);
   return database;
 }
@@ -66,9 +66,8 @@ absl::StatusOr<Statement> Prepare(const std::string& path, sqlite3* database, co
 
 std::string TextOf(sqlite3_stmt* row, int column) {
   const auto* text = reinterpret_cast<const char*>(sqlite3_column_text(row, column));
-  return text == nullptr
-             ? ""
-             : std::string(text, static_cast<size_t>(sqlite3_column_bytes(row, column)));
+  if (text == nullptr) return "";
+  return CleanName({text, static_cast<size_t>(sqlite3_column_bytes(row, column))});
 }
 
 constexpr char kSelectMessages[] = "SELECT id, topic_id, timestamp FROM messages ORDER BY id";
@@ -201,24 +200,25 @@ void SqliteFile::Scan(Use use) {
 }
 
 absl::StatusOr<std::unique_ptr<SqliteFile>> TryToOpen(const std::string& path,
+                                                      const std::string& name,
                                                       absl::string_view options) {
-  ASSIGN_OR_RETURN(Database database, OpenDatabase(path, options));
-  auto file = std::make_unique<SqliteFile>(path, std::move(database));
+  ASSIGN_OR_RETURN(Database database, OpenDatabase(path, name, options));
+  auto file = std::make_unique<SqliteFile>(name, std::move(database));
   RETURN_IF_ERROR(file->Prepare());
   return file;
 }
 
 }  // namespace
 
-absl::StatusOr<std::unique_ptr<BagFile>> OpenSqliteFile(const std::string& path) {
-  absl::StatusOr<std::unique_ptr<SqliteFile>> file = TryToOpen(path, "mode=ro");
+absl::StatusOr<std::unique_ptr<BagFile>> OpenSqliteFile(const std::string& path,
+                                                        const std::string& name) {
+  absl::StatusOr<std::unique_ptr<SqliteFile>> file = TryToOpen(path, name, "mode=ro");
   if (file.ok()) return *std::move(file);
   // A recorder that was killed leaves a log beside the file, which only who may write there can
   // take in.
-  absl::StatusOr<std::unique_ptr<SqliteFile>> alone = TryToOpen(path, "immutable=1");
+  absl::StatusOr<std::unique_ptr<SqliteFile>> alone = TryToOpen(path, name, "immutable=1");
   if (!alone.ok()) return file.status();
-  (*alone)->Note(absl::StrCat(file.status().message(),
-                              ": read without its log (", path,
+  (*alone)->Note(absl::StrCat(file.status().message(), ": read without its log (", path,
                               "-wal): what was recorded last may be missing. Copy the bag's folder "
                               "to where you may write"));
   return *std::move(alone);

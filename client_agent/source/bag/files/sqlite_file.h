@@ -13,8 +13,10 @@ namespace corbslam::client_agent {
 
 inline constexpr absl::string_view kSqliteMagic("SQLite format 3\0", 16);
 
-// INVALID_ARGUMENT where it can't be opened, or has not the tables of a bag.
-absl::StatusOr<std::unique_ptr<BagFile>> OpenSqliteFile(const std::string& path);
+// INVALID_ARGUMENT where it can't be opened, or has not the tables of a bag. `name` stands for the
+// file in messages.
+absl::StatusOr<std::unique_ptr<BagFile>> OpenSqliteFile(const std::string& path,
+                                                        const std::string& name);
 
 }  // namespace corbslam::client_agent
 

@@ -77,8 +77,7 @@ absl::StatusOr<std::string> UnpackLz4(absl::string_view packed, uint64_t most) {
       [&](absl::string_view from, char* to, size_t room) -> absl::StatusOr<UnpackStep> {
         size_t taken = from.size();
         size_t given = room;
-        const size_t left =
-            LZ4F_decompress(state.get(), to, &given, from.data(), &taken, nullptr);
+        const size_t left = LZ4F_decompress(state.get(), to, &given, from.data(), &taken, nullptr);
         if (LZ4F_isError(left)) return Broken("lz4", LZ4F_getErrorName(left));
         return UnpackStep{taken, given, left == 0 && taken == from.size()};
       });
@@ -122,8 +121,8 @@ absl::StatusOr<std::string> Unpack(absl::string_view compression, absl::string_v
                                    std::optional<uint64_t> size) {
   const uint64_t most = size.value_or(kMostBagBytes);
   if (most > kMostBagBytes) {
-    return absl::InvalidArgumentError(absl::StrCat("an unpacked size of ", most,
-                                                   " bytes, at most ", kMostBagBytes, " are taken"));
+    return absl::InvalidArgumentError(absl::StrCat("an unpacked size of ", most, " bytes, at most ",
+                                                   kMostBagBytes, " are taken"));
   }
   ASSIGN_OR_RETURN(std::string unpacked, UnpackBy(compression, packed, most));
   if (!size.has_value() || unpacked.size() == *size) return unpacked;

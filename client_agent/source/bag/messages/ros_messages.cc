@@ -20,20 +20,25 @@ absl::Status CheckWhole(const RosWire& wire, absl::string_view type) {
       absl::StrCat("a ", type, " ends at ", wire.offset(), " within its field ", wire.missing()));
 }
 
+// Names of frames began with a slash once.
+std::string FrameName(absl::string_view name) {
+  return CleanName(name.substr(name.empty() || name[0] != '/' ? 0 : 1));
+}
+
 RosHeader TakeHeader(RosWire& wire) {
   if (wire.is_ros1()) wire.Take<uint32_t>("header.seq");
   RosHeader header;
   const int64_t seconds = wire.is_ros1() ? int64_t{wire.Take<uint32_t>("header.stamp.secs")}
                                          : int64_t{wire.Take<int32_t>("header.stamp.sec")};
   header.stamp_ns = seconds * kNsOfSecond + wire.Take<uint32_t>("header.stamp.nanosec");
-  header.frame_id = std::string(wire.TakeText("header.frame_id"));
+  header.frame_id = FrameName(wire.TakeText("header.frame_id"));
   return header;
 }
 
 RosTransform TakeTransform(RosWire& wire) {
   RosTransform transform;
   transform.parent = TakeHeader(wire).frame_id;
-  transform.child = std::string(wire.TakeText("transforms.child_frame_id"));
+  transform.child = FrameName(wire.TakeText("transforms.child_frame_id"));
   std::array<double, 7> numbers;
   wire.TakeArray(numbers, "transforms.transform");
   transform.parent_from_child.translation = {numbers[0], numbers[1], numbers[2]};
@@ -47,18 +52,12 @@ bool IsMotion(const Rigid3d& motion) {
          std::abs(motion.rotation.norm() - 1) < kUnitTolerance;  // False for NaN, too.
 }
 
-// Names of frames began with a slash once.
-std::string FrameName(absl::string_view name) {
-  return std::string(name.substr(name.empty() || name[0] != '/' ? 0 : 1));
-}
-
 }  // namespace
 
 absl::StatusOr<RosHeader> ReadRosHeader(BagEncoding encoding, absl::string_view bytes) {
   ASSIGN_OR_RETURN(RosWire wire, RosWire::Open(encoding, bytes));
   RosHeader header = TakeHeader(wire);
   RETURN_IF_ERROR(CheckWhole(wire, "std_msgs/Header"));
-  header.frame_id = FrameName(header.frame_id);
   return header;
 }
 
@@ -66,10 +65,9 @@ absl::StatusOr<RosImage> ReadRosImage(BagEncoding encoding, absl::string_view by
   ASSIGN_OR_RETURN(RosWire wire, RosWire::Open(encoding, bytes));
   RosImage image;
   image.header = TakeHeader(wire);
-  image.header.frame_id = FrameName(image.header.frame_id);
   image.height_px = wire.Take<uint32_t>("height");
   image.width_px = wire.Take<uint32_t>("width");
-  image.encoding = std::string(wire.TakeText("encoding"));
+  image.encoding = CleanName(wire.TakeText("encoding"));
   image.is_big_endian = wire.Take<uint8_t>("is_bigendian") != 0;
   image.step = wire.Take<uint32_t>("step");
   image.data = wire.TakeByteList("data");
@@ -82,8 +80,7 @@ absl::StatusOr<RosCompressedImage> ReadRosCompressedImage(BagEncoding encoding,
   ASSIGN_OR_RETURN(RosWire wire, RosWire::Open(encoding, bytes));
   RosCompressedImage image;
   image.header = TakeHeader(wire);
-  image.header.frame_id = FrameName(image.header.frame_id);
-  image.format = std::string(wire.TakeText("format"));
+  image.format = CleanName(wire.TakeText("format"));
   image.data = wire.TakeByteList("data");
   RETURN_IF_ERROR(CheckWhole(wire, kCompressedImageType));
   return image;
@@ -93,10 +90,9 @@ absl::StatusOr<RosCameraInfo> ReadRosCameraInfo(BagEncoding encoding, absl::stri
   ASSIGN_OR_RETURN(RosWire wire, RosWire::Open(encoding, bytes));
   RosCameraInfo info;
   info.header = TakeHeader(wire);
-  info.header.frame_id = FrameName(info.header.frame_id);
   info.height_px = wire.Take<uint32_t>("height");
   info.width_px = wire.Take<uint32_t>("width");
-  info.distortion_model = std::string(wire.TakeText("distortion_model"));
+  info.distortion_model = CleanName(wire.TakeText("distortion_model"));
   info.d = wire.TakeDoubles("D");
   wire.TakeArray(info.k, "K");
   wire.TakeArray(info.r, "R");
@@ -121,8 +117,6 @@ absl::StatusOr<std::vector<RosTransform>> ReadRosTransforms(BagEncoding encoding
     RosTransform transform = TakeTransform(wire);
     if (!wire.ok() || !IsMotion(transform.parent_from_child)) continue;
     transform.parent_from_child.rotation.normalize();
-    transform.parent = FrameName(transform.parent);
-    transform.child = FrameName(transform.child);
     transforms.push_back(std::move(transform));
   }
   RETURN_IF_ERROR(CheckWhole(wire, kTransformsType));

@@ -30,8 +30,8 @@ class Writer {
 
   template <typename Number>
   Writer& Put(Number number) {
-    if (form_ != Form::kRos1) bytes_.resize((bytes_.size() + sizeof(number) - 1) /
-                                            sizeof(number) * sizeof(number));
+    if (form_ != Form::kRos1)
+      bytes_.resize((bytes_.size() + sizeof(number) - 1) / sizeof(number) * sizeof(number));
     char raw[sizeof(number)];
     std::memcpy(raw, &number, sizeof(number));
     if (form_ == Form::kCdrBig) std::reverse(raw, raw + sizeof(number));
@@ -131,8 +131,8 @@ TEST(RosMessagesTest, ACountIsNotTakenByItsWord) {
   }
 }
 
-std::string TransformBytes(Form form, const std::string& parent, const std::string& child,
-                           double x, double qw) {
+std::string TransformBytes(Form form, const std::string& parent, const std::string& child, double x,
+                           double qw) {
   Writer writer(form);
   writer.Put(uint32_t{1}).Header(parent).Text(child).Put(x).Put(0.0).Put(0.0);
   return writer.Put(0.0).Put(0.0).Put(0.0).Put(qw).bytes();
@@ -143,8 +143,8 @@ TEST(RosMessagesTest, TransformsMakeATree) {
     TransformTree tree;
     for (const auto& [parent, child, x] :
          {std::tuple("/base", "mast", 1.0), {"mast", "/left", 0.1}, {"mast", "right", -0.2}}) {
-      const auto read = ReadRosTransforms(EncodingOf(form),
-                                          TransformBytes(form, parent, child, x, 1));
+      const auto read =
+          ReadRosTransforms(EncodingOf(form), TransformBytes(form, parent, child, x, 1));
       ASSERT_TRUE(read.ok()) << read.status();
       ASSERT_EQ(read->size(), 1u);
       tree.Add(read->front());
@@ -154,8 +154,7 @@ TEST(RosMessagesTest, TransformsMakeATree) {
     EXPECT_NEAR(motion->translation.x(), 0.3, 1e-12);
     EXPECT_NEAR(tree.TargetFromSource("base", "right")->translation.x(), 0.8, 1e-12);
     EXPECT_FALSE(tree.TargetFromSource("left", "elsewhere").has_value());
-    const auto none =
-        ReadRosTransforms(EncodingOf(form), TransformBytes(form, "a", "b", 1, 0));
+    const auto none = ReadRosTransforms(EncodingOf(form), TransformBytes(form, "a", "b", 1, 0));
     ASSERT_TRUE(none.ok());
     EXPECT_TRUE(none->empty()) << "no rotation";
   }

@@ -72,8 +72,7 @@ absl::Status UnknownEncoding(const PixelForm (&forms)[count], absl::string_view 
   for (const PixelForm& form : forms) {
     absl::StrAppend(&known, known.empty() ? "" : ", ", form.encoding);
   }
-  return absl::InvalidArgumentError(
-      absl::StrCat("encoding is '", encoding, "', read are ", known));
+  return absl::InvalidArgumentError(absl::StrCat("encoding is '", encoding, "', read are ", known));
 }
 
 void SwapBytes(cv::Mat& pixels) {

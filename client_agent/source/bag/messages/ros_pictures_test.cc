@@ -42,11 +42,20 @@ TEST(RosPicturesTest, GreyOfEachEncoding) {
     yuyv += std::string{100, '\x80'};
   }
   const std::string rgb(48, 100);
-  for (const auto& [encoding, step, data] :
-       {std::tuple("mono8", 4u, grey), {"8UC1", 4u, grey}, {"rgb8", 12u, rgb}, {"bgr8", 12u, rgb},
-        {"rgba8", 16u, alpha}, {"bgra8", 16u, alpha}, {"bayer_rggb8", 4u, grey},
-        {"bayer_bggr8", 4u, grey}, {"bayer_gbrg8", 4u, grey}, {"bayer_grbg8", 4u, grey},
-        {"yuv422", 8u, uyvy}, {"yuv422_yuy2", 8u, yuyv}, {"yuyv", 8u, yuyv}, {"nv12", 4u, grey}}) {
+  for (const auto& [encoding, step, data] : {std::tuple("mono8", 4u, grey),
+                                             {"8UC1", 4u, grey},
+                                             {"rgb8", 12u, rgb},
+                                             {"bgr8", 12u, rgb},
+                                             {"rgba8", 16u, alpha},
+                                             {"bgra8", 16u, alpha},
+                                             {"bayer_rggb8", 4u, grey},
+                                             {"bayer_bggr8", 4u, grey},
+                                             {"bayer_gbrg8", 4u, grey},
+                                             {"bayer_grbg8", 4u, grey},
+                                             {"yuv422", 8u, uyvy},
+                                             {"yuv422_yuy2", 8u, yuyv},
+                                             {"yuyv", 8u, yuyv},
+                                             {"nv12", 4u, grey}}) {
     const std::string pixels = data;
     const auto picture = GreyOf(ImageOf(encoding, 4, 4, step, pixels));
     ASSERT_TRUE(picture.ok()) << encoding << picture.status();
@@ -165,8 +174,7 @@ std::string RvlBytes(uint32_t width_px, uint32_t height_px, const std::vector<ui
 
 TEST(RosPicturesTest, RvlIsUnpacked) {
   // Two zeros, then 500 and 499 (differences 500, -1), a zero, 65535 (difference of 65036).
-  const std::string data =
-      PackHead(0, 0) + RvlBytes(3, 2, {2, 2, 1000, 1, 1, 1, 2 * 65036});
+  const std::string data = PackHead(0, 0) + RvlBytes(3, 2, {2, 2, 1000, 1, 1, 1, 2 * 65036});
   const auto depth = DepthOf(CompressedOf("16UC1; compressedDepth rvl", data));
   ASSERT_TRUE(depth.ok()) << depth.status();
   const cv::Mat expected = (cv::Mat_<uint16_t>(2, 3) << 0, 0, 500, 499, 0, 65535);

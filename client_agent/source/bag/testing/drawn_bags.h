@@ -1,11 +1,12 @@
-// The bags of tests/data/bags, which tests/interchange/bags/make_test_bags.sh writes: three frames of
-// 40x30 pixels, 0.1 s apart. For tests only.
+// The bags of tests/data/bags, which tests/interchange/bags/make_test_bags.sh writes: three frames
+// of 40x30 pixels, 0.1 s apart. For tests only.
 #ifndef CORBSLAM_CLIENT_AGENT_SOURCE_BAG_TESTING_DRAWN_BAGS_H_
 #define CORBSLAM_CLIENT_AGENT_SOURCE_BAG_TESTING_DRAWN_BAGS_H_
 
+#include <gtest/gtest.h>
+
 #include <cstdint>
 #include <fstream>
-#include <gtest/gtest.h>
 #include <iterator>
 #include <opencv2/core/mat.hpp>
 #include <string>
