@@ -108,7 +108,8 @@ std::optional<Template> MakeTemplate(const HalvedPicture& source, const PatchSea
   const double scale = std::sqrt(std::abs(search.source_from_now.determinant()));
   const int smaller = level + static_cast<int>(std::lround(std::log2(std::max(scale, 1e-3))));
   const int from = std::clamp(smaller, 0, PatchSearch::kLevels - 1);
-  const auto framed = SampleFramed(source.levels[from], AtLevel(search.source_px, from),
+  const cv::Mat& picture = source.levels[static_cast<size_t>(from)];
+  const auto framed = SampleFramed(picture, AtLevel(search.source_px, from),
                                    search.source_from_now * (std::exp2(level) / std::exp2(from)));
   if (!framed.has_value()) return std::nullopt;
   Template patch;
@@ -188,7 +189,8 @@ std::optional<Eigen::Vector2d> FindPatch(const HalvedPicture& source, const Halv
     // What has no structure where it is large may have some where it is small, and the reverse.
     if (!patch.has_value()) continue;
     Eigen::Vector2d middle = AtLevel(found, level);
-    is_found = Descend(*patch, now.levels[level], middle) >= kLeastCorrelation;
+    const cv::Mat& picture = now.levels[static_cast<size_t>(level)];
+    is_found = Descend(*patch, picture, middle) >= kLeastCorrelation;
     if (is_found) found = FromLevel(middle, level);
   }
   if (!is_found) return std::nullopt;

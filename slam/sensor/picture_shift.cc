@@ -124,9 +124,9 @@ bool Align(const cv::Mat& before, const cv::Mat& now, PictureShift& shift) {
 
 std::optional<PictureShift> FindPictureShift(const HalvedPicture& before,
                                              const HalvedPicture& now) {
-  constexpr int kSmallest = HalvedPicture::kLevels - 1;
+  constexpr size_t kSmallest = HalvedPicture::kLevels - 1;
   PictureShift shift;
-  for (int level = kSmallest; level >= kSmallest - 1; --level) {
+  for (size_t level = kSmallest; level >= kSmallest - 1; --level) {
     if (before.levels[level].size() != now.levels[level].size()) return std::nullopt;
     if (!Align(before.levels[level], now.levels[level], shift)) return std::nullopt;
     if (level > kSmallest - 1) shift.shift_px *= 2;

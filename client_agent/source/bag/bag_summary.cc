@@ -77,9 +77,10 @@ absl::StatusOr<BagSummary> SummariseBag(const BagOptions& options) {
 
 std::string FormatBagSummary(const BagSummary& summary) {
   std::string text = absl::StrFormat(
-      "%s, %d file%s: %d messages on %d topics, %.1f s from %s\n", summary.format, summary.files,
+      "%s, %d file%s: %d messages on %d topic%s, %.1f s from %s\n", summary.format, summary.files,
       summary.files == 1 ? "" : "s", summary.messages, summary.topics.size(),
-      SecondsBetween(summary.first_ns, summary.last_ns), TimeText(summary.first_ns));
+      summary.topics.size() == 1 ? "" : "s", SecondsBetween(summary.first_ns, summary.last_ns),
+      TimeText(summary.first_ns));
   size_t name = 0;
   size_t type = 0;
   for (const BagTopicSummary& topic : summary.topics) {

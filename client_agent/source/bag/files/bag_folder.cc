@@ -68,10 +68,10 @@ absl::StatusOr<BagFolder> ListFolder(const std::string& path) {
         absl::StrCat(path, ": a folder with neither metadata.yaml nor a .bag, .db3 or .mcap file"));
   }
   std::sort(folder.files.begin(), folder.files.end(), IsBefore);
-  folder.notes.push_back(absl::StrCat(path,
-                                      ": has no metadata.yaml (a recorder that was killed "
-                                      "writes none): its ",
-                                      folder.files.size(), " files are read by name"));
+  folder.notes.push_back(absl::StrCat(
+      path,
+      ": has no metadata.yaml (a recorder that was killed writes none): the bag files in it (",
+      folder.files.size(), ") are read by name"));
   return folder;
 }
 
