@@ -211,28 +211,35 @@ void TellUnpaired(const FramePairing& pairing, const BagTopic& first_topic, size
            remarks);
 }
 
+void TellUnreadable(const FramePairing& pairing, const BagTopic& topic, SourceRemarks& remarks) {
+  if (topic.unreadable == 0) return;
+  LeaveOut("pictures-unreadable",
+           absl::StrCat(pairing.bag, ": ", topic.name, ": of ", topic.unreadable, " of ",
+                        topic.messages, " messages the header can't be read"),
+           remarks);
+}
+
+void TellUnstamped(const FramePairing& pairing, const BagTopic& topic, SourceRemarks& remarks) {
+  Warn("bag-unstamped",
+       absl::StrCat(pairing.bag, ": ", topic.name,
+                    ": headers have the time 0: the recorder's times are taken, which hold what "
+                    "the way from the camera took"),
+       remarks);
+}
+
 }  // namespace
 
 absl::StatusOr<BagFrames> MakeBagFrames(const BagTopic& first_topic, const BagTopic& second_topic,
                                         const FramePairing& pairing, SourceRemarks& remarks) {
   StampedList first = TakePublished(pairing, first_topic, remarks);
   StampedList second = TakePublished(pairing, second_topic, remarks);
-  for (const BagTopic* topic : {&first_topic, &second_topic}) {
-    if (topic->unreadable == 0) continue;
-    LeaveOut("pictures-unreadable",
-             absl::StrCat(pairing.bag, ": ", topic->name, ": of ", topic->unreadable, " of ",
-                          topic->messages, " messages the header can't be read"),
-             remarks);
-  }
+  TellUnreadable(pairing, first_topic, remarks);
+  TellUnreadable(pairing, second_topic, remarks);
   BagFrames made;
   made.by_recording_time = pairing.by_recording_time;
   if (!made.by_recording_time && (IsUnstamped(first) || IsUnstamped(second))) {
     made.by_recording_time = true;
-    Warn("bag-unstamped",
-         absl::StrCat(pairing.bag, ": ", (IsUnstamped(first) ? first_topic : second_topic).name,
-                      ": headers have the time 0: the recorder's times are taken, which hold what "
-                      "the way from the camera took"),
-         remarks);
+    TellUnstamped(pairing, IsUnstamped(first) ? first_topic : second_topic, remarks);
   }
   if (made.by_recording_time) {
     StampByRecording(first);
