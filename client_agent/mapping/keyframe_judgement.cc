@@ -37,18 +37,22 @@ bool NeighboursHoldTogether(const Map& map, KeyframeId id) {
   return CountCommonPoints(map, before->second, after->first) >= kLeastToHoldTogether;
 }
 
-bool IsSuperfluous(const Map& map, const Keyframe& keyframe) {
-  if (!MayGo(keyframe)) return false;
-  if (IsRedundant(map, keyframe, kRedundantShareOfProvisional)) return true;
-  return ShareSeenBy(Viewers::kOthers, kLooksOfKnown, map, keyframe) > kShareOfKnown &&
+bool IsOfKnownGround(const Map& map, const Keyframe& keyframe) {
+  return MayGo(keyframe) &&
+         ShareSeenBy(Viewers::kOthers, kLooksOfKnown, map, keyframe) > kShareOfKnown &&
          NeighboursHoldTogether(map, keyframe.id());
 }
 
-// Returns own keyframes beyond `judged` that are not among the newest, in order.
+bool IsSuperfluousAmongProvisional(const Map& map, const Keyframe& keyframe) {
+  return MayGo(keyframe) && (IsRedundant(map, keyframe, kRedundantShareOfProvisional) ||
+                             IsOfKnownGround(map, keyframe));
+}
+
+// Returns own keyframes beyond `judged` that are not among the newest so many, in order.
 std::vector<KeyframeId> FindUnjudged(const Map& map, LocalMapId own,
-                                     const std::optional<uint32_t>& judged) {
+                                     const std::optional<uint32_t>& judged, size_t but_newest) {
   std::vector<KeyframeId> unjudged;
-  const KeyframeId last = NewestBut(map, own, kProvisionalKeyframes);
+  const KeyframeId last = NewestBut(map, own, but_newest);
   if (!last.IsValid()) return unjudged;
   const uint32_t first = judged.has_value() ? *judged + 1 : 0;
   for (auto it = map.keyframes().lower_bound({own, first});
@@ -60,15 +64,24 @@ std::vector<KeyframeId> FindUnjudged(const Map& map, LocalMapId own,
 
 }  // namespace
 
-std::vector<KeyframeId> KeyframeJudge::Judge(GuardedMap& guarded) {
-  const std::vector<KeyframeId> unjudged =
-      guarded.Read([&](const Map& map) { return FindUnjudged(map, guarded.local_map(), judged_); });
+std::vector<KeyframeId> KeyframeJudge::Judge(GuardedMap& map) {
+  return TakeOut(kProvisionalKeyframes, IsSuperfluousAmongProvisional, map);
+}
+
+std::vector<KeyframeId> KeyframeJudge::JudgeNewest(GuardedMap& map) {
+  return TakeOut(0, IsOfKnownGround, map);
+}
+
+std::vector<KeyframeId> KeyframeJudge::TakeOut(size_t but_newest, Superfluous is_superfluous,
+                                               GuardedMap& guarded) {
+  const std::vector<KeyframeId> unjudged = guarded.Read(
+      [&](const Map& map) { return FindUnjudged(map, guarded.local_map(), judged_, but_newest); });
   std::vector<KeyframeId> removed;
   for (const KeyframeId id : unjudged) {
     judged_ = id.index;
-    const bool is_superfluous =
-        guarded.Read([&](const Map& map) { return IsSuperfluous(map, *map.FindKeyframe(id)); });
-    if (!is_superfluous) continue;
+    const bool goes =
+        guarded.Read([&](const Map& map) { return is_superfluous(map, *map.FindKeyframe(id)); });
+    if (!goes) continue;
     guarded.Write([&](Map& map) { RemoveKeyframeAndItsPoints(id, map); });
     removed.push_back(id);
   }

@@ -20,8 +20,13 @@ class KeyframeJudge {
   // Judges the keyframes that have left since the last call, the oldest first; returns those it
   // took out.
   std::vector<KeyframeId> Judge(GuardedMap& map);
+  // The same for the newest, of a local map that ends: of these only what others know goes.
+  std::vector<KeyframeId> JudgeNewest(GuardedMap& map);
 
  private:
+  using Superfluous = bool (*)(const Map&, const Keyframe&);
+  std::vector<KeyframeId> TakeOut(size_t but_newest, Superfluous is_superfluous, GuardedMap& map);
+
   // The last one that was judged.
   std::optional<uint32_t> judged_;
 };

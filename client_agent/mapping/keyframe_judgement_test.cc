@@ -109,16 +109,23 @@ void DriveAfter(const testing::SyntheticSceneOptions& own, LocalMapId other, Map
 
 class KnownGroundTest : public ::testing::Test {
  protected:
-  std::vector<KeyframeId> JudgeAfter(const testing::SyntheticSceneOptions& own, int drives) {
-    GuardedMap map(kOwn);
-    map.Write([&](Map& m) {
-      m = testing::MakeSyntheticScene(own).map;
-      for (int i = 0; i < drives; ++i) {
-        DriveAfter(own, LocalMapId{kOwn.value + 1 + static_cast<uint64_t>(i)}, m);
+  KnownGroundTest() : map_(kOwn) {}
+
+  void Drive(const testing::SyntheticSceneOptions& own, int drives_of_others) {
+    map_.Write([&](Map& map) {
+      map = testing::MakeSyntheticScene(own).map;
+      for (int i = 0; i < drives_of_others; ++i) {
+        DriveAfter(own, LocalMapId{kOwn.value + 1 + static_cast<uint64_t>(i)}, map);
       }
     });
-    return KeyframeJudge().Judge(map);
   }
+  std::vector<KeyframeId> JudgeAfter(const testing::SyntheticSceneOptions& own, int drives) {
+    Drive(own, drives);
+    return judge_.Judge(map_);
+  }
+
+  GuardedMap map_;
+  KeyframeJudge judge_;
 };
 
 TEST_F(KnownGroundTest, NewGroundIsKept) { EXPECT_THAT(JudgeAfter(OnNewGround(), 0), IsEmpty()); }
@@ -136,6 +143,20 @@ TEST_F(KnownGroundTest, TheOwnMapHoldsTogether) {
   testing::SyntheticSceneOptions sparse = OnNewGround();
   sparse.points = 100;
   EXPECT_THAT(JudgeAfter(sparse, 2), IsEmpty());
+}
+
+TEST_F(KnownGroundTest, AtTheEndTheNewestAreJudgedToo) {
+  Drive(OnNewGround(), 2);
+  judge_.Judge(map_);
+  // Every second one: only neighbours see the same.
+  EXPECT_THAT(judge_.JudgeNewest(map_), ElementsAre(KeyframeId{kOwn, 5}, KeyframeId{kOwn, 7}));
+}
+
+TEST_F(KeyframeJudgementTest, AtTheEndTheNewestOfNewGroundStay) {
+  KeyframeJudge judge;
+  judge.Judge(map_);
+  EXPECT_THAT(judge.JudgeNewest(map_), IsEmpty());
+  EXPECT_EQ(CountKeyframes(), 1 + kProvisionalKeyframes);
 }
 
 }  // namespace
