@@ -408,8 +408,10 @@ void SingleAgent::EndLocalMap() {
 }
 
 void SingleAgent::Watch(const Features& features) {
-  std::optional<SourceFinding> finding = input_watch_.Add(features);
-  if (finding.has_value()) SayFinding(*std::move(finding));
+  for (std::optional<SourceFinding> finding :
+       {input_watch_.Add(features), input_watch_.AddRows(sensor_->row_correction_px())}) {
+    if (finding.has_value()) SayFinding(*std::move(finding));
+  }
 }
 
 void SingleAgent::SayFinding(SourceFinding finding) {
