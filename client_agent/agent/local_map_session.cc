@@ -86,6 +86,12 @@ bool LocalMapSession::WaitUntilIdle(absl::Time deadline) {
   }
 }
 
+bool LocalMapSession::Settle(absl::Time deadline) {
+  if (!WaitUntilIdle(deadline)) return false;
+  PostJob([this](GuardedMap&) { mapper_.JudgeNewest(); });
+  return WaitUntilIdle(deadline);
+}
+
 bool LocalMapSession::IsIdle() const {
   return threads_.empty() || (queue_.IsIdle() && loop_closer_.IsIdle());
 }

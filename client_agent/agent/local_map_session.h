@@ -52,6 +52,9 @@ class LocalMapSession : public MapJobs {
   void Step();
   // Waits for the threads instead: returns when all is idle, or false at the deadline.
   bool WaitUntilIdle(absl::Time deadline);
+  // Waits likewise, then lets go of the newest keyframes that are not worth telling: the local map
+  // ends, or the robot does.
+  bool Settle(absl::Time deadline);
   // Returns whether Stop would cut nothing off. Without threads it is always so: WaitUntilIdle does
   // the work.
   bool IsIdle() const;

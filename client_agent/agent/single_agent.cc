@@ -401,15 +401,17 @@ void SingleAgent::BeginLocalMap() {
 
 void SingleAgent::EndLocalMap() {
   after_work_.Post([this, session = current_session_] {
-    session->WaitUntilIdle(absl::Now() + kLongestEnd);
+    session->Settle(absl::Now() + kLongestEnd);
     session->Stop();
     link_->EndLocalMap(session->map().local_map());
   });
 }
 
 void SingleAgent::Watch(const Features& features) {
-  std::optional<SourceFinding> finding = input_watch_.Add(features);
-  if (finding.has_value()) SayFinding(*std::move(finding));
+  for (std::optional<SourceFinding> finding :
+       {input_watch_.Add(features), input_watch_.AddRows(sensor_->row_correction_px())}) {
+    if (finding.has_value()) SayFinding(*std::move(finding));
+  }
 }
 
 void SingleAgent::SayFinding(SourceFinding finding) {
@@ -489,7 +491,7 @@ void SingleAgent::Step() {
 absl::Status SingleAgent::Finish(absl::Duration timeout) {
   RETURN_IF_ERROR(UsePause());
   const absl::Time deadline = absl::Now() + timeout;
-  if (!current().WaitUntilIdle(deadline)) {
+  if (!current().Settle(deadline)) {
     return absl::DeadlineExceededError("mapping and loop closing have not come to an end yet");
   }
   if (!after_work_.WaitUntilIdle(deadline)) {

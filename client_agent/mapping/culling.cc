@@ -16,6 +16,18 @@ constexpr uint32_t kAgeToBeSeen = 2;
 constexpr uint32_t kAgeToBeKept = 3;
 constexpr int kEnoughOthers = 3;
 
+// Without a baseline every point counts.
+bool IsClose(const Keyframe& keyframe, const Keypoint& keypoint) {
+  const Camera& camera = keyframe.camera();
+  return !camera.IsMetric() ||
+         keypoint.disparity_px >= DisparityFromDepth(camera, camera.close_depth_m);
+}
+
+bool AreOf(Viewers viewers, KeyframeId other, KeyframeId keyframe) {
+  if (viewers == Viewers::kOthers) return other.local_map != keyframe.local_map;
+  return other != keyframe && other.local_map == keyframe.local_map;
+}
+
 }  // namespace
 
 void RecentPoints::Add(const std::vector<MapPointId>& points, KeyframeId made_at) {
@@ -62,28 +74,28 @@ bool MayGo(const Keyframe& keyframe) {
   return keyframe.parent.IsValid() && keyframe.loop_edges.empty();
 }
 
-bool IsRedundant(const Map& map, const Keyframe& keyframe, double share) {
+double ShareSeenBy(Viewers viewers, int enough, const Map& map, const Keyframe& keyframe) {
   int points = 0;
-  int redundant = 0;
+  int seen = 0;
   for (size_t i = 0; i < keyframe.points.size(); ++i) {
     const MapPoint* point = map.FindPoint(keyframe.points[i]);
     if (point == nullptr) continue;
     const Keypoint& keypoint = keyframe.keypoints()[i];
-    if (keyframe.camera().IsMetric()) {
-      const double least_px =
-          DisparityFromDepth(keyframe.camera(), keyframe.camera().close_depth_m);
-      if (keypoint.disparity_px < least_px) continue;
-    }
+    if (!IsClose(keyframe, keypoint)) continue;
     ++points;
     int others = 0;
     for (const auto& [other_id, other_keypoint] : point->observations) {
-      if (other_id == keyframe.id() || other_id.local_map != keyframe.id().local_map) continue;
+      if (!AreOf(viewers, other_id, keyframe.id())) continue;
       const int octave = map.FindKeyframe(other_id)->keypoints()[other_keypoint].octave;
-      if (octave <= keypoint.octave + 1 && ++others >= kEnoughOthers) break;
+      if (octave <= keypoint.octave + 1 && ++others >= enough) break;
     }
-    redundant += others >= kEnoughOthers;
+    seen += others >= enough;
   }
-  return points > 0 && redundant > share * points;
+  return points > 0 ? static_cast<double>(seen) / points : 0;
+}
+
+bool IsRedundant(const Map& map, const Keyframe& keyframe, double share) {
+  return ShareSeenBy(Viewers::kOwn, kEnoughOthers, map, keyframe) > share;
 }
 
 std::vector<KeyframeId> FindRedundantKeyframes(const Map& map, KeyframeId centre, LocalMapId own) {

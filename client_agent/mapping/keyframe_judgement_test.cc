@@ -12,6 +12,7 @@
 namespace corbslam::client_agent {
 namespace {
 
+using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 
@@ -58,7 +59,7 @@ TEST_F(KeyframeJudgementTest, WhatWasWorthKeepingIsNotJudgedAgain) {
     for (const auto& [point, keyframe] : others) map.RemoveObservation(point, keyframe);
   });
   KeyframeJudge judge;
-  EXPECT_THAT(judge.Judge(map_), ::testing::Not(::testing::Contains(KeyframeId{kOwn, 2})));
+  EXPECT_THAT(judge.Judge(map_), ::testing::Not(Contains(KeyframeId{kOwn, 2})));
   map_.Read([](const Map& map) { EXPECT_NE(map.FindKeyframe({kOwn, 2}), nullptr); });
   EXPECT_THAT(judge.Judge(map_), IsEmpty());
 }
@@ -76,6 +77,86 @@ TEST_F(KeyframeJudgementTest, WhileAllAreNewNoneIsJudged) {
   KeyframeJudge judge;
   EXPECT_THAT(judge.Judge(map_), IsEmpty());
   EXPECT_EQ(CountKeyframes(), 6u);
+}
+
+// Ten own keyframes, each point seen by three in a row: none is redundant by the own map alone.
+testing::SyntheticSceneOptions OnNewGround() {
+  testing::SyntheticSceneOptions options;
+  options.keyframes = 10;
+  options.points = 2000;
+  options.step_m = 0.1;
+  options.nearest_m = 2;
+  options.farthest_m = 4;
+  options.max_observations_per_point = 3;
+  return options;
+}
+
+// Adds keyframes of another robot that see all that the own ones see, from the same places.
+void DriveAfter(const testing::SyntheticSceneOptions& own, LocalMapId other, Map& map) {
+  testing::SyntheticSceneOptions options = own;
+  options.local_map = other;
+  const Map driven = testing::MakeSyntheticScene(options).map;
+  for (const auto& [id, keyframe] : driven.keyframes()) {
+    const std::vector<MapPointId> seen = map.FindKeyframe({kOwn, id.index})->points;
+    Keyframe added = keyframe;
+    added.points.clear();
+    added.children.clear();
+    added.covisible.clear();
+    map.AddKeyframe(std::move(added));
+    map.AddObservations(id, seen);
+  }
+}
+
+class KnownGroundTest : public ::testing::Test {
+ protected:
+  KnownGroundTest() : map_(kOwn) {}
+
+  void Drive(const testing::SyntheticSceneOptions& own, int drives_of_others) {
+    map_.Write([&](Map& map) {
+      map = testing::MakeSyntheticScene(own).map;
+      for (int i = 0; i < drives_of_others; ++i) {
+        DriveAfter(own, LocalMapId{kOwn.value + 1 + static_cast<uint64_t>(i)}, map);
+      }
+    });
+  }
+  std::vector<KeyframeId> JudgeAfter(const testing::SyntheticSceneOptions& own, int drives) {
+    Drive(own, drives);
+    return judge_.Judge(map_);
+  }
+
+  GuardedMap map_;
+  KeyframeJudge judge_;
+};
+
+TEST_F(KnownGroundTest, NewGroundIsKept) { EXPECT_THAT(JudgeAfter(OnNewGround(), 0), IsEmpty()); }
+
+TEST_F(KnownGroundTest, WhatAnotherSawThreeTimesGainsByOneLookMore) {
+  EXPECT_THAT(JudgeAfter(OnNewGround(), 1), IsEmpty());
+}
+
+TEST_F(KnownGroundTest, WhatOthersSawSixTimesNeedsNoKeyframesMore) {
+  EXPECT_THAT(JudgeAfter(OnNewGround(), 2), Contains(KeyframeId{kOwn, 1}));
+}
+
+TEST_F(KnownGroundTest, TheOwnMapHoldsTogether) {
+  // Of what number 1 sees, hardly anything is seen by numbers 0 and 2 both.
+  testing::SyntheticSceneOptions sparse = OnNewGround();
+  sparse.points = 100;
+  EXPECT_THAT(JudgeAfter(sparse, 2), IsEmpty());
+}
+
+TEST_F(KnownGroundTest, AtTheEndTheNewestAreJudgedToo) {
+  Drive(OnNewGround(), 2);
+  judge_.Judge(map_);
+  // Every second one: only neighbours see the same.
+  EXPECT_THAT(judge_.JudgeNewest(map_), ElementsAre(KeyframeId{kOwn, 5}, KeyframeId{kOwn, 7}));
+}
+
+TEST_F(KeyframeJudgementTest, AtTheEndTheNewestOfNewGroundStay) {
+  KeyframeJudge judge;
+  judge.Judge(map_);
+  EXPECT_THAT(judge.JudgeNewest(map_), IsEmpty());
+  EXPECT_EQ(CountKeyframes(), 1 + kProvisionalKeyframes);
 }
 
 }  // namespace

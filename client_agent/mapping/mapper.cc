@@ -199,10 +199,13 @@ void Mapper::CullKeyframes(KeyframeId centre) {
   }
 }
 
-void Mapper::JudgeKeyframes() {
-  for (const KeyframeId id : judge_.Judge(*parts_.map)) {
-    if (parts_.on_removed) parts_.on_removed(id);
-  }
+void Mapper::JudgeKeyframes() { TellRemoved(judge_.Judge(*parts_.map)); }
+
+void Mapper::JudgeNewest() { TellRemoved(judge_.JudgeNewest(*parts_.map)); }
+
+void Mapper::TellRemoved(const std::vector<KeyframeId>& removed) const {
+  if (!parts_.on_removed) return;
+  for (const KeyframeId id : removed) parts_.on_removed(id);
 }
 
 // Applies measurements to keyframes that are not provisional any more, because others are told of

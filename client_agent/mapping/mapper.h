@@ -5,6 +5,7 @@
 
 #include <deque>
 #include <functional>
+#include <vector>
 
 #include "absl/functional/function_ref.h"
 #include "client_agent/map/guarded_map.h"
@@ -51,6 +52,9 @@ class Mapper {
   void AdjustLocalBundle(KeyframeId centre);
   // Adjusts all own keyframes from this one on together, the newest kMostTogether of them.
   void AdjustSince(KeyframeId first);
+  // Lets go of the newest keyframes that say little of ground which others know, as the local map
+  // ends.
+  void JudgeNewest();
 
  private:
   void Insert(const NewKeyframe& keyframe);
@@ -63,6 +67,7 @@ class Mapper {
   void CommitBundle(const BundleResult& result, const Map& before);
   void CullKeyframes(KeyframeId centre);
   void JudgeKeyframes();
+  void TellRemoved(const std::vector<KeyframeId>& removed) const;
   void ApplyMeasurements();
 
   static constexpr size_t kMostTogether = 150;

@@ -1,5 +1,7 @@
 #include "client_agent/source_checks/input_watch.h"
 
+#include <cmath>
+
 #include "absl/strings/str_format.h"
 
 namespace corbslam::client_agent {
@@ -15,6 +17,7 @@ constexpr double kLeastStereo = 0.05;
 constexpr double kLeastDepthAtStart = 0.03;
 constexpr double kLeastDepth = 0.02;
 constexpr double kMostAtInfinity = 0.95;
+constexpr double kNotableRows_px = 0.1;
 constexpr float kInfinity_px = 0.5F;  // Noise may make a disparity below it.
 
 double Share(size_t part, size_t whole) {
@@ -50,6 +53,18 @@ std::optional<SourceFinding> InputWatch::Add(const Features& features) {
   const bool is_news = finding.has_value() && !told_;
   told_ = finding.has_value();
   return is_news ? finding : std::nullopt;
+}
+
+std::optional<SourceFinding> InputWatch::AddRows(double correction_px) {
+  if (std::abs(correction_px - told_rows_px_) < kNotableRows_px) return std::nullopt;
+  told_rows_px_ = correction_px;
+  return SourceFinding{
+      FindingLevel::kWarning, "pair-rows-put-right",
+      absl::StrFormat(
+          "the right pictures lie %.2f px %s than this rig's calibration says, by what "
+          "left and right ones show: they are moved by as much. The calibration is no longer this "
+          "rig's; calibrate it when you can",
+          std::abs(correction_px), correction_px > 0 ? "lower" : "higher")};
 }
 
 std::optional<SourceFinding> InputWatch::Judge() const {

@@ -13,7 +13,8 @@
 namespace corbslam::client_agent {
 
 // Counts how many features have depth: a pair that is none, or depth that fails, gives hardly any.
-// A frame costs one look at each feature. Thread-compatible.
+// A frame costs one look at each feature. Says, too, where a pair's rows had to be put right.
+// Thread-compatible.
 class InputWatch {
  public:
   explicit InputWatch(const SensorCalibration& calibration);
@@ -22,6 +23,9 @@ class InputWatch {
   // share of features with depth has become implausible over the last frames; the same one is told
   // once, and again only after all was right in between.
   std::optional<SourceFinding> Add(const Features& features);
+  // Takes by how many rows the sensor moves the right pictures (Sensor::row_correction_px). Returns
+  // a finding where that is 0.1 rows from what was told last, or from none.
+  std::optional<SourceFinding> AddRows(double correction_px);
 
  private:
   struct Count {
@@ -36,6 +40,7 @@ class InputWatch {
   Count sum_;
   bool is_start_ = true;  // True until the window is full for the first time.
   bool told_ = false;
+  double told_rows_px_ = 0;
 };
 
 }  // namespace corbslam::client_agent

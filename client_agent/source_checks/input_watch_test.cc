@@ -74,5 +74,16 @@ TEST(InputWatchTest, LetsAFarHorizonPass) {
   EXPECT_THAT(Feed(watch, features, 200), IsEmpty());
 }
 
+TEST(InputWatchTest, TellsThatRowsArePutRightAndWhereThatChangedSince) {
+  InputWatch watch{SensorCalibration(StereoCalibration())};
+  EXPECT_FALSE(watch.AddRows(0).has_value());
+  const std::optional<SourceFinding> found = watch.AddRows(0.31);
+  ASSERT_TRUE(found.has_value());
+  EXPECT_EQ(found->code, "pair-rows-put-right");
+  EXPECT_THAT(found->text, HasSubstr("0.31 px lower"));
+  EXPECT_FALSE(watch.AddRows(0.36).has_value());
+  EXPECT_THAT(watch.AddRows(-0.2)->text, HasSubstr("0.20 px higher"));
+}
+
 }  // namespace
 }  // namespace corbslam::client_agent

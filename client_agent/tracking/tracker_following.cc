@@ -124,13 +124,14 @@ KeyframeId Tracker::Describe(KeyframePayload seen) {
   if (previous_->payload->timestamp_ns != seen.timestamp_ns) return {};
   seen.camera = camera_;
   Solution solution;
-  solution.corrections = corrections_;
+  solution.corrections = parts_.map->corrections();
   solution.frame = MakeFrame(std::move(seen));
   parts_.map->ReadWithHistory(
       [&](const Map& map, const MapHistory& history) { Refresh(map, history, *previous_); });
   MatchPreviousFrame(*previous_, previous_->camera_from_map, kNear_px, solution.frame);
   solution.frame.camera_from_map = previous_->camera_from_map;
   if (!TrackLocalMap(solution) || !IsBelievable(solution)) return {};
+  if (parts_.map->corrections() != solution.corrections) return {};
   Frame frame;
   Adopt(std::move(solution), frame);
   HoldAgainstOthers(frame);

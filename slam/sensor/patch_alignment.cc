@@ -51,9 +51,9 @@ std::optional<PatchAlignment> AlignPatch(const cv::Mat& left, const cv::Mat& rig
   const auto best = least - differences.begin();
   if (best == 0 || best == kStripShifts - 1) return std::nullopt;
   const int whole_x = right_x - kReach_px + static_cast<int>(best);
-  const std::optional<float> shift_px = RefineAlignment(left, right, left_x, y, whole_x);
-  if (!shift_px.has_value()) return std::nullopt;
-  return PatchAlignment{static_cast<float>(whole_x) + *shift_px, *least};
+  const std::optional<PatchShift> shift = RefineAlignment(left, right, left_x, y, whole_x);
+  if (!shift.has_value()) return std::nullopt;
+  return PatchAlignment{static_cast<float>(whole_x) + shift->x_px, shift->y_px, *least};
 }
 
 }  // namespace corbslam

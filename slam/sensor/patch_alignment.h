@@ -10,6 +10,8 @@ namespace corbslam {
 struct PatchAlignment {
   // Column in the right image, to a part of a pixel.
   float right_x_px = 0;
+  // How much lower the patch lies in the right image.
+  float lower_px = 0;
   // Sum of absolute differences of the patches at the best whole column, their means made equal.
   int difference = 0;
 };

@@ -218,15 +218,15 @@ bool Descend(const Patch& patch, const Around& around, int steps, bool robust, S
 
 }  // namespace
 
-std::optional<float> RefineAlignment(const cv::Mat& left, const cv::Mat& right, int left_x, int y,
-                                     int right_x) {
+std::optional<PatchShift> RefineAlignment(const cv::Mat& left, const cv::Mat& right, int left_x,
+                                          int y, int right_x) {
   const auto patch = CopyWindow<Patch>(left, left_x - kPatchRadius_px, y - kPatchRadius_px);
   const auto around = CopyWindow<Around>(right, right_x - kPatchRadius_px - kMargin_px,
                                          y - kPatchRadius_px - kMargin_px);
   Shift shift;
   if (!Descend(patch, around, kPlainSteps, false, shift)) return std::nullopt;
   if (!Descend(patch, around, kRobustSteps, true, shift)) return std::nullopt;
-  return shift.x_px;
+  return PatchShift{shift.x_px, shift.y_px};
 }
 
 }  // namespace corbslam

@@ -93,6 +93,10 @@ class Sensor {
   virtual std::optional<Keypoint> FromPicture(const SensorImages& images,
                                               const Keypoint& in_picture) const = 0;
 
+  // Rows by which Process moves the right picture of a pair up, since its counterparts say beyond
+  // doubt that it lies lower than the calibration has it (row_offset.h); 0 for other sensors.
+  virtual double row_correction_px() const { return 0; }
+
   // Replaces the calibration's mask. INVALID_ARGUMENT as CheckMask; then the one before stays.
   virtual absl::Status SetMask(const PictureMask& mask) = 0;
 };

@@ -125,6 +125,46 @@ TEST(StereoSensorTest, ADifferenceOfExposureDoesNotMatter) {
   EXPECT_LT(errors[errors.size() / 2], 0.08);
 }
 
+// The right picture of a scene, which lies lower than the calibration says.
+cv::Mat Lower(double shift_px, double rows_px) {
+  cv::Mat lower;
+  cv::warpAffine(Scene(shift_px), lower, cv::Matx23d(1, 0, 0, 0, 1, rows_px), {640, 480},
+                 cv::INTER_CUBIC, cv::BORDER_REFLECT);
+  return lower;
+}
+
+double MeanError(const Features& features, double truth_px) {
+  const std::vector<double> errors = DisparityErrors(features, truth_px);
+  double sum = 0;
+  for (const double error : errors) sum += std::min(error, 1.0);
+  return sum / static_cast<double>(std::max<size_t>(1, errors.size()));
+}
+
+TEST(StereoSensorTest, PutsRowsRightThatAreOffByAPart) {
+  constexpr double kTruth_px = 12.5;
+  for (const double rows_px : {0.4, -0.4}) {
+    const auto sensor = Stereo();
+    const SensorImages pair = {.grey = Scene(0), .right = Lower(kTruth_px, rows_px)};
+    const auto before = sensor->Process(pair);
+    ASSERT_TRUE(before.ok()) << before.status();
+    for (int i = 0; i < 40; ++i) ASSERT_TRUE(sensor->Process(pair).ok());
+    EXPECT_NEAR(sensor->row_correction_px(), rows_px, 0.06);
+    const auto after = sensor->Process(pair);
+    ASSERT_TRUE(after.ok()) << after.status();
+    EXPECT_LT(MeanError(*after, kTruth_px), 0.9 * MeanError(*before, kTruth_px)) << rows_px;
+  }
+}
+
+TEST(StereoSensorTest, RowsThatAgreeStayAsTheyAre) {
+  const auto sensor = Stereo();
+  const SensorImages pair = {.grey = Scene(0), .right = Scene(12.5)};
+  const auto before = sensor->Process(pair);
+  ASSERT_TRUE(before.ok()) << before.status();
+  for (int i = 0; i < 20; ++i) ASSERT_TRUE(sensor->Process(pair).ok());
+  EXPECT_EQ(sensor->row_correction_px(), 0);
+  EXPECT_EQ(sensor->Process(pair)->keypoints, before->keypoints);
+}
+
 TEST(StereoSensorTest, ThreadsDoNotChangeTheResult) {
   const SensorImages images = {.grey = Scene(0), .right = Scene(7.7)};
   const auto one = Stereo(false)->Process(images);

@@ -90,6 +90,7 @@ std::optional<uint32_t> FindMostSimilar(const Keypoint& keypoint, const Descript
 struct Measured {
   size_t id = 0;
   float disparity_px = 0;
+  float lower_px = 0;  // Of the right one, in rows of level 0.
   int difference = 0;
 };
 
@@ -105,7 +106,9 @@ std::optional<Measured> Measure(const Keypoint& left, size_t id, const Keypoint&
       AlignPatch(left_pyramid.levels[level], right_pyramid.levels[level], left_x, y, right_x);
   if (!aligned.has_value()) return std::nullopt;
   const double shift = static_cast<double>(left_x) - aligned->right_x_px;
-  return Measured{id, static_cast<float>(shift * left_pyramid.ScaleX(octave)), aligned->difference};
+  return Measured{id, static_cast<float>(shift * left_pyramid.ScaleX(octave)),
+                  static_cast<float>(aligned->lower_px * left_pyramid.ScaleY(octave)),
+                  aligned->difference};
 }
 
 int MedianDifference(const std::vector<Measured>& measured) {
@@ -171,19 +174,24 @@ std::vector<Measured> MatchAll(const Matcher& matcher, const Features& left, Thr
 
 }  // namespace
 
-void MatchStereo(const Features& right, const ImagePyramid& left_pyramid,
-                 const ImagePyramid& right_pyramid, const StereoMatchingOptions& options,
-                 ThreadPair& threads, Features& left) {
+RowEvidence MatchStereo(const Features& right, const ImagePyramid& left_pyramid,
+                        const ImagePyramid& right_pyramid, const StereoMatchingOptions& options,
+                        ThreadPair& threads, Features& left) {
   for (Keypoint& keypoint : left.keypoints) keypoint.disparity_px = 0;
-  if (right.keypoints.empty()) return;
+  if (right.keypoints.empty()) return {};
   const Matcher matcher(right, left_pyramid, right_pyramid, options);
   const std::vector<Measured> measured = MatchAll(matcher, left, threads);
-  if (measured.empty()) return;
+  if (measured.empty()) return {};
   const double limit = options.max_median_ratio * MedianDifference(measured);
+  std::vector<float> lower_px;
   for (const Measured& m : measured) {
     if (m.difference > limit) continue;
     left.keypoints[m.id].disparity_px = std::max(m.disparity_px, kLeastDisparity_px);
+    lower_px.push_back(m.lower_px);
   }
+  if (lower_px.empty()) return {};
+  const size_t counterparts = lower_px.size();
+  return {Median(std::move(lower_px)), counterparts};
 }
 
 }  // namespace corbslam

@@ -4,6 +4,7 @@
 
 #include "slam/features/keypoint.h"
 #include "slam/features/orb_extractor.h"
+#include "slam/sensor/row_offset.h"
 #include "slam/sensor/thread_pair.h"
 
 namespace corbslam {
@@ -25,10 +26,11 @@ struct StereoMatchingOptions {
 // the most similar descriptor in the band of rows that the octave allows; then comes the shift of
 // least absolute differences of 11 x 11 pixels, refined below a pixel by least squares. The
 // pyramids are those the features were extracted from; `threads` share the work, with the same
-// result. The method follows ORB-SLAM2 (Mur-Artal and Tardos, T-RO 2017, III.A).
-void MatchStereo(const Features& right, const ImagePyramid& left_pyramid,
-                 const ImagePyramid& right_pyramid, const StereoMatchingOptions& options,
-                 ThreadPair& threads, Features& left);
+// result. The method follows ORB-SLAM2 (Mur-Artal and Tardos, T-RO 2017, III.A). Returns what the
+// counterparts show of the pair's rows.
+RowEvidence MatchStereo(const Features& right, const ImagePyramid& left_pyramid,
+                        const ImagePyramid& right_pyramid, const StereoMatchingOptions& options,
+                        ThreadPair& threads, Features& left);
 
 }  // namespace corbslam
 

@@ -133,9 +133,9 @@ absl::StatusOr<Features> StereoSensor::Process(const SensorImages& images) {
   RETURN_IF_ERROR(right_.extractor.Gather(right_.features));
   Features features;
   RETURN_IF_ERROR(left_.extractor.Gather(features));
-  MatchStereo(right_.features, left_.pyramid, right_.pyramid,
-              {.max_disparity_px = camera_.fx_px, .disparity_offset_px = right_rest_px_}, threads_,
-              features);
+  rows_.Add(MatchStereo(right_.features, left_.pyramid, right_.pyramid,
+                        {.max_disparity_px = camera_.fx_px, .disparity_offset_px = right_rest_px_},
+                        threads_, features));
   return features;
 }
 
@@ -146,12 +146,18 @@ absl::Status StereoSensor::BeginLeft(const cv::Mat& image) {
 }
 
 absl::Status StereoSensor::BeginRight(const cv::Mat& image) {
+  ASSIGN_OR_RETURN(const cv::Mat rectified, Rectified(image));
+  const double rows_px = rows_.correction_px();
+  return right_.extractor.Begin(rows_px == 0 ? rectified : MoveUp(rectified, rows_px),
+                                right_.pyramid);
+}
+
+absl::StatusOr<cv::Mat> StereoSensor::Rectified(const cv::Mat& right) {
   if (!rectifier_.has_value()) {
-    return right_.extractor.Begin(right_columns_ == 0 ? image : DropColumns(image, right_columns_),
-                                  right_.pyramid);
+    return right_columns_ == 0 ? right : DropColumns(right, right_columns_);
   }
-  RETURN_IF_ERROR(rectifier_->RectifyRight(image, right_.rectified));
-  return right_.extractor.Begin(right_.rectified, right_.pyramid);
+  RETURN_IF_ERROR(rectifier_->RectifyRight(right, right_.rectified));
+  return right_.rectified;
 }
 
 }  // namespace corbslam

@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 
+#include "slam/sensor/row_offset.h"
 #include "slam/sensor/sensor.h"
 #include "slam/sensor/thread_pair.h"
 
@@ -22,6 +23,7 @@ class StereoSensor : public Sensor {
   std::optional<Keypoint> FromPicture(const SensorImages& images,
                                       const Keypoint& in_picture) const override;
   absl::Status SetMask(const PictureMask& mask) override;
+  double row_correction_px() const override { return rows_.correction_px(); }
 
  private:
   // One camera's part of the work and its buffers.
@@ -38,6 +40,7 @@ class StereoSensor : public Sensor {
                double right_cx_offset_px, const SensorOptions& options);
   absl::Status BeginLeft(const cv::Mat& image);
   absl::Status BeginRight(const cv::Mat& image);
+  absl::StatusOr<cv::Mat> Rectified(const cv::Mat& right);
 
   Camera camera_;
   cv::Mat mask_;  // Of the rectified left picture; empty: none.
@@ -46,6 +49,7 @@ class StereoSensor : public Sensor {
   // what is left of it.
   int right_columns_ = 0;
   double right_rest_px_ = 0;
+  RowOffset rows_;
   Side left_;
   Side right_;
   ThreadPair threads_;

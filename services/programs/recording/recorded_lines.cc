@@ -39,15 +39,17 @@ Json ToJson(const OrdersLine& line) {
 
 Json ToJson(const ResultLine& line) {
   const TrackingResult& result = line.result;
-  return {{"result", line.frame},
-          {"time_ns", result.timestamp_ns},
-          {"state", std::string(WordOf(result.state))},
-          {"local_map", ToString(result.local_map)},
-          {"camera_from_local", services::ToJson(result.camera_from_local)},
-          {"points", result.points_matched},
-          {"others_points", result.foreign_points_matched},
-          {"keyframe", result.made_keyframe},
-          {"dropped", line.dropped}};
+  Json json = {{"result", line.frame},
+               {"time_ns", result.timestamp_ns},
+               {"state", std::string(WordOf(result.state))},
+               {"local_map", ToString(result.local_map)},
+               {"camera_from_local", services::ToJson(result.camera_from_local)},
+               {"points", result.points_matched},
+               {"others_points", result.foreign_points_matched},
+               {"keyframe", result.made_keyframe},
+               {"dropped", line.dropped}};
+  if (result.follows_keyframe) json["previous_became_keyframe"] = true;
+  return json;
 }
 
 FrameLine FrameOf(const Json& json) {
@@ -87,6 +89,7 @@ absl::StatusOr<RecordedLine> ResultOf(const Json& json) {
   result.points_matched = json.at("points");
   result.foreign_points_matched = json.at("others_points");
   result.made_keyframe = json.at("keyframe");
+  result.follows_keyframe = json.value("previous_became_keyframe", false);
   return line;
 }
 
@@ -127,7 +130,8 @@ bool AreEqual(const TrackingResult& a, const TrackingResult& b) {
   return a.camera_from_local.rotation.coeffs() == b.camera_from_local.rotation.coeffs() &&
          a.camera_from_local.translation == b.camera_from_local.translation &&
          a.points_matched == b.points_matched &&
-         a.foreign_points_matched == b.foreign_points_matched && a.made_keyframe == b.made_keyframe;
+         a.foreign_points_matched == b.foreign_points_matched &&
+         a.made_keyframe == b.made_keyframe && a.follows_keyframe == b.follows_keyframe;
 }
 
 }  // namespace corbslam::services

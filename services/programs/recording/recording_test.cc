@@ -119,6 +119,7 @@ TEST(RecordedLinesTest, AResultComesBackToTheBit) {
   line.result.camera_from_local = Turned();
   line.result.points_matched = 312;
   line.result.made_keyframe = true;
+  line.result.follows_keyframe = true;
   const auto back = ParseLine(FormatLine(line));
   ASSERT_TRUE(back.ok()) << back.status();
   const auto& result = std::get<ResultLine>(*back);
