@@ -265,7 +265,7 @@ void FusionCoordinator::NoteEvent(MissionEvent::What what) {
 absl::Status FusionCoordinator::Rederive() {
   {
     absl::MutexLock turn(&strand_.turn());
-    if (strand_.IsDeleted()) return strand_.Deleted();
+    if (strand_.IsDeleted()) return strand_.SayDeleted();
     const RederiveRecord record;
     RETURN_IF_ERROR(CommitDecision(
         record, [&record](MissionState& state) { map_store::Apply(record, state); }));
@@ -279,7 +279,7 @@ absl::StatusOr<std::vector<uint64_t>> FusionCoordinator::RetractOverlap(uint64_t
   std::vector<uint64_t> taken_back;
   {
     absl::MutexLock turn(&strand_.turn());
-    if (strand_.IsDeleted()) return strand_.Deleted();
+    if (strand_.IsDeleted()) return strand_.SayDeleted();
     const RetractRecord record{overlap, keep_apart};
     RETURN_IF_ERROR(strand_.WithState(
         [&record](const MissionState& state) { return CheckRetraction(state, record); }));

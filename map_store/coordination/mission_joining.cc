@@ -49,7 +49,7 @@ absl::StatusOr<ForgottenLocalMaps> MissionJoining::Forget(const ForgetRequest& r
   ForgottenLocalMaps forgotten;
   {
     absl::MutexLock turn(&strand_.turn());
-    if (strand_.IsDeleted()) return strand_.Deleted();
+    if (strand_.IsDeleted()) return strand_.SayDeleted();
     ASSIGN_OR_RETURN(forgotten, strand_.WithState([&](const MissionState& state) {
       return ChooseForgotten(request, state);
     }));

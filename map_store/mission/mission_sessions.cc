@@ -36,6 +36,7 @@ absl::Status CheckNotHeld(absl::string_view mission, const AgentState& agent,
 absl::Status MissionSessions::CheckRequest(const SessionRequest& request) const {
   const MissionState& state = strand_.state();
   const auto agent = state.agents.find(request.agent);
+  RETURN_IF_ERROR(strand_.refusal());
   if (strand_.deleted()) {
     const bool was_here = request.mission_uid.empty()
                               ? agent != state.agents.end() && request.instance != 0 &&
@@ -125,9 +126,8 @@ absl::StatusOr<SessionGrant> MissionSessions::Open(uint64_t session_id,
 
 absl::Status CheckSession(const MissionStrand& strand, uint64_t session_id,
                           const std::string& agent) {
-  if (strand.deleted()) {
-    return MissionDeletedError(strand.name());
-  }
+  RETURN_IF_ERROR(strand.refusal());
+  if (strand.deleted()) return strand.SessionEnd();
   const auto& agents = strand.state().agents;
   const auto it = agents.find(agent);
   if (it != agents.end() && it->second.session == session_id) return absl::OkStatus();

@@ -174,7 +174,7 @@ absl::StatusOr<std::vector<MapChanges>> MissionSnapshots::TellPast(
       Replay(beginning, goes_on, [&past](const MissionState& then) { return past.Note(then); });
   // The replay's own words of what has ended it would name the journal's folder.
   RETURN_IF_ERROR(past.status());
-  if (strand_.IsDeleted()) return strand_.Deleted();
+  if (strand_.IsDeleted()) return strand_.SayDeleted();
   RETURN_IF_ERROR(state.status());
   RETURN_IF_ERROR(past.End(*state));
   return std::move(past).Take();

@@ -119,6 +119,16 @@ void MissionStrand::EnsureUid() {
   RecordUid();
 }
 
+absl::Status MissionStrand::WriteUid() {
+  {
+    absl::MutexLock turn(&turn_);
+    RETURN_IF_ERROR(Append(UidRecord{state_in_turn().uid}));
+    uid_is_recorded_ = true;
+    if (environment_.note_uid != nullptr) environment_.note_uid(name_, state_in_turn().uid);
+  }
+  return Sync();
+}
+
 void MissionStrand::RecordUid() {
   const UidRecord record{state_in_turn().uid};
   const absl::StatusOr<Journal::Position> appended = environment_.journal->Append(name_, record);
@@ -141,6 +151,7 @@ void MissionStrand::Begin(MissionState state) {
 absl::StatusOr<MissionState> MissionStrand::ReplayUntil(Journal::Position& position,
                                                         const std::function<bool()>& goes_on,
                                                         const StateVisitor& visit) const {
+  if (IsDeleted()) return absl::CancelledError("nobody waits for the replay");
   MissionState state;
   state.name = name_;
   Journal::Replay replay;
@@ -174,11 +185,31 @@ bool MissionStrand::IsDeleted() const {
 }
 
 absl::Status MissionStrand::Deleted() const {
+  if (!refusal_.ok()) return refusal_;
   return absl::NotFoundError(absl::StrCat("mission ", name_, " is deleted"));
 }
 
+absl::Status MissionStrand::SayDeleted() const {
+  absl::ReaderMutexLock lock(&mutex_);
+  return Deleted();
+}
+
+absl::Status MissionStrand::SessionEnd() const {
+  return refusal_.ok() ? MissionDeletedError(name_) : refusal_;
+}
+
+void MissionStrand::Refuse(const absl::Status& why) {
+  absl::MutexLock lock(&mutex_);
+  refusal_ = why;
+}
+
+absl::Status MissionStrand::CheckNotDeleted() const {
+  absl::ReaderMutexLock lock(&mutex_);
+  return deleted_ ? SessionEnd() : absl::OkStatus();
+}
+
 absl::Status MissionStrand::Append(const JournalRecord& record) {
-  if (IsDeleted()) return MissionDeletedError(name_);
+  RETURN_IF_ERROR(CheckNotDeleted());
   ASSIGN_OR_RETURN(appended_, environment_.journal->Append(name_, record));
   if (!uid_is_recorded_) RecordUid();
   return absl::OkStatus();
@@ -189,10 +220,11 @@ MissionStrand::WriteTimes MissionStrand::write_times() const {
 }
 
 absl::Status MissionStrand::Sync() {
-  if (IsDeleted()) return MissionDeletedError(name_);
+  RETURN_IF_ERROR(CheckNotDeleted());
   const absl::Status synced = environment_.journal->Sync(name_, appended_);
   // A deletion closes the journal under whoever syncs.
-  return synced.ok() || !IsDeleted() ? synced : MissionDeletedError(name_);
+  if (!synced.ok()) RETURN_IF_ERROR(CheckNotDeleted());
+  return synced;
 }
 
 StateWriteLock::StateWriteLock(MissionStrand& strand) : strand_(strand) {

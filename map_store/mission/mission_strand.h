@@ -63,6 +63,9 @@ class MissionStrand {
   void BeginAs(std::string uid) ABSL_LOCKS_EXCLUDED(mutex_);
   // Gives a mission that was read, and is older than uids, its own.
   void EnsureUid() ABSL_LOCKS_EXCLUDED(turn_, mutex_);
+  // Writes down at once, durably, the uid that the mission began with, and so makes the mission be
+  // in the journal.
+  absl::Status WriteUid() ABSL_LOCKS_EXCLUDED(turn_, mutex_);
   // Sees to it that the mission keeps its uid: a robot is about to be told of it, and nothing may
   // ever have been written of the mission. Returns the errors of promise_uid.
   absl::Status PromiseUid() ABSL_LOCKS_EXCLUDED(mutex_);
@@ -121,24 +124,34 @@ class MissionStrand {
   void MarkDeleted() ABSL_EXCLUSIVE_LOCKS_REQUIRED(turn_) ABSL_LOCKS_EXCLUDED(mutex_);
   bool deleted() const ABSL_SHARED_LOCKS_REQUIRED(mutex_) { return deleted_; }
   bool IsDeleted() const ABSL_LOCKS_EXCLUDED(mutex_);
-  // Returns NOT_FOUND, with the mission's name.
-  absl::Status Deleted() const;
+  // Returns NOT_FOUND, with the mission's name, or why robots are refused.
+  absl::Status Deleted() const ABSL_SHARED_LOCKS_REQUIRED(mutex_);
+  // The same, for who does not hold the lock.
+  absl::Status SayDeleted() const ABSL_LOCKS_EXCLUDED(mutex_);
+  // Returns why a session ends with the mission: it is deleted (session_end.h), or robots are
+  // refused.
+  absl::Status SessionEnd() const ABSL_SHARED_LOCKS_REQUIRED(mutex_);
+  // From here on robots are refused with this error: another process has the mission, or may have
+  // it. OK: they are not any more.
+  void Refuse(const absl::Status& why) ABSL_LOCKS_EXCLUDED(mutex_);
+  const absl::Status& refusal() const ABSL_SHARED_LOCKS_REQUIRED(mutex_) { return refusal_; }
 
-  // Returns ABORTED (session_end.h) once the mission is deleted: what is deleted stays deleted.
+  // Returns SessionEnd's error once the mission is deleted: what is deleted stays deleted.
   absl::Status Append(const JournalRecord& record) ABSL_EXCLUSIVE_LOCKS_REQUIRED(turn_);
   // Returns the position of the last record that was appended; 0: none.
   Journal::Position appended() const { return appended_; }
   // Returns whether something of the mission's journal was found damaged: nothing is appended to it
   // any more, so that work for it is in vain.
   bool IsDamaged() const { return !environment_.journal->Damage(name_).ok(); }
-  // Makes all that was appended so far durable. Returns ABORTED, likewise, if the mission is
-  // deleted.
+  // Makes all that was appended so far durable. Returns SessionEnd's error, likewise, if the
+  // mission is deleted.
   absl::Status Sync() ABSL_LOCKS_EXCLUDED(turn_, mutex_);
 
  private:
   friend class StateWriteLock;
 
   void Begin(MissionState state) ABSL_LOCKS_EXCLUDED(mutex_);
+  absl::Status CheckNotDeleted() const ABSL_LOCKS_EXCLUDED(mutex_);
   // Writes down the mission's uid; should that fail, the next record tries again.
   void RecordUid() ABSL_EXCLUSIVE_LOCKS_REQUIRED(turn_) ABSL_LOCKS_EXCLUDED(mutex_);
 
@@ -155,6 +168,7 @@ class MissionStrand {
   MissionState state_ ABSL_GUARDED_BY(mutex_);
   uint64_t changes_ ABSL_GUARDED_BY(mutex_) = 0;
   bool deleted_ ABSL_GUARDED_BY(mutex_) = false;
+  absl::Status refusal_ ABSL_GUARDED_BY(mutex_);
   // Only who holds the state's lock for writing changes these.
   std::atomic<int64_t> written_ns_ = 0;
   std::atomic<int64_t> longest_write_ns_ = 0;

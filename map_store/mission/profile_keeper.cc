@@ -82,7 +82,7 @@ absl::Status ProfileKeeper::Change(const std::function<absl::Status(MissionProfi
   NoteUse();
   {
     absl::MutexLock turn(&strand_.turn());
-    if (strand_.IsDeleted()) return strand_.Deleted();
+    if (strand_.IsDeleted()) return strand_.SayDeleted();
     MissionProfile profile = Get();
     RETURN_IF_ERROR(change(profile));
     // A mission to which no robot has sent anything yet begins here.

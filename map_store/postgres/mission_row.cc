@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "map_store/archive/formats.h"
+#include "map_store/postgres/pieces.h"
 
 namespace corbslam::map_store {
 namespace {
@@ -12,15 +13,24 @@ namespace {
 constexpr char kSelect[] =
     "SELECT state, format, epoch, head, head_group, snapshot_position, snapshot_generation,"
     " snapshot_bytes, holder, holder_name,"
-    " coalesce(ceil(extract(epoch FROM lease_until - clock_timestamp()) * 1000), 0)::bigint"
+    " coalesce(ceil(extract(epoch FROM lease_until - clock_timestamp()) * 1000), 0)::bigint,"
+    " (SELECT address FROM corbslam.stores WHERE stores.holder = missions.holder LIMIT 1)"
     " FROM corbslam.missions WHERE mission_id = $1";
 constexpr char kSelectForUpdate[] =
     "SELECT state, format, epoch, head, head_group, snapshot_position, snapshot_generation,"
     " snapshot_bytes, holder, holder_name,"
-    " coalesce(ceil(extract(epoch FROM lease_until - clock_timestamp()) * 1000), 0)::bigint"
+    " coalesce(ceil(extract(epoch FROM lease_until - clock_timestamp()) * 1000), 0)::bigint,"
+    " (SELECT address FROM corbslam.stores WHERE stores.holder = missions.holder LIMIT 1)"
     " FROM corbslam.missions WHERE mission_id = $1 FOR UPDATE";
 
+// Of checksums, a place that is no position.
+constexpr uint64_t kSummaryPlace = ~uint64_t{0};
+
 }  // namespace
+
+uint64_t SummaryChecksum(const std::string& summary) {
+  return ChecksumOf(Piece{0, 1, 0, summary}, kSummaryPlace);
+}
 
 int64_t DrawRowId() {
   std::random_device random;
@@ -55,6 +65,7 @@ absl::StatusOr<MissionRow> MissionRowOf(const SqlResult& result) {
   row.holder = result.Number(0, 8);
   row.holder_name = result.Text(0, 9);
   row.lease_left = absl::Milliseconds(result.Number(0, 10));
+  row.holder_address = result.Text(0, 11);
   return row;
 }
 

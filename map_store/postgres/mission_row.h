@@ -31,13 +31,17 @@ struct MissionRow {
   int64_t epoch = 0;
   int64_t holder = 0;
   std::string holder_name = {};
-  absl::Duration lease_left = {};  // By the database's clock.
-  uint64_t head = 0;               // Position of the last record.
-  int64_t head_group = 0;          // Names the transaction that wrote it.
+  std::string holder_address = {};  // Empty: not known.
+  absl::Duration lease_left = {};   // By the database's clock.
+  uint64_t head = 0;                // Position of the last record.
+  int64_t head_group = 0;           // Names the transaction that wrote it.
   uint64_t snapshot_position = 0;
   int64_t snapshot_generation = 0;
   uint64_t snapshot_bytes = 0;
 };
+
+// Returns the checksum of what a mission is put aside with.
+uint64_t SummaryChecksum(const std::string& summary);
 
 // Returns a number that nobody else draws; above 0.
 int64_t DrawRowId();

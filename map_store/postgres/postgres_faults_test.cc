@@ -331,9 +331,9 @@ TEST_F(PostgresFaultsTest, AnotherVersionOfTheTablesIsRefused) {
   };
   EXPECT_EQ(open(), "");
   // A later one that this program can work with, and one that it can't.
-  server_.Ask(database_, "INSERT INTO corbslam.schema_versions VALUES (2, 1)");
+  server_.Ask(database_, "INSERT INTO corbslam.schema_versions VALUES (3, 1)");
   EXPECT_EQ(open(), "");
-  server_.Ask(database_, "INSERT INTO corbslam.schema_versions VALUES (3, 2)");
+  server_.Ask(database_, "INSERT INTO corbslam.schema_versions VALUES (4, 3)");
   EXPECT_THAT(open(), HasSubstr("start a newer program"));
   server_.Ask(database_, "DELETE FROM corbslam.schema_versions");
   EXPECT_THAT(open(), HasSubstr("corbslam store-schema"));

@@ -22,7 +22,9 @@ PostgresJournal::PostgresJournal(const PostgresJournalOptions& options,
                                  std::unique_ptr<SqlPool> pool)
     : options_(options),
       pool_(std::move(pool)),
-      holder_{DrawRowId(), options.holder_name, options.lease} {}
+      holder_{DrawRowId(), options.holder_name, options.lease},
+      fleet_(pool_.get(), holder_.id),
+      held_until_(std::chrono::steady_clock::now() + absl::ToChronoNanoseconds(options.lease)) {}
 
 absl::StatusOr<std::unique_ptr<PostgresJournal>> PostgresJournal::Open(
     const PostgresJournalOptions& options) {
@@ -30,7 +32,8 @@ absl::StatusOr<std::unique_ptr<PostgresJournal>> PostgresJournal::Open(
   LOG_IF(WARNING, !pool->warning().empty()) << pool->warning();
   RETURN_IF_ERROR(CheckSchema(*pool));
   std::unique_ptr<PostgresJournal> journal(new PostgresJournal(options, std::move(pool)));
-  RETURN_IF_ERROR(journal->FindMissions());
+  RETURN_IF_ERROR(GiveUpUnfinished(*journal->pool_));
+  if (!journal->is_shared()) RETURN_IF_ERROR(journal->FindMissions());
   RETURN_IF_ERROR(journal->ReadLists());
   journal->tender_ = StartThread("journal writer", [self = journal.get()] { self->Tend(); });
   return journal;
@@ -46,11 +49,10 @@ PostgresJournal::~PostgresJournal() {
     const absl::Status flushed = mission->FlushOlderThan(absl::InfiniteFuture());
     LOG_IF(WARNING, !flushed.ok()) << "what nobody was told of is lost: " << flushed;
   }
-  if (options_.lease > absl::ZeroDuration()) Hold(absl::ZeroDuration());
+  if (is_shared()) EndLeases();
 }
 
 absl::Status PostgresJournal::FindMissions() {
-  RETURN_IF_ERROR(GiveUpUnfinished(*pool_));
   ASSIGN_OR_RETURN(const std::vector<SqlResult> read,
                    pool_->Read({{"SELECT mission_id, name, state, bytes FROM corbslam.missions"
                                  " WHERE name IS NOT NULL"}}));
@@ -84,11 +86,23 @@ absl::Status PostgresJournal::ReadLists() {
   return absl::OkStatus();
 }
 
-absl::StatusOr<PostgresJournal::MissionPtr> PostgresJournal::Find(absl::string_view name) const {
+PostgresJournal::MissionPtr PostgresJournal::FindKnown(absl::string_view name) const {
   absl::MutexLock lock(&mutex_);
   const auto it = missions_.find(std::string_view(name.data(), name.size()));
-  if (it != missions_.end()) return it->second;
+  return it == missions_.end() ? nullptr : it->second;
+}
+
+absl::StatusOr<PostgresJournal::MissionPtr> PostgresJournal::Find(absl::string_view name) const {
+  if (MissionPtr known = FindKnown(name)) return known;
+  if (is_shared()) return FindShared(name);
   return absl::NotFoundError(absl::StrCat(pool_->name(), " has no mission ", name));
+}
+
+absl::StatusOr<PostgresJournal::MissionPtr> PostgresJournal::FindHere(
+    absl::string_view name) const {
+  if (MissionPtr known = FindKnown(name)) return known;
+  return absl::NotFoundError(absl::StrCat(pool_->name(), " has no mission ", name,
+                                          is_shared() ? " that this process has" : ""));
 }
 
 PostgresJournal::MissionPtr PostgresJournal::FindOrBegin(absl::string_view name) {
@@ -111,8 +125,7 @@ std::vector<PostgresJournal::MissionPtr> PostgresJournal::All() const {
 }
 
 void PostgresJournal::Tend() {
-  const bool has_lease = options_.lease > absl::ZeroDuration();
-  const absl::Duration at_rest = has_lease ? options_.lease / 3 : absl::InfiniteDuration();
+  const absl::Duration at_rest = is_shared() ? options_.lease / 3 : absl::InfiniteDuration();
   const auto has_work = [this]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
     return stops_ || has_waiting_ || has_deleted_;
   };
@@ -128,7 +141,7 @@ void PostgresJournal::Tend() {
       flushes = std::exchange(has_waiting_, false);
       sweeps = std::exchange(has_deleted_, false);
     }
-    if (has_lease) Hold(options_.lease);
+    if (is_shared()) Renew();
     if (flushes) FlushWaiting();
     if (sweeps) Sweep();
   }
@@ -149,18 +162,6 @@ void PostgresJournal::Sweep() {
   LOG_IF(WARNING, !swept.ok()) << "rows of deleted missions are left for now: " << swept;
 }
 
-void PostgresJournal::Hold(absl::Duration lease) {
-  const absl::Status held =
-      pool_
-          ->WriteAgain({{"UPDATE corbslam.missions SET lease_until = CASE WHEN $2 > 0"
-                         " THEN clock_timestamp() + $2 * interval '1 millisecond' END"
-                         " WHERE holder = $1 AND state = 0",
-                         {SqlValue::Number(holder_.id),
-                          SqlValue::Number(absl::ToInt64Milliseconds(lease))}}})
-          .status();
-  LOG_IF(WARNING, !held.ok()) << "the missions' leases are not prolonged: " << held;
-}
-
 void PostgresJournal::Prepare(BatchRecord& record) const { record.bytes = EncodeBatch(record); }
 
 void PostgresJournal::Prepare(AdjustRecord& record) const {
@@ -177,19 +178,19 @@ absl::StatusOr<Journal::Position> PostgresJournal::Append(absl::string_view miss
 }
 
 absl::Status PostgresJournal::Sync(absl::string_view mission, Position position) {
-  const absl::StatusOr<MissionPtr> found = Find(mission);
+  const MissionPtr found = FindKnown(mission);
   // A mission without any record, or one that was deleted, has nothing to sync.
-  return found.ok() ? (*found)->Sync(position) : absl::OkStatus();
+  return found != nullptr ? found->Sync(position) : absl::OkStatus();
 }
 
 bool PostgresJournal::WantsSnapshot(absl::string_view mission) const {
-  const absl::StatusOr<MissionPtr> found = Find(mission);
-  return found.ok() && (*found)->WantsSnapshot();
+  const MissionPtr found = FindKnown(mission);
+  return found != nullptr && found->WantsSnapshot();
 }
 
 absl::Status PostgresJournal::WriteSnapshot(absl::string_view mission,
                                             const JournalSnapshot& snapshot) {
-  ASSIGN_OR_RETURN(const MissionPtr found, Find(mission));
+  ASSIGN_OR_RETURN(const MissionPtr found, FindHere(mission));
   return found->WriteSnapshot(snapshot);
 }
 
@@ -211,8 +212,11 @@ absl::StatusOr<std::vector<std::string>> PostgresJournal::ListMissions() const {
 
 absl::StatusOr<Journal::Position> PostgresJournal::Recover(absl::string_view mission,
                                                            const Replay& replay) const {
-  const absl::StatusOr<MissionPtr> found = Find(mission);
-  if (!found.ok()) return 0;
+  // A mission is taken to be read as a whole, and not by who looks at its past.
+  const absl::StatusOr<MissionPtr> found =
+      is_shared() && !replay.with_features ? FindHere(mission) : Find(mission);
+  if (absl::IsNotFound(found.status())) return 0;
+  RETURN_IF_ERROR(found.status());
   return (*found)->Recover(replay);
 }
 
@@ -249,13 +253,16 @@ std::vector<MissionIdentity> PostgresJournal::ReadList(MissionList list) const {
 }
 
 void PostgresJournal::TidyUp(absl::string_view mission) {
-  const absl::StatusOr<MissionPtr> found = Find(mission);
+  const absl::StatusOr<MissionPtr> found = FindHere(mission);
   if (found.ok()) (*found)->TidyUp();
 }
 
 absl::Status PostgresJournal::PutAside(absl::string_view mission, absl::string_view summary) {
-  ASSIGN_OR_RETURN(const MissionPtr found, Find(mission));
-  return found->PutAside(summary);
+  ASSIGN_OR_RETURN(const MissionPtr found, FindHere(mission));
+  const absl::Status aside = found->PutAside(summary);
+  // Whoever takes it next, perhaps another process, looks for it again.
+  if (is_shared()) LetGo(mission);
+  return aside;
 }
 
 absl::StatusOr<std::string> PostgresJournal::ReadSummary(absl::string_view mission) const {
@@ -266,20 +273,20 @@ absl::StatusOr<std::string> PostgresJournal::ReadSummary(absl::string_view missi
 absl::Status PostgresJournal::PutPicture(absl::string_view mission, const KeyframePicture& picture,
                                          uint64_t max_bytes) {
   // A picture makes no mission: it may have been deleted just now.
-  ASSIGN_OR_RETURN(const MissionPtr found, Find(mission));
+  ASSIGN_OR_RETURN(const MissionPtr found, FindHere(mission));
   return found->PutPicture(picture, max_bytes);
 }
 
 absl::StatusOr<KeyframePicture> PostgresJournal::ReadPicture(absl::string_view mission,
                                                              KeyframeId keyframe) const {
-  ASSIGN_OR_RETURN(const MissionPtr found, Find(mission));
+  ASSIGN_OR_RETURN(const MissionPtr found, FindHere(mission));
   return found->ReadPicture(keyframe);
 }
 
 absl::Status PostgresJournal::ForEachPicture(
     absl::string_view mission,
     const std::function<absl::Status(const KeyframePicture& picture)>& visit) const {
-  ASSIGN_OR_RETURN(const MissionPtr found, Find(mission));
+  ASSIGN_OR_RETURN(const MissionPtr found, FindHere(mission));
   return found->ForEachPicture(visit);
 }
 
@@ -290,13 +297,13 @@ absl::Status PostgresJournal::CheckWritable() {
 }
 
 absl::Status PostgresJournal::Damage(absl::string_view mission) const {
-  const absl::StatusOr<MissionPtr> found = Find(mission);
-  return found.ok() ? (*found)->Damage() : absl::OkStatus();
+  const MissionPtr found = FindKnown(mission);
+  return found != nullptr ? found->Damage() : absl::OkStatus();
 }
 
 uint64_t PostgresJournal::DiskBytes(absl::string_view mission) const {
-  const absl::StatusOr<MissionPtr> found = Find(mission);
-  return found.ok() ? (*found)->DiskBytes() : 0;
+  const MissionPtr found = FindKnown(mission);
+  return found != nullptr ? found->DiskBytes() : 0;
 }
 
 }  // namespace corbslam::map_store

@@ -6,20 +6,10 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
-#include "map_store/postgres/pieces.h"
+#include "slam/exchange/mission_elsewhere.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::map_store {
-namespace {
-
-// Of checksums, places that are no positions.
-constexpr uint64_t kSummaryPlace = ~uint64_t{0};
-
-uint64_t SummaryChecksum(const std::string& summary) {
-  return ChecksumOf(Piece{0, 1, 0, summary}, kSummaryPlace);
-}
-
-}  // namespace
 
 PostgresMission::PostgresMission(std::string name, const PostgresJournalOptions& options,
                                  SqlPool* pool, const MissionHolder& holder, const Known& known)
@@ -38,7 +28,7 @@ absl::Status PostgresMission::Name(const absl::Status& error) const {
   const std::string name = absl::StrCat(pool_.name(), ": ");
   std::string message(error.message());
   if (message.compare(0, name.size(), name) == 0) message.erase(0, name.size());
-  return absl::Status(error.code(), absl::StrCat(pool_.name(), ", mission ", name_, ": ", message));
+  return WithMessage(error, absl::StrCat(pool_.name(), ", mission ", name_, ": ", message));
 }
 
 absl::Status PostgresMission::Note(const absl::Status& error) {
@@ -135,13 +125,16 @@ absl::Status PostgresMission::Delete() {
 }
 
 absl::Status PostgresMission::DeleteRow(int64_t epoch) {
+  // Of missions that are shared, one that this process has not read may be another one's.
+  const int64_t own = holder_.lease > absl::ZeroDuration() ? holder_.id : 0;
   // A row whose making is in the air would come to be after its deletion: the insertion waits for
   // it.
   ASSIGN_OR_RETURN(const std::vector<SqlResult> results,
                    pool_.WriteAgain({InsertMissionRow(id_, &name_, MissionStage::kInUse, holder_),
                                      {"UPDATE corbslam.missions SET name = NULL, state = 2"
-                                      " WHERE mission_id = $1 AND (epoch = $2 OR $2 = 0)",
-                                      {Id(), SqlValue::Number(epoch)}},
+                                      " WHERE mission_id = $1 AND (epoch = $2 OR ($2 = 0 AND"
+                                      " ($3 = 0 OR holder = $3 OR state IN (1, 3))))",
+                                      {Id(), SqlValue::Number(epoch), SqlValue::Number(own)}},
                                      SelectMissionRow(id_)}));
   const absl::StatusOr<MissionRow> row = MissionRowOf(results.back());
   if (!row.ok() || row->stage == MissionStage::kDeleted) return absl::OkStatus();
@@ -165,6 +158,46 @@ void PostgresMission::TidyUp() {
                        DropUnusedPayloads()})
           .status();
   LOG_IF(WARNING, !tidied.ok()) << "a mission lies aside as it is: " << Name(tidied);
+}
+
+bool PostgresMission::IsHeld() const {
+  absl::MutexLock lock(&mutex_);
+  return is_loaded_ && is_made_ && !is_aside_ && !is_deleted_ &&
+         !absl::IsFailedPrecondition(failure_);
+}
+
+absl::Status PostgresMission::CheckStillHeld() {
+  const auto read = pool_.Read({SelectMissionRow(id_)});
+  // Who can't be asked has not said that it is lost.
+  if (!read.ok()) return absl::OkStatus();
+  const absl::StatusOr<MissionRow> row = MissionRowOf(read->front());
+  absl::MutexLock lock(&mutex_);
+  if (!is_loaded_ || is_aside_ || is_deleted_) return absl::OkStatus();
+  const absl::Status turn =
+      row.ok() ? CheckTurn(*row) : absl::FailedPreconditionError("another process has deleted it");
+  if (!turn.ok()) failure_ = Name(turn);
+  return turn.ok() ? turn : failure_;
+}
+
+absl::Status PostgresMission::Failure() const {
+  absl::MutexLock lock(&mutex_);
+  return failure_;
+}
+
+absl::Status PostgresMission::Release(const std::string& wanted) {
+  int64_t epoch = 0;
+  {
+    absl::MutexLock lock(&mutex_);
+    if (!is_made_) return absl::OkStatus();
+    epoch = epoch_;
+  }
+  return pool_
+      .WriteAgain(
+          {{"UPDATE corbslam.missions SET lease_until = NULL, holder = 0,"
+            " wanted_store = CASE WHEN $4 <> '' THEN $4 ELSE wanted_store END"
+            " WHERE mission_id = $1 AND holder = $2 AND epoch = $3",
+            {Id(), SqlValue::Number(holder_.id), SqlValue::Number(epoch), SqlValue::Text(wanted)}}})
+      .status();
 }
 
 absl::Status PostgresMission::CheckWritable() {

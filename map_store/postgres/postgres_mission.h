@@ -31,7 +31,8 @@ namespace corbslam::map_store {
 // Does for one mission what Journal says; all errors name the database and the mission. Besides
 // Journal's errors, FAILED_PRECONDITION: another process writes into the mission, or has deleted
 // it; this one does not any more, until it reads the mission anew. UNAVAILABLE: another process
-// holds it (PostgresJournalOptions::lease). Thread-safe.
+// holds it (PostgresJournalOptions::lease). Both say where it is (FindElsewhere), as far as that is
+// known. With a lease, nothing but Recover takes a mission that has records. Thread-safe.
 class PostgresMission {
  public:
   using Position = Journal::Position;
@@ -63,6 +64,17 @@ class PostgresMission {
   absl::Status PutAside(absl::string_view summary) ABSL_LOCKS_EXCLUDED(mutex_);
   absl::StatusOr<std::string> ReadSummary() const ABSL_LOCKS_EXCLUDED(mutex_);
 
+  // Returns whether this process writes into the mission, as far as it knows.
+  int64_t id() const { return id_; }
+  const std::string& name() const { return name_; }
+  bool IsHeld() const ABSL_LOCKS_EXCLUDED(mutex_);
+  // Asks the database whether it does; returns FAILED_PRECONDITION, and writes no more, if not.
+  absl::Status CheckStillHeld() ABSL_LOCKS_EXCLUDED(mutex_);
+  // Returns the error of the last write, or that this process does not have the mission any more.
+  absl::Status Failure() const ABSL_LOCKS_EXCLUDED(mutex_);
+  // Ends this process's lease; the store `wanted`, if it is not empty, is to have the mission.
+  absl::Status Release(const std::string& wanted = "") ABSL_LOCKS_EXCLUDED(mutex_);
+
   absl::Status PutPicture(const KeyframePicture& picture, uint64_t max_bytes)
       ABSL_LOCKS_EXCLUDED(mutex_);
   absl::StatusOr<KeyframePicture> ReadPicture(KeyframeId keyframe) const;
@@ -91,7 +103,8 @@ class PostgresMission {
   };
 
   // Reads the mission's row, makes this process the one who writes, and finds out what is there;
-  // does nothing when that is done. UNAVAILABLE: it lies aside, and `wakes` is false.
+  // does nothing when that is done. With `wakes` false: UNAVAILABLE if it lies aside,
+  // FAILED_PRECONDITION if it is to be shared and was not taken.
   absl::Status EnsureLoaded(bool wakes = false) ABSL_LOCKS_EXCLUDED(loading_, mutex_);
   absl::Status Load() ABSL_EXCLUSIVE_LOCKS_REQUIRED(loading_) ABSL_LOCKS_EXCLUDED(mutex_);
   absl::StatusOr<MissionRow> TakeOver() ABSL_LOCKS_EXCLUDED(mutex_);

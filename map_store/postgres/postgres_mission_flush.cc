@@ -11,6 +11,7 @@
 #include "map_store/postgres/content_hash.h"
 #include "map_store/postgres/pieces.h"
 #include "map_store/postgres/postgres_mission.h"
+#include "slam/exchange/mission_elsewhere.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::map_store {
@@ -151,9 +152,11 @@ absl::Status PostgresMission::CheckTurn(const MissionRow& row) const {
     return absl::FailedPreconditionError("another process has deleted it");
   }
   if (row.epoch == epoch_) return absl::OkStatus();
-  return absl::FailedPreconditionError(
-      absl::StrCat("another process (", row.holder_name, ") has taken it over, in epoch ",
-                   row.epoch, "; this one had it in epoch ", epoch_, " and writes nothing more"));
+  return WithElsewhere(
+      absl::FailedPreconditionError(absl::StrCat(
+          "another process (", row.holder_name, ") has taken it over, in epoch ", row.epoch,
+          "; this one had it in epoch ", epoch_, " and writes nothing more")),
+      row.holder_address);
 }
 
 absl::Status PostgresMission::Settle(const MissionRow& row) {

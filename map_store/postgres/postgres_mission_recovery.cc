@@ -10,6 +10,7 @@
 #include "map_store/postgres/feature_reader.h"
 #include "map_store/postgres/pieces.h"
 #include "map_store/postgres/postgres_mission.h"
+#include "slam/exchange/mission_elsewhere.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::map_store {
@@ -52,6 +53,9 @@ absl::Status PostgresMission::EnsureLoaded(bool wakes) {
     if (!damage_.ok()) return damage_;
     if (is_aside_ && !wakes) return CheckOpen();
     if (is_loaded_ && !is_aside_) return absl::OkStatus();
+    if (holder_.lease > absl::ZeroDuration() && !wakes) {
+      return Name(absl::FailedPreconditionError("this process does not have it"));
+    }
   }
   absl::MutexLock loading(&loading_);
   {
@@ -88,9 +92,10 @@ absl::Status PostgresMission::Load() {
 
 absl::Status PostgresMission::CheckHeld(const MissionRow& row) const {
   if (row.holder == holder_.id || row.lease_left <= absl::ZeroDuration()) return absl::OkStatus();
-  return absl::UnavailableError(absl::StrCat("another process (", row.holder_name,
-                                             ") holds it for another ",
-                                             absl::FormatDuration(row.lease_left)));
+  return WithElsewhere(absl::UnavailableError(absl::StrCat("another process (", row.holder_name,
+                                                           ") holds it for another ",
+                                                           absl::FormatDuration(row.lease_left))),
+                       row.holder_address);
 }
 
 absl::StatusOr<MissionRow> PostgresMission::TakeOver() {
@@ -112,7 +117,8 @@ absl::StatusOr<MissionRow> PostgresMission::TakeOver() {
     // Once this lasts, so does all that is read afterwards.
     return connection.Commit(
         {{"UPDATE corbslam.missions SET epoch = $2, format = $3, state = 0, summary = NULL,"
-          " summary_checksum = NULL, holder = $4, holder_name = $5, lease_until ="
+          " summary_checksum = NULL, holder = $4, holder_name = $5, wanted_store = NULL,"
+          " lease_until ="
           " CASE WHEN $6 > 0 THEN clock_timestamp() + $6 * interval '1 millisecond' END"
           " WHERE mission_id = $1",
           {Id(), SqlValue::Number(row.epoch), SqlValue::Number(kJournalFormat),

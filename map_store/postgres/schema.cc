@@ -115,12 +115,36 @@ INSERT INTO corbslam.schema_versions (version, oldest_program) VALUES (1, 1)
   ON CONFLICT (version) DO NOTHING;
 )sql";
 
+// Programs of version 1 neither read nor write what this adds.
+constexpr char kVersion2[] = R"sql(
+-- A store that shares the missions with others: the process that is it (holder, as in missions),
+-- and where it is reached. Until lease_until it counts as alive. A cordoned one (1) takes no more
+-- missions.
+CREATE TABLE IF NOT EXISTS corbslam.stores (
+  name text PRIMARY KEY,
+  holder bigint NOT NULL,
+  address text NOT NULL,
+  machine text NOT NULL,
+  version text NOT NULL,
+  lease_until timestamptz,
+  cordoned bigint NOT NULL DEFAULT 0,
+  started_at timestamptz NOT NULL DEFAULT now()
+);
+CREATE INDEX IF NOT EXISTS stores_by_holder ON corbslam.stores (holder);
+-- The store that is to have the mission; null: whichever is asked first.
+ALTER TABLE corbslam.missions ADD COLUMN IF NOT EXISTS wanted_store text;
+
+INSERT INTO corbslam.schema_versions (version, oldest_program) VALUES (2, 1)
+  ON CONFLICT (version) DO NOTHING;
+)sql";
+
 constexpr char kRights[] = R"sql(
 -- The role of map_store reads and writes rows; it makes, changes and drops no table.
 GRANT USAGE ON SCHEMA corbslam TO ROLE_NAME;
 GRANT SELECT ON corbslam.schema_versions TO ROLE_NAME;
 GRANT SELECT, INSERT, UPDATE, DELETE ON corbslam.missions, corbslam.records, corbslam.snapshots,
-  corbslam.keyframes, corbslam.payloads, corbslam.pictures, corbslam.mission_lists TO ROLE_NAME;
+  corbslam.keyframes, corbslam.payloads, corbslam.pictures, corbslam.mission_lists,
+  corbslam.stores TO ROLE_NAME;
 )sql";
 
 constexpr char kHowToMake[] =
@@ -143,7 +167,7 @@ absl::StatusOr<std::string> MakeSchemaSql(const std::string& role) {
         "the role \"", role, "\" is to be of lower-case letters, digits and underscores"));
   }
   return absl::StrCat("-- Tables of map_store --journal postgres:URI, version ", kSchemaVersion,
-                      "; by corbslam ", CorbslamVersion(), ".", kVersion1,
+                      "; by corbslam ", CorbslamVersion(), ".", kVersion1, kVersion2,
                       absl::StrReplaceAll(kRights, {{"ROLE_NAME", role}}));
 }
 

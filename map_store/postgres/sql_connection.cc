@@ -47,10 +47,12 @@ SqlStatements SessionLimits(const PostgresJournalOptions& options) {
   const auto text = [](absl::Duration limit) {
     return SqlValue::Text(absl::StrCat(absl::ToInt64Milliseconds(limit)));
   };
+  // A store that is stopped amid a transaction keeps others from its mission for so long.
+  absl::Duration idle = 2 * options.statement_timeout;
+  if (options.lease > absl::ZeroDuration()) idle = std::min(idle, options.lease / 2);
   return {{"SELECT set_config('statement_timeout', $1, false)", {text(options.statement_timeout)}},
           {"SELECT set_config('lock_timeout', $1, false)", {text(options.lock_timeout)}},
-          {"SELECT set_config('idle_in_transaction_session_timeout', $1, false)",
-           {text(2 * options.statement_timeout)}}};
+          {"SELECT set_config('idle_in_transaction_session_timeout', $1, false)", {text(idle)}}};
 }
 
 }  // namespace

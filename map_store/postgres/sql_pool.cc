@@ -6,6 +6,7 @@
 #include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
+#include "slam/exchange/mission_elsewhere.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::map_store {
@@ -46,7 +47,8 @@ absl::Status SqlPool::Name(const absl::Status& error) const {
   // A conflict that does not end is the server's trouble for those who wait.
   const absl::StatusCode code =
       absl::IsAborted(error) ? absl::StatusCode::kUnavailable : error.code();
-  return absl::Status(code, absl::StrCat(name_, ": ", error.message()));
+  const std::string message = absl::StrCat(name_, ": ", error.message());
+  return code == error.code() ? WithMessage(error, message) : absl::Status(code, message);
 }
 
 absl::StatusOr<std::unique_ptr<SqlConnection>> SqlPool::Connect() const {

@@ -109,11 +109,33 @@ MissionSummary Mission::Summarise() const {
           .retired = retiring_.IsDone()};
 }
 
+void Mission::RefuseRobots(const absl::Status& why) {
+  strand_.Refuse(why);
+  CallListeners();
+}
+
+void Mission::Lose(const absl::Status& why) {
+  // Robots hear of it at once, whoever has the turn.
+  RefuseRobots(why);
+  Delete();
+}
+
+void Mission::Close(const absl::Status& why) {
+  strand_.Refuse(why);
+  EndWriting([] { return absl::OkStatus(); }).IgnoreError();
+}
+
 void Mission::Delete() {
   DeleteIf([] { return absl::OkStatus(); }).IgnoreError();
 }
 
 absl::Status Mission::DeleteIf(const std::function<absl::Status()>& may) {
+  RETURN_IF_ERROR(EndWriting(may));
+  CallListeners();
+  return absl::OkStatus();
+}
+
+absl::Status Mission::EndWriting(const std::function<absl::Status()>& may) {
   {
     absl::MutexLock turn(&strand_.turn());
     RETURN_IF_ERROR(may());
@@ -122,7 +144,6 @@ absl::Status Mission::DeleteIf(const std::function<absl::Status()>& may) {
   }
   // A snapshot that has begun must not be written after the deletion.
   snapshots_.WaitForEnd();
-  CallListeners();
   return absl::OkStatus();
 }
 

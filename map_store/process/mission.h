@@ -33,6 +33,7 @@ class Mission {
   // These do what those of MissionStrand do.
   void BeginAs(std::string uid) { strand_.BeginAs(std::move(uid)); }
   void EnsureUid() { strand_.EnsureUid(); }
+  absl::Status WriteUid() { return strand_.WriteUid(); }
 
   MissionSessions& sessions() { return sessions_; }
   BatchIntake& batches() { return batches_; }
@@ -80,6 +81,12 @@ class Mission {
   bool Retire(uint64_t changes);
   MissionSummary Summarise() const;
 
+  // Ends sessions, and refuses new ones, with this error from here on; OK: no more.
+  void RefuseRobots(const absl::Status& why);
+  // Does as Delete does, and refuses robots with `why`: another process has the mission.
+  void Lose(const absl::Status& why);
+  // Does the same, but tells nobody: CallListeners does.
+  void Close(const absl::Status& why);
   // Ends everything: sessions are fenced, jobs cancelled, nothing is written any more.
   void Delete();
   // Does so if `may`, which is called while nothing can be written, returns OK; else nothing.
@@ -88,6 +95,8 @@ class Mission {
   void CallListeners();
 
  private:
+  absl::Status EndWriting(const std::function<absl::Status()>& may);
+
   MissionStrand strand_;
   ProfileKeeper profile_;
   EventBook events_;

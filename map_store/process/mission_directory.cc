@@ -64,6 +64,7 @@ absl::Status MissionDirectory::Await(absl::string_view name, Entry& entry) {
     return entry.gone || (entry.stage != Stage::kLoading && entry.stage != Stage::kBeingEvicted);
   };
   mutex_.Await(absl::Condition(&has_arrived));
+  if (others_wake_it && entry.gone) RETURN_IF_ERROR(entry.wake_error);
   RETURN_IF_ERROR(CheckUsable(name, entry));
   if (entry.stage != Stage::kEvicted) return absl::OkStatus();
   // One attempt serves all who came meanwhile.
@@ -90,6 +91,7 @@ absl::StatusOr<MissionDirectory::Lease> MissionDirectory::Wake(const std::string
   }
   const bool is_damaged = absl::IsDataLoss(loaded.status());
   entry->stage = is_damaged ? Stage::kUnreadable : Stage::kEvicted;
+  if (!is_damaged && asleep_ == Asleep::kForgotten) Erase(entry);
   if (!is_damaged) return loaded.status();
   entry->damage = loaded.status();
   entry->evicted.reset();
@@ -210,10 +212,19 @@ void MissionDirectory::Add(const std::string& name, std::shared_ptr<Mission> mis
 
 void MissionDirectory::AddEvicted(const std::string& name, EvictedMission evicted) {
   absl::MutexLock lock(&mutex_);
+  if (entries_.count(name) > 0) return;
   const EntryPtr& entry = Insert(name);
   entry->stage = Stage::kEvicted;
   entry->last_used = absl::FromUnixNanos(evicted.summary.info.profile.last_used_ns);
   entry->evicted = std::make_shared<const EvictedMission>(std::move(evicted));
+}
+
+void MissionDirectory::Remove(const std::string& name, const Mission* mission) {
+  absl::MutexLock lock(&mutex_);
+  const absl::StatusOr<EntryPtr> entry = Find(name);
+  if (!entry.ok() || (*entry)->mission.get() != mission) return;
+  // One that wakes is its first user's to remove.
+  if ((*entry)->stage != Stage::kLoading) Erase(*entry);
 }
 
 void MissionDirectory::AddUnreadable(const std::string& name, absl::Status damage) {
@@ -349,6 +360,7 @@ void MissionDirectory::EndEviction(const Unused& unused, EvictedMission evicted)
   entry.evicted = std::move(kept);
   entry.mission.reset();
   entry.may_be_vacant = false;
+  if (asleep_ == Asleep::kForgotten) Erase(*found);
 }
 
 }  // namespace corbslam::map_store

@@ -62,9 +62,16 @@ class MissionDirectory {
   };
   using Make = absl::FunctionRef<absl::StatusOr<std::shared_ptr<Mission>>(const Counts&)>;
 
+  // What becomes of missions that leave memory.
+  enum class Asleep {
+    kRemembered,
+    kForgotten,  // They may be another process's the next time: the caller adds them again.
+  };
+
   // `clock` says when a mission was used.
-  MissionDirectory(std::function<absl::Time()> clock, Load load)
-      : clock_(std::move(clock)), load_(std::move(load)) {}
+  MissionDirectory(std::function<absl::Time()> clock, Load load,
+                   Asleep asleep = Asleep::kRemembered)
+      : clock_(std::move(clock)), load_(std::move(load)), asleep_(asleep) {}
 
   // Users.
 
@@ -93,7 +100,10 @@ class MissionDirectory {
   // Missions that come and go.
 
   void Add(const std::string& name, std::shared_ptr<Mission> mission) ABSL_LOCKS_EXCLUDED(mutex_);
+  // Does nothing where there is a mission of the name already.
   void AddEvicted(const std::string& name, EvictedMission evicted) ABSL_LOCKS_EXCLUDED(mutex_);
+  // Removes the mission if it is this one, whoever uses it; null: if it can't be read.
+  void Remove(const std::string& name, const Mission* mission) ABSL_LOCKS_EXCLUDED(mutex_);
   void AddUnreadable(const std::string& name, absl::Status damage) ABSL_LOCKS_EXCLUDED(mutex_);
   // Keeps the name for a mission that is being made. ALREADY_EXISTS or DATA_LOSS where there is
   // one; `check_room`, called with the lock held, has its say.
@@ -179,6 +189,7 @@ class MissionDirectory {
 
   const std::function<absl::Time()> clock_;
   const Load load_;
+  const Asleep asleep_;
   mutable absl::Mutex mutex_;
   std::map<std::string, EntryPtr, std::less<>> entries_ ABSL_GUARDED_BY(mutex_);
 };

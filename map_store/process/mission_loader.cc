@@ -65,7 +65,7 @@ absl::Status MissionLoader::WhenLoaded(const std::string& mission, Then then) {
   if (awake != nullptr) {
     then(std::move(awake));
   } else {
-    then(directory_.Use(mission));
+    then(use_(mission));
   }
   return absl::OkStatus();
 }
@@ -94,7 +94,7 @@ void MissionLoader::Run() {
       mission = std::move(queue_.front());
       queue_.pop_front();
     }
-    const absl::StatusOr<std::shared_ptr<const void>> awake = directory_.Use(mission);
+    const absl::StatusOr<std::shared_ptr<const void>> awake = use_(mission);
     for (const Then& then : TakeWaiting(mission)) then(awake);
   }
 }

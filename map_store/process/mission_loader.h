@@ -9,6 +9,7 @@
 #include <memory>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "absl/base/thread_annotations.h"
@@ -27,8 +28,12 @@ class MissionLoader {
   using Then = std::function<void(const absl::StatusOr<std::shared_ptr<const void>>& awake)>;
   static constexpr size_t kMaxWaiting = 1000;
 
+  // Returns the mission once it is awake, as MissionDirectory::Use does.
+  using Use = std::function<absl::StatusOr<MissionDirectory::Lease>(const std::string& mission)>;
+
   // `directory` is not owned and must outlive it.
-  explicit MissionLoader(MissionDirectory& directory) : directory_(directory) {}
+  MissionLoader(MissionDirectory& directory, Use use)
+      : directory_(directory), use_(std::move(use)) {}
   ~MissionLoader() { Stop(); }
 
   void Start(int threads);
@@ -45,6 +50,7 @@ class MissionLoader {
   std::vector<Then> TakeWaiting(const std::string& mission) ABSL_LOCKS_EXCLUDED(mutex_);
 
   MissionDirectory& directory_;
+  const Use use_;
   absl::Mutex mutex_;
   // Missions that no thread is at yet, and who waits for them and for those that one is at.
   std::deque<std::string> queue_ ABSL_GUARDED_BY(mutex_);

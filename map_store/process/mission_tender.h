@@ -12,16 +12,17 @@
 
 namespace corbslam::map_store {
 
-// Calls one function once a minute. Thread-safe.
+// Calls one function again and again. Thread-safe.
 class MissionTender {
  public:
-  explicit MissionTender(std::function<void()> tend) : tend_(std::move(tend)) {}
+  explicit MissionTender(std::function<void()> tend, absl::Duration every = absl::Minutes(1))
+      : tend_(std::move(tend)), every_(every) {}
   ~MissionTender() { Stop(); }
 
-  // The first call is a minute later.
+  // The first call is so much later.
   void Start() {
     thread_ = StartThread("mission tender", [this] {
-      while (signal_.WaitFor(absl::Minutes(1))) tend_();
+      while (signal_.WaitFor(every_)) tend_();
     });
   }
   // Joins the thread.
@@ -32,6 +33,7 @@ class MissionTender {
 
  private:
   const std::function<void()> tend_;
+  const absl::Duration every_;
   WorkSignal signal_;
   std::thread thread_;
 };

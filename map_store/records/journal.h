@@ -21,6 +21,8 @@
 
 namespace corbslam::map_store {
 
+class MissionLeases;
+
 // A mission's state after all records up to a position.
 struct JournalSnapshot {
   uint64_t position = 0;
@@ -157,6 +159,14 @@ class Journal {
   virtual absl::Status Damage(absl::string_view) const { return absl::OkStatus(); }
   // Returns how many bytes the mission takes of the disk.
   virtual uint64_t DiskBytes(absl::string_view) const { return 0; }
+
+  // Returns who decides which process has a mission (mission_leases.h); null: this one has all.
+  virtual MissionLeases* leases() { return nullptr; }
+  // Reads a mission's part of a list again, where other processes add to it, the oldest first.
+  virtual absl::StatusOr<std::vector<MissionIdentity>> ReadListOf(MissionList list,
+                                                                  absl::string_view) const {
+    return ReadList(list);
+  }
 };
 
 // Keeps nothing but some pictures, and only counts: a journal for tests and for stores without a

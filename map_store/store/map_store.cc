@@ -16,6 +16,7 @@
 #include "map_store/process/mission_tender.h"
 #include "map_store/process/promised_uids.h"
 #include "map_store/process/snapshot_keeper.h"
+#include "map_store/records/mission_leases.h"
 #include "map_store/records/restored_state.h"
 #include "map_store/state/mission_uid.h"
 #include "map_store/view/damage_text.h"
@@ -26,6 +27,9 @@
 
 namespace corbslam::map_store {
 namespace {
+
+// Of the lease keeper.
+constexpr absl::Duration kBetweenLooks = absl::Milliseconds(250);
 
 absl::Status CheckRoom(const MissionDirectory::Counts& counts, const MapStoreOptions& options) {
   if (counts.asleep >= options.max_missions_asleep) {
@@ -44,6 +48,7 @@ MapStore::MapStore(const MapStoreOptions& options, std::shared_ptr<const Vocabul
     : options_(options),
       vocabulary_(std::move(vocabulary)),
       journal_(std::move(journal)),
+      leases_(journal_->leases()),
       clock_(std::move(clock)),
       memory_(std::make_unique<MemoryBudget>(options.memory_budget_bytes, &ResidentBytes, clock_,
                                              &UsedBytes)),
@@ -52,12 +57,16 @@ MapStore::MapStore(const MapStoreOptions& options, std::shared_ptr<const Vocabul
                                                  clock_, [this] { memory_returner_->Wake(); })),
       snapshots_(std::make_unique<SnapshotKeeper>(clock_)),
       tender_(std::make_unique<MissionTender>([this] { TendMissions(); })),
+      lease_keeper_(std::make_unique<MissionTender>([this] { KeepLeases(); }, kBetweenLooks)),
       departed_(std::make_unique<DepartedMissions>()),
       promised_uids_(std::make_unique<PromisedUids>(*journal_)) {
   directory_ = std::make_unique<MissionDirectory>(
-      clock_, [this](const std::string& name, const EvictedMission& evicted) {
+      clock_,
+      [this](const std::string& name, const EvictedMission& evicted) {
         return LoadEvicted(name, evicted);
-      });
+      },
+      leases_ == nullptr ? MissionDirectory::Asleep::kRemembered
+                         : MissionDirectory::Asleep::kForgotten);
   StartEviction();
   memory_returner_->Start();
   if (options_.deterministic) return;
@@ -65,10 +74,12 @@ MapStore::MapStore(const MapStoreOptions& options, std::shared_ptr<const Vocabul
   executor_->Start(list_missions, options_.fusion_threads);
   snapshots_->Start(list_missions, [this] { memory_returner_->Wake(); });
   tender_->Start();
+  if (leases_ != nullptr) lease_keeper_->Start();
 }
 
 MapStore::~MapStore() {
   tender_->Stop();
+  lease_keeper_->Stop();
   snapshots_->Stop();
   executor_->Stop();
   EndEviction();
@@ -80,8 +91,12 @@ void MapStore::Wake() {
 }
 
 absl::StatusOr<std::shared_ptr<Mission>> MapStore::FindMission(absl::string_view name) const {
-  absl::StatusOr<std::shared_ptr<Mission>> mission =
-      options_.wake_in_background ? directory_->UseLoaded(name) : directory_->Use(name);
+  if (!options_.wake_in_background) return AwaitMission(name);
+  absl::StatusOr<std::shared_ptr<Mission>> mission = directory_->UseLoaded(name);
+  if (leases_ != nullptr && absl::IsNotFound(mission.status())) {
+    RETURN_IF_ERROR(TakeIn(name));
+    mission = directory_->UseLoaded(name);
+  }
   if (mission.ok()) (*mission)->profile().NoteUse();
   return mission;
 }
@@ -91,6 +106,7 @@ absl::Status MapStore::Recover() {
     departed_->Note(std::move(deleted), {});
   }
   promised_uids_->Recover();
+  if (leases_ != nullptr) return absl::OkStatus();
   ASSIGN_OR_RETURN(const std::vector<std::string> names, journal_->ListMissions());
   for (const std::string& name : names) {
     if (AddEvicted(name)) continue;
@@ -123,7 +139,10 @@ absl::StatusOr<uint64_t> MapStore::EnterMission(const SessionRequest& request) {
     return BeginMission(name, request.mission_uid);
   };
   absl::StatusOr<std::shared_ptr<Mission>> found = FindMission(name);
-  if (absl::IsNotFound(found.status())) {
+  if (leases_ != nullptr && absl::IsNotFound(found.status())) {
+    RETURN_IF_ERROR(MakeShared(request));
+    found = FindMission(name);
+  } else if (absl::IsNotFound(found.status())) {
     MakeRoomForMissions(1);
     found = directory_->UseOrMake(name, make);
   }
@@ -309,6 +328,12 @@ absl::Status MapStore::WaitUntilFusionIdle(absl::string_view mission_name,
 }
 
 absl::Status MapStore::DeleteMission(absl::string_view mission_name, absl::string_view uid) {
+  std::shared_ptr<Mission> taken;
+  if (leases_ != nullptr) {
+    absl::StatusOr<std::shared_ptr<Mission>> found = FindMission(mission_name);
+    if (!absl::IsDataLoss(found.status())) RETURN_IF_ERROR(found.status());
+    if (found.ok()) taken = *std::move(found);
+  }
   ASSIGN_OR_RETURN(const MissionDirectory::Life life, directory_->FindLife(mission_name));
   RETURN_IF_ERROR(CheckUid(mission_name, uid));
   // A caller that waited for another one's deletion must not delete the mission that has got the
@@ -349,6 +374,14 @@ absl::Status MapStore::CheckRoomForMission() const {
 }
 
 absl::Status MapStore::ReserveName(const std::string& name) {
+  if (leases_ != nullptr) {
+    RETURN_IF_ERROR(leases_->CheckReached());
+    const absl::Status there = leases_->Look(name).status();
+    if (there.ok()) {
+      return absl::AlreadyExistsError(absl::StrCat("there is a mission ", name, " already"));
+    }
+    if (!absl::IsNotFound(there)) return there;
+  }
   MakeRoomForMissions(1);
   return directory_->Reserve(
       name, [this](const MissionDirectory::Counts& counts) { return CheckRoom(counts, options_); });
@@ -373,6 +406,7 @@ absl::Status MapStore::RestoreMission(const std::string& name, MissionState stat
     mission->profile().NoteUse();
   } else {
     mission.reset();
+    if (leases_ != nullptr) leases_->LetGo(name);
   }
   directory_->EndMaking(name, std::move(mission));
   Wake();

@@ -44,6 +44,7 @@ namespace corbslam::map_store {
 
 struct KnownMission;
 struct MissionLoad;
+struct DirectoryMission;
 struct EvictedMission;
 
 class DepartedMissions;
@@ -197,6 +198,18 @@ class MapStore {
 
   absl::StatusOr<Page<MissionInfo>> ListMissions(const PageRequest& page) const;
   absl::StatusOr<MissionInfo> GetMission(absl::string_view mission) const;
+  // Where several stores share the missions of one journal (Journal::leases), this one has those
+  // that it was asked for first. All calls about a mission that another store has return an error
+  // that says where it is (slam/exchange/mission_elsewhere.h), and so do calls of sessions once the
+  // mission was lost to another one; lists have all missions, but of others' their names and sizes
+  // alone.
+
+  // Drops missions that this store has no more, and has robots wait while it can't know; the
+  // store's own thread does this several times a second, unless `options.deterministic`.
+  void KeepLeases();
+  // Null: the missions are not shared.
+  MissionLeases* leases() const { return leases_; }
+
   // Makes a mission that has no robots yet. It is durable when the function returns OK.
   // ALREADY_EXISTS; INVALID_ARGUMENT for a name or a profile that is none; RESOURCE_EXHAUSTED.
   absl::Status CreateMission(const std::string& mission, const MissionProfile& profile);
@@ -348,6 +361,21 @@ class MapStore {
   // Returns the mission, for somebody who uses it: it stays in memory for as long as the caller
   // holds it.
   absl::StatusOr<std::shared_ptr<Mission>> FindMission(absl::string_view name) const;
+  // The same, but waits for one that is asleep.
+  absl::StatusOr<std::shared_ptr<Mission>> AwaitMission(absl::string_view name) const;
+  // Has the directory know a mission of a shared journal that nobody has. NOT_FOUND: there is none.
+  absl::Status TakeIn(absl::string_view name) const;
+  // Makes the mission that a robot asks for in a shared journal, durably, unless it is there.
+  absl::Status MakeShared(const SessionRequest& request);
+  absl::Status WriteShared(const SessionRequest& request);
+  // Learns which missions of the name other stores have deleted.
+  absl::Status ReadDeparted(const std::string& name);
+  void LoseMission(const std::string& name, const absl::Status& why);
+  // Deletes missions that are asleep, whose retention has passed.
+  void ExpireAsleep();
+  MissionInfo Describe(const DirectoryMission& listed) const;
+  absl::StatusOr<MissionInfo> GetShared(absl::string_view name) const;
+  absl::StatusOr<std::vector<MissionInfo>> ListShared(absl::string_view after, size_t count) const;
   absl::Status CheckRoomForMission() const;
   // Keeps a new mission's name free of others until MissionDirectory::EndMaking.
   absl::Status ReserveName(const std::string& name);
@@ -398,12 +426,14 @@ class MapStore {
   const MapStoreOptions options_;
   const std::shared_ptr<const Vocabulary> vocabulary_;
   const std::unique_ptr<Journal> journal_;
+  MissionLeases* const leases_;  // The journal's.
   const Clock clock_;
   const std::unique_ptr<MemoryBudget> memory_;
   const std::unique_ptr<MemoryReturner> memory_returner_;
   std::unique_ptr<FusionExecutor> executor_;
   std::unique_ptr<SnapshotKeeper> snapshots_;
   const std::unique_ptr<MissionTender> tender_;
+  const std::unique_ptr<MissionTender> lease_keeper_;
 
   // Holds all missions.
   std::unique_ptr<MissionDirectory> directory_;
@@ -415,6 +445,11 @@ class MapStore {
   std::atomic<int64_t> waking_ns_ = 0;
 
   UidListener uid_listener_;
+  // Whoever makes a mission in a shared journal holds this.
+  absl::Mutex making_mutex_;
+  // Only the lease keeper uses it: robots are refused, as the journal is out of reach.
+  bool refuses_ = false;
+  int tendings_ = 0;  // Only the tender uses it.
   // A deletion holds this lock from its beginning to its end.
   absl::Mutex deletion_mutex_;
   mutable absl::Mutex mutex_;

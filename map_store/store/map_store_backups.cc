@@ -63,7 +63,7 @@ absl::Status MapStore::DeleteUnusedMission(absl::string_view name,
 }
 
 absl::StatusOr<std::shared_ptr<const void>> MapStore::HoldAwake(absl::string_view name) const {
-  return directory_->Use(name);
+  return AwaitMission(name);
 }
 
 }  // namespace corbslam::map_store

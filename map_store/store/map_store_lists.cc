@@ -153,8 +153,14 @@ std::string KeyframeKey(const ListedKeyframe& keyframe, LocalMapId first, const 
 absl::StatusOr<Page<MissionInfo>> MapStore::ListMissions(const PageRequest& request) const {
   ASSIGN_OR_RETURN(const PageStart start,
                    ReadPageStart(request, options_.max_page_size, "missions"));
-  std::vector<KnownMission> missions = directory_->List(start.after, start.size + 1);
   Page<MissionInfo> page;
+  if (leases_ != nullptr) {
+    ASSIGN_OR_RETURN(page.items, ListShared(start.after, start.size + 1));
+    page.next_page_token =
+        EndPage(start, page.items, [](const MissionInfo& mission) { return mission.name; });
+    return page;
+  }
+  std::vector<KnownMission> missions = directory_->List(start.after, start.size + 1);
   page.next_page_token =
       EndPage(start, missions, [](const KnownMission& known) { return known.name; });
   for (const KnownMission& known : missions) page.items.push_back(Describe(known));

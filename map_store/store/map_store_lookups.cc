@@ -20,8 +20,10 @@ bool MapStore::has_worker() const { return executor_->has_worker(); }
 std::optional<WorkerOutage> MapStore::worker_outage() const { return executor_->worker_outage(); }
 
 absl::StatusOr<MissionInfo> MapStore::GetMission(absl::string_view mission_name) const {
-  ASSIGN_OR_RETURN(const KnownMission known, directory_->Peek(mission_name));
-  return Describe(known);
+  const absl::StatusOr<KnownMission> known = directory_->Peek(mission_name);
+  if (leases_ != nullptr && absl::IsNotFound(known.status())) return GetShared(mission_name);
+  RETURN_IF_ERROR(known.status());
+  return Describe(*known);
 }
 
 absl::StatusOr<LocalMapInfo> MapStore::GetLocalMap(absl::string_view mission_name,

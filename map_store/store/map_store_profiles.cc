@@ -10,11 +10,16 @@
 #include "map_store/ingest/batch_validation.h"
 #include "map_store/process/mission.h"
 #include "map_store/process/mission_directory.h"
+#include "map_store/records/mission_leases.h"
 #include "map_store/store/map_store.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::map_store {
 namespace {
+
+// Missions that are asleep in a shared journal are looked at once in so many times.
+constexpr int kTendingsToAsleep = 10;
+constexpr size_t kListedAtOnce = 200;
 
 MissionProfile ProfileOf(const KnownMission& known) {
   if (known.mission != nullptr) return known.mission->profile().Get();
@@ -47,6 +52,7 @@ absl::Status MapStore::CreateMission(const std::string& name, const MissionProfi
     LOG_IF(WARNING, !removed.ok()) << "mission " << name << " was not made, but may be there after "
                                    << "the next start: " << removed;
     mission.reset();
+    if (leases_ != nullptr) leases_->LetGo(name);
   }
   directory_->EndMaking(name, std::move(mission));
   return begun;
@@ -94,6 +100,27 @@ void MapStore::TendMissions() {
       profile.KeepUse().IgnoreError();
     }
     if (IsOutdated(known, clock_())) Expire(known.name);
+  }
+  // Reading what all missions of a fleet fell asleep with is not for every minute.
+  if (leases_ != nullptr && tendings_++ % kTendingsToAsleep == 0) ExpireAsleep();
+}
+
+void MapStore::ExpireAsleep() {
+  std::string after;
+  while (true) {
+    const absl::StatusOr<std::vector<DirectoryMission>> listed =
+        leases_->List(after, kListedAtOnce);
+    if (!listed.ok() || listed->empty()) return;
+    after = listed->back().name;
+    for (const DirectoryMission& mission : *listed) {
+      const absl::StatusOr<MissionSummary> summary = DecodeSummary(mission.summary);
+      if (!mission.is_asleep || !summary.ok()) continue;
+      KnownMission known;
+      known.evicted = std::make_shared<const EvictedMission>(EvictedMission{*summary, {}});
+      if (!IsOutdated(known, clock_()) || !TakeIn(mission.name).ok()) continue;
+      Expire(mission.name);
+      directory_->Remove(mission.name, nullptr);
+    }
   }
 }
 

@@ -14,8 +14,10 @@
 #include "map_store/process/mission_directory.h"
 #include "map_store/process/mission_evictor.h"
 #include "map_store/process/mission_loader.h"
+#include "map_store/records/mission_leases.h"
 #include "map_store/store/map_store.h"
 #include "map_store/view/damage_text.h"
+#include "slam/exchange/mission_elsewhere.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::map_store {
@@ -68,7 +70,9 @@ absl::StatusOr<std::shared_ptr<Mission>> MapStore::LoadEvicted(const std::string
       memory_->Check(absl::StrCat("mission ", name), evicted.summary.info.memory_bytes));
   std::shared_ptr<Mission> mission = MakeMission(name);
   if (const absl::Status recovered = mission->Recover(); !recovered.ok()) {
-    LOG(ERROR) << "mission " << name << " can't be read: " << recovered;
+    const bool is_elsewhere = FindElsewhere(recovered).has_value();
+    LOG_IF(ERROR, !is_elsewhere) << "mission " << name << " can't be read: " << recovered;
+    if (leases_ != nullptr && !absl::IsDataLoss(recovered)) leases_->LetGo(name);
     return recovered;
   }
   mission->EnsureUid();
@@ -109,7 +113,8 @@ void MapStore::StartEviction() {
   const absl::Duration after =
       options_.sleep_after_s > 0 ? absl::Seconds(options_.sleep_after_s) : absl::InfiniteDuration();
   evictor_ = std::make_unique<MissionEvictor>(*directory_, *journal_, *memory_, clock_, after);
-  loader_ = std::make_unique<MissionLoader>(*directory_);
+  loader_ = std::make_unique<MissionLoader>(
+      *directory_, [this](const std::string& mission) { return AwaitMission(mission); });
   if (!journal_->KeepsRecords()) return;
   if (!options_.deterministic) loader_->Start(kLoaderThreads);
   if (!sleeps_by_itself()) return;
@@ -128,7 +133,14 @@ void MapStore::EndEviction() {
   if (sleeps_by_itself()) evictor_->EvictAll(absl::Seconds(options_.end_s));
 }
 
-absl::Status MapStore::SleepMission(absl::string_view mission) { return evictor_->Evict(mission); }
+absl::Status MapStore::SleepMission(absl::string_view mission) {
+  if (leases_ != nullptr && absl::IsNotFound(directory_->Peek(mission).status())) {
+    ASSIGN_OR_RETURN(const DirectoryMission listed, leases_->Look(mission));
+    if (listed.is_asleep) return absl::OkStatus();
+    RETURN_IF_ERROR(FindMission(mission).status());
+  }
+  return evictor_->Evict(mission);
+}
 
 size_t MapStore::SleepUnused() { return evictor_->EvictUnused(); }
 

@@ -80,6 +80,11 @@ class JournalWrapper : public map_store::Journal {
   uint64_t DiskBytes(absl::string_view mission) const override {
     return journal_->DiskBytes(mission);
   }
+  map_store::MissionLeases* leases() override { return journal_->leases(); }
+  absl::StatusOr<std::vector<map_store::MissionIdentity>> ReadListOf(
+      map_store::MissionList list, absl::string_view mission) const override {
+    return journal_->ReadListOf(list, mission);
+  }
 
  private:
   const std::unique_ptr<map_store::Journal> journal_;

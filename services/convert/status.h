@@ -1,4 +1,6 @@
-// Converts absl::Status and grpc::Status, which share their codes.
+// Converts absl::Status and grpc::Status, which share their codes. Where a mission is that another
+// store has (slam/exchange/mission_elsewhere.h) crosses the wire, as proto/corbslam/v1/fleet.proto
+// says it.
 #ifndef CORBSLAM_SERVICES_CONVERT_STATUS_H_
 #define CORBSLAM_SERVICES_CONVERT_STATUS_H_
 
@@ -10,9 +12,15 @@
 
 namespace corbslam::services {
 
+// Returns the bytes of a StatusDetails; empty: there is nothing to be said.
+std::string DetailsOf(const absl::Status& status);
+// Adds what such bytes say; what can't be read says nothing.
+absl::Status WithDetails(absl::Status status, const std::string& details);
+
 inline grpc::Status ToGrpcStatus(const absl::Status& status) {
   if (status.ok()) return grpc::Status::OK;
-  return {static_cast<grpc::StatusCode>(status.code()), std::string(status.message())};
+  return {static_cast<grpc::StatusCode>(status.code()), std::string(status.message()),
+          DetailsOf(status)};
 }
 
 // Returns the server's message, or what it means that there are none.
@@ -25,7 +33,9 @@ inline std::string MessageOf(const grpc::Status& status) {
 
 inline absl::Status FromGrpcStatus(const grpc::Status& status) {
   if (status.ok()) return absl::OkStatus();
-  return absl::Status(static_cast<absl::StatusCode>(status.error_code()), MessageOf(status));
+  return WithDetails(
+      absl::Status(static_cast<absl::StatusCode>(status.error_code()), MessageOf(status)),
+      status.error_details());
 }
 
 }  // namespace corbslam::services

@@ -23,15 +23,14 @@ constexpr absl::Duration kAskFor = absl::Seconds(10);
 // The statistics name so many refusals.
 constexpr size_t kMostRefusals = 20;
 
-absl::StatusOr<v1::RobotSettingsList> AskStore(const std::shared_ptr<grpc::Channel>& channel,
+absl::StatusOr<v1::RobotSettingsList> AskStore(v1::MapStore::Stub& store,
                                                const std::string& agent_name) {
   grpc::ClientContext context;
   context.set_deadline(absl::ToChronoTime(absl::Now() + kAskFor));
   v1::GetRobotSettingsRequest request;
   request.set_name(agent_name);
   v1::RobotSettingsList list;
-  const grpc::Status status =
-      v1::MapStore::NewStub(channel)->GetRobotSettings(&context, request, &list);
+  const grpc::Status status = store.GetRobotSettings(&context, request, &list);
   // The mission begins with its first robot: nobody has set anything.
   if (status.error_code() == grpc::StatusCode::NOT_FOUND) return v1::RobotSettingsList();
   RETURN_IF_ERROR(ToStatus(status, "GetRobotSettings"));
@@ -40,13 +39,19 @@ absl::StatusOr<v1::RobotSettingsList> AskStore(const std::shared_ptr<grpc::Chann
 
 }  // namespace
 
-std::future<absl::StatusOr<v1::RobotSettingsList>> AskForSettings(
-    std::shared_ptr<grpc::Channel> channel, const SettingsFlags& files, const std::string& mission,
-    const std::string& agent) {
-  const bool asks = channel != nullptr && !files.key.empty();
+std::future<absl::StatusOr<v1::RobotSettingsList>> AskForSettings(std::shared_ptr<StoreRoute> route,
+                                                                  const SettingsFlags& files,
+                                                                  const std::string& mission,
+                                                                  const std::string& agent) {
+  const bool asks = route != nullptr && !files.key.empty();
   return StartAsync("first settings", [=]() -> absl::StatusOr<v1::RobotSettingsList> {
     if (!asks) return v1::RobotSettingsList();
-    return AskStore(channel, AgentName(mission, agent));
+    absl::StatusOr<v1::RobotSettingsList> list;
+    RETURN_IF_ERROR(route->Ask([&](v1::MapStore::Stub& store) {
+      list = AskStore(store, AgentName(mission, agent));
+      return list.status();
+    }));
+    return list;
   });
 }
 

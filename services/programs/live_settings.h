@@ -19,6 +19,7 @@
 #include "absl/status/statusor.h"
 #include "absl/synchronization/mutex.h"
 #include "client_agent/agent/agent_orders.h"
+#include "services/client/remote/store_route.h"
 #include "services/programs/robot/frame_rate_limit.h"
 #include "services/programs/settings_book.h"
 #include "services/programs/settings_flags.h"
@@ -43,11 +44,12 @@ struct LiveSettingsOptions {
 };
 
 // Asks the store, on a thread of its own and for ten seconds at most, which settings it has for the
-// robot; none without a channel or without a key to check them with. Whoever waits for the answer
+// robot; none without a route or without a key to check them with. Whoever waits for the answer
 // waits so long.
-std::future<absl::StatusOr<v1::RobotSettingsList>> AskForSettings(
-    std::shared_ptr<grpc::Channel> channel, const SettingsFlags& files, const std::string& mission,
-    const std::string& agent);
+std::future<absl::StatusOr<v1::RobotSettingsList>> AskForSettings(std::shared_ptr<StoreRoute> route,
+                                                                  const SettingsFlags& files,
+                                                                  const std::string& mission,
+                                                                  const std::string& agent);
 
 // Says in the log which settings it takes from where, and which it refuses and why: nothing of that
 // ends a robot. A file of keys that can't be read is read again whenever settings come.

@@ -24,6 +24,7 @@
 #include "services/programs/observe_flags.h"
 #include "services/programs/program.h"
 #include "services/programs/start_lines.h"
+#include "services/programs/store_address.h"
 #include "services/programs/store_backups.h"
 #include "services/programs/store_journal.h"
 #include "services/programs/store_observers.h"
@@ -121,11 +122,16 @@ std::string FormatBytes(uint64_t bytes) {
   return mib < 10000 ? absl::StrFormat("%.1f MiB", mib) : absl::StrFormat("%.1f GiB", mib / 1024);
 }
 
+std::string DescribeMissions(const JournalFlags& journal, size_t missions) {
+  if (journal.lease_s > 0) return absl::StrCat("shares the missions in ", DescribeJournal(journal));
+  return absl::StrCat(missions, missions == 1 ? " mission in " : " missions in ",
+                      DescribeJournal(journal));
+}
+
 std::string DescribeStart(const Flags& flags, const std::string& address, size_t missions) {
   return absl::StrCat(
-      "serves ", address, " ", DescribeServing(flags.security), "; ", missions,
-      missions == 1 ? " mission in " : " missions in ", DescribeJournal(flags.journal),
-      "; fusion by ",
+      "serves ", address, " ", DescribeServing(flags.security), "; ",
+      DescribeMissions(flags.journal, missions), "; fusion by ",
       flags.in_process_worker
           ? "itself"
           : (flags.workers.empty() ? "nobody" : absl::StrJoin(flags.workers, ", ")),
@@ -175,6 +181,11 @@ absl::Status Run(Flags flags) {
   ASSIGN_OR_RETURN(const std::unique_ptr<Server> server,
                    Server::Start(flags.listen, {&service}, security.server));
   LOG(INFO) << DescribeStart(flags, server->address(), store.ListLoads().size());
+  if (store.leases() != nullptr) {
+    ASSIGN_OR_RETURN(const std::string name,
+                     AnnounceStore(flags.journal.advertise, server->address(), *store.leases()));
+    LOG(INFO) << "others send robots here as to " << name;
+  }
   AnnounceAddress(server->address());
   SelfWatch watch(
       {.address = server->reachable(),
@@ -212,9 +223,14 @@ std::vector<Setting> PlaceRows(Flags& flags) {
       {"--journal-password-file", &flags.journal.password_file,
        "File with the database's password alone, read again for each connection", kRare},
       {"--journal-lease", &flags.journal.lease_s,
-       "Seconds without a sign of life after which another store may take over the missions that "
-       "this one uses, at least 3; 0: at once",
+       "Share the database's missions with other stores: each has those that it was asked for "
+       "first, until it sleeps, or was silent for so many seconds, at least 3; 0: this one takes "
+       "all",
        RareWithin(0, 3600)},
+      {"--advertise", &flags.journal.advertise,
+       "HOST:PORT where other stores of the database send robots, tools and viewers of this one's "
+       "missions. Default: --listen, with the machine's name for all addresses",
+       kRare},
       {"--min-free-mb", &flags.journal.min_free_mb,
        "MiB that are left free on its disk; with less, agents are told to wait",
        RareWithin(0, 1 << 20)},

@@ -179,6 +179,7 @@ absl::Status Run(Flags flags) {
   web.connections.of_host = std::max(web.connections.of_host, 2 * web.max_streams);
   const auto channel = MakeChannel(flags.store, credentials);
   ASSIGN_OR_RETURN(flags.viewer.token_channel, MakeTokenChannel(flags, access != nullptr));
+  flags.viewer.connect = ConnectWith(credentials);
   Viewer viewer(channel, std::move(robots), access, std::move(page), flags.viewer);
   ASSIGN_OR_RETURN(const std::unique_ptr<WebServer> server,
                    WebServer::Start(flags.listen, &viewer, web));

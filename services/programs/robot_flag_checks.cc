@@ -129,11 +129,11 @@ SecurityOptions Bearing(SecurityOptions security, Files files) {
   return security;
 }
 
-absl::StatusOr<std::shared_ptr<grpc::Channel>> MakeStoreChannel(const RobotFlags& flags,
-                                                                Files files) {
+absl::StatusOr<std::shared_ptr<StoreRoute>> MakeStoreRoute(const RobotFlags& flags, Files files) {
   if (flags.server.empty()) return nullptr;
   ASSIGN_OR_RETURN(const auto credentials, MakeChannelCredentials(Bearing(flags.security, files)));
-  return MakeChannel(flags.server, credentials);
+  return std::make_shared<StoreRoute>(MakeChannel(flags.server, credentials),
+                                      ConnectWith(credentials));
 }
 
 absl::Status CheckListenSecurity(const RobotFlags& flags, Files files) {
@@ -173,7 +173,7 @@ std::vector<absl::Status> CheckRobotFlags(const RobotFlags& flags) {
   std::vector<absl::Status> found = {
       CheckNameSegment("--mission", flags.mission),
       CheckNameSegment("--agent", flags.agent),
-      MakeStoreChannel(flags, Files::kMustBeGood).status(),
+      MakeStoreRoute(flags, Files::kMustBeGood).status(),
       CheckListenSecurity(flags, Files::kMustBeGood),
       CheckVocabulary(flags.vocabulary),
       CheckSettingsFiles(flags.settings),

@@ -2,8 +2,6 @@
 #ifndef CORBSLAM_SERVICES_PROGRAMS_ROBOT_FLAG_CHECKS_H_
 #define CORBSLAM_SERVICES_PROGRAMS_ROBOT_FLAG_CHECKS_H_
 
-#include <grpcpp/channel.h>
-
 #include <memory>
 #include <vector>
 
@@ -11,6 +9,7 @@
 #include "absl/status/statusor.h"
 #include "absl/synchronization/notification.h"
 #include "client_agent/upload/feature_selection.h"
+#include "services/client/remote/store_route.h"
 #include "services/programs/robot/robot_source.h"
 #include "services/programs/robot_flags.h"
 
@@ -32,8 +31,7 @@ enum class Files { kMustBeGood, kMayCome };
 SecurityOptions Bearing(SecurityOptions security, Files files);
 
 // Returns null without --server.
-absl::StatusOr<std::shared_ptr<grpc::Channel>> MakeStoreChannel(const RobotFlags& flags,
-                                                                Files files);
+absl::StatusOr<std::shared_ptr<StoreRoute>> MakeStoreRoute(const RobotFlags& flags, Files files);
 
 // Checks how other programs on the robot reach it.
 absl::Status CheckListenSecurity(const RobotFlags& flags, Files files);

@@ -160,14 +160,14 @@ std::unique_ptr<LiveSettings> MakeLiveSettings(const RobotFlags& flags,
       .limits = limits});
 }
 
-// Returns null without a channel. `settings` is not owned and must outlive the uplink.
-std::unique_ptr<Uplink> MakeUplink(const RobotFlags& flags, std::shared_ptr<grpc::Channel> channel,
+// Returns null without a route. `settings` is not owned and must outlive the uplink.
+std::unique_ptr<Uplink> MakeUplink(const RobotFlags& flags, std::shared_ptr<StoreRoute> route,
                                    LiveSettings& settings) {
-  if (channel == nullptr) return nullptr;
+  if (route == nullptr) return nullptr;
   RemoteUplinkOptions options;
   options.on_settings = [&settings](const auto& list) { settings.OnSettings(list); };
   options.take_over = flags.take_over;
-  return MakeRemoteUplink(std::move(channel), options);
+  return MakeRemoteUplink(std::move(route), options);
 }
 
 // Returns how other programs on the robot reach it.
@@ -199,7 +199,7 @@ struct Surroundings {
   std::shared_ptr<AgentOrders> orders = std::make_shared<AgentOrders>();
   std::shared_ptr<FrameRateLimit> rate = std::make_shared<FrameRateLimit>();
   std::shared_ptr<ActivityWatch> activity = std::make_shared<ActivityWatch>();
-  std::shared_ptr<grpc::Channel> channel;  // Null without --server, and so is the uplink.
+  std::shared_ptr<StoreRoute> route;  // Null without --server, and so is the uplink.
   std::unique_ptr<LiveSettings> settings;
   std::unique_ptr<Uplink> uplink;
   std::shared_ptr<RobotObservers> observers;
@@ -252,7 +252,7 @@ absl::StatusOr<RobotFlags> Surround(const RobotFlags& given, const RobotSource& 
   RobotFlags flags = With(around.settings->Begin(told), given);
   // By now it is known how large the pictures are.
   RETURN_IF_ERROR(CheckSettable(flags));
-  around.uplink = MakeUplink(flags, around.channel, *around.settings);
+  around.uplink = MakeUplink(flags, around.route, *around.settings);
   around.observers = std::make_unique<RobotObservers>(flags.observe, flags.mission, flags.agent);
   around.observers->WatchActivity(around.activity);
   if (around.uplink != nullptr) {
@@ -277,8 +277,8 @@ absl::StatusOr<AgentOptions> SurroundedOptions(const RobotFlags& flags,
   AgentOptions options = MakeAgentOptions(flags, upload, around.activity);
   if (around.uplink != nullptr || !flags.listen.empty()) options.orders = around.orders;
   if (around.uplink != nullptr) around.observers->LogEvents(options.events);
-  if (around.channel != nullptr) {
-    options.ask_place = MakePlaceAsker(around.channel, flags.mission);
+  if (around.route != nullptr) {
+    options.ask_place = MakePlaceAsker(around.route, flags.mission);
   }
   LogMemoryBudget(flags, options.max_map_bytes);
   return options;
@@ -382,9 +382,9 @@ absl::Status Drive(const RobotFlags& flags, const Surroundings& around, const Ro
 absl::Status Run(const RobotFlags& given) {
   RETURN_IF_ERROR(CheckBefore(given));
   Surroundings around;
-  ASSIGN_OR_RETURN(around.channel, MakeStoreChannel(given, Files::kMayCome));
+  ASSIGN_OR_RETURN(around.route, MakeStoreRoute(given, Files::kMayCome));
   std::future<absl::StatusOr<v1::RobotSettingsList>> told =
-      AskForSettings(around.channel, given.settings, given.mission, given.agent);
+      AskForSettings(around.route, given.settings, given.mission, given.agent);
   ASSIGN_OR_RETURN(std::unique_ptr<Spool> spool,
                    OpenSpool(given.spool, AgentName(given.mission, given.agent)));
   RETURN_IF_ERROR(CheckListenSecurity(given, Files::kMayCome));

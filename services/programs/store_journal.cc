@@ -10,6 +10,7 @@
 #include "absl/strings/strip.h"
 #include "map_store/postgres/postgres_journal.h"
 #include "services/programs/checks.h"
+#include "services/programs/store_address.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::services {
@@ -30,6 +31,8 @@ std::string NameOfThisProcess() {
                                                   : absl::StrCat("process ", getpid());
 }
 
+}  // namespace
+
 PostgresJournalOptions PostgresOptionsOf(const JournalFlags& flags) {
   PostgresJournalOptions options;
   // postgres://HOST/DATABASE is a URI by itself.
@@ -41,9 +44,8 @@ PostgresJournalOptions PostgresOptionsOf(const JournalFlags& flags) {
   return options;
 }
 
-}  // namespace
-
 absl::Status CheckJournalFlags(const JournalFlags& flags) {
+  RETURN_IF_ERROR(CheckAdvertise(flags.advertise, !flags.journal.empty() && flags.lease_s > 0));
   if (flags.journal.empty()) {
     if (!flags.password_file.empty()) {
       return absl::InvalidArgumentError("--journal-password-file is of no use without --journal");
@@ -69,7 +71,8 @@ absl::Status CheckJournalFlags(const JournalFlags& flags) {
 
 absl::StatusOr<OpenedJournal> OpenJournal(const JournalFlags& flags, double scrub_mb_per_s) {
   // A folder is judged by who opens it, whose error says more.
-  const bool is_of_folder = flags.journal.empty() && flags.password_file.empty();
+  const bool is_of_folder =
+      flags.journal.empty() && flags.password_file.empty() && flags.advertise.empty();
   if (!is_of_folder) RETURN_IF_ERROR(CheckJournalFlags(flags));
   OpenedJournal opened;
   if (!flags.journal.empty()) {

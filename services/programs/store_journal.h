@@ -8,6 +8,7 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "map_store/postgres/postgres_options.h"
 #include "map_store/records/journal.h"
 #include "map_store/rocks/rocks_journal.h"
 
@@ -17,9 +18,13 @@ struct JournalFlags {
   std::string data_dir = {};  // Empty: no journal on a disk of this machine.
   std::string journal = {};   // postgres:URI; empty: none in a database.
   std::string password_file = {};
-  double lease_s = 0;  // 0: another store takes a database's missions over at once.
+  double lease_s = 0;          // 0: this store has all missions of a database.
+  std::string advertise = {};  // HOST:PORT where other stores send robots; empty: as it serves.
   uint64_t min_free_mb = map_store::RocksJournalOptions().min_free_bytes >> 20;
 };
+
+// Returns what the flags say of a database; they are checked (CheckJournalFlags).
+map_store::PostgresJournalOptions PostgresOptionsOf(const JournalFlags& flags);
 
 struct OpenedJournal {
   std::unique_ptr<map_store::Journal> journal;

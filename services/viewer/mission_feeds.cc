@@ -14,9 +14,9 @@ constexpr absl::Duration kSweepInterval = absl::Seconds(1);
 
 }  // namespace
 
-MissionFeeds::MissionFeeds(std::shared_ptr<grpc::Channel> store, Robots robots,
+MissionFeeds::MissionFeeds(std::shared_ptr<StoreRoutes> routes, Robots robots,
                            const MissionFeedsOptions& options)
-    : store_(std::move(store)),
+    : routes_(std::move(routes)),
       robots_(std::move(robots)),
       options_(options),
       sweeper_(StartThread("feed sweeper", [this] {
@@ -45,8 +45,9 @@ absl::StatusOr<std::shared_ptr<MissionFeed>> MissionFeeds::Follow(const std::str
     const auto robots = robots_.find(mission);
     auto followed = std::make_shared<Followed>(options_.feed);
     followed->upstream = std::make_unique<MissionUpstream>(
-        mission, store_, robots == robots_.end() ? std::vector<AskedRobot>() : robots->second,
-        &followed->feed, options_.upstream);
+        mission, routes_->Of(mission),
+        robots == robots_.end() ? std::vector<AskedRobot>() : robots->second, &followed->feed,
+        options_.upstream);
     it = followed_.emplace(mission, std::move(followed)).first;
   }
   it->second->last_held = absl::Now();

@@ -36,7 +36,7 @@ class MissionFeeds {
   // Robots that are asked how they are doing, by mission.
   using Robots = std::map<std::string, std::vector<AskedRobot>, std::less<>>;
 
-  MissionFeeds(std::shared_ptr<grpc::Channel> store, Robots robots,
+  MissionFeeds(std::shared_ptr<StoreRoutes> routes, Robots robots,
                const MissionFeedsOptions& options = {});
   ~MissionFeeds();
   MissionFeeds(const MissionFeeds&) = delete;
@@ -61,7 +61,7 @@ class MissionFeeds {
   // Takes one that nobody holds out, the one that has been left the longest; null: there is none.
   std::shared_ptr<Followed> TakeIdle(absl::Time held_before) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
-  const std::shared_ptr<grpc::Channel> store_;
+  const std::shared_ptr<StoreRoutes> routes_;
   const Robots robots_;
   const MissionFeedsOptions options_;
   mutable absl::Mutex mutex_;

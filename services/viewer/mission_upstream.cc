@@ -81,26 +81,29 @@ class MissionUpstream::RobotQuestion {
   absl::Notification answered_;
 };
 
-MissionUpstream::MissionUpstream(std::string mission, const std::shared_ptr<grpc::Channel>& store,
+MissionUpstream::MissionUpstream(std::string mission, std::shared_ptr<StoreRoute> route,
                                  const std::vector<AskedRobot>& robots, MissionFeed* feed,
                                  const UpstreamOptions& options)
-    : mission_(std::move(mission)),
-      options_(options),
-      feed_(*feed),
-      store_(v1::MapStore::NewStub(store)) {
+    : mission_(std::move(mission)), options_(options), feed_(*feed), route_(std::move(route)) {
   for (const AskedRobot& robot : robots) {
     robots_.push_back({robot.agent, v1::Agent::NewStub(robot.channel)});
   }
   threads_.push_back(StartThread("mission map", [this] {
     Repeat([this](bool& got) {
-      const absl::Status status = FollowMap(got);
-      feed_.BeginAnew();
+      const absl::Status status = route_->Ask([&](v1::MapStore::Stub& store) {
+        const absl::Status ended = FollowMap(store, got);
+        feed_.BeginAnew();
+        return ended;
+      });
       absl::MutexLock lock(&mutex_);
       map_status_ = status;
     });
   }));
   threads_.push_back(StartThread("mission events", [this] {
-    Repeat([this](bool& got) { FollowEvents(got).IgnoreError(); });
+    Repeat([this](bool& got) {
+      route_->Ask([&](v1::MapStore::Stub& store) { return FollowEvents(store, got); })
+          .IgnoreError();
+    });
   }));
   threads_.push_back(StartThread("mission pulse", [this] { TakePulses(); }));
 }
@@ -126,7 +129,7 @@ void MissionUpstream::Repeat(Attempt attempt) {
   }
 }
 
-absl::Status MissionUpstream::FollowMap(bool& got_something) {
+absl::Status MissionUpstream::FollowMap(v1::MapStore::Stub& store, bool& got_something) {
   {
     // A mission of which nothing came yet has nothing to tell, for as long as the stream stands.
     absl::MutexLock lock(&mutex_);
@@ -136,7 +139,7 @@ absl::Status MissionUpstream::FollowMap(bool& got_something) {
   v1::WatchMapRequest request;
   request.set_mission(MissionName(mission_));
   request.set_include_points(true);
-  const auto stream = store_->WatchMap(call.context(), request);
+  const auto stream = store.WatchMap(call.context(), request);
   v1::WatchMapResponse changes;
   absl::Status applied;
   while (applied.ok() && stream->Read(&changes)) {
@@ -149,12 +152,12 @@ absl::Status MissionUpstream::FollowMap(bool& got_something) {
   return applied.ok() ? ended : applied;
 }
 
-absl::Status MissionUpstream::FollowEvents(bool& got_something) {
+absl::Status MissionUpstream::FollowEvents(v1::MapStore::Stub& store, bool& got_something) {
   Call call(*this);
   v1::WatchEventsRequest request;
   request.set_mission(MissionName(mission_));
   request.set_after_number(feed_.newest_event());
-  const auto stream = store_->WatchEvents(call.context(), request);
+  const auto stream = store.WatchEvents(call.context(), request);
   v1::MissionEvent event;
   while (stream->Read(&event)) {
     got_something = true;
@@ -175,7 +178,8 @@ v1::MissionPulse MissionUpstream::TakePulse() {
   // All robots are asked side by side with the store: some may be off.
   std::vector<std::unique_ptr<RobotQuestion>> questions;
   for (Robot& robot : robots_) questions.push_back(std::make_unique<RobotQuestion>(*this, robot));
-  absl::Status status = AskStore(pulse);
+  absl::Status status =
+      route_->Ask([&](v1::MapStore::Stub& store) { return AskStore(store, pulse); });
   {
     absl::MutexLock lock(&mutex_);
     if (status.ok()) status = map_status_;
@@ -188,13 +192,13 @@ v1::MissionPulse MissionUpstream::TakePulse() {
   return pulse;
 }
 
-absl::Status MissionUpstream::AskStore(v1::MissionPulse& pulse) {
+absl::Status MissionUpstream::AskStore(v1::MapStore::Stub& store, v1::MissionPulse& pulse) {
   {
     Call call(*this, kAskPatience);
     v1::GetMissionRequest request;
     request.set_name(MissionName(mission_));
-    RETURN_IF_ERROR(ToStatus(store_->GetMission(call.context(), request, pulse.mutable_mission()),
-                             "GetMission"));
+    RETURN_IF_ERROR(
+        ToStatus(store.GetMission(call.context(), request, pulse.mutable_mission()), "GetMission"));
   }
   {
     Call call(*this, kAskPatience);
@@ -202,7 +206,7 @@ absl::Status MissionUpstream::AskStore(v1::MissionPulse& pulse) {
     request.set_parent(MissionName(mission_));
     request.set_page_size(kPageSize);
     v1::ListAgentsResponse response;
-    RETURN_IF_ERROR(ToStatus(store_->ListAgents(call.context(), request, &response), "ListAgents"));
+    RETURN_IF_ERROR(ToStatus(store.ListAgents(call.context(), request, &response), "ListAgents"));
     pulse.mutable_agents()->Swap(response.mutable_agents());
   }
   {
@@ -211,7 +215,7 @@ absl::Status MissionUpstream::AskStore(v1::MissionPulse& pulse) {
     request.set_mission(MissionName(mission_));
     v1::GetStatisticsResponse response;
     RETURN_IF_ERROR(
-        ToStatus(store_->GetStatistics(call.context(), request, &response), "GetStatistics"));
+        ToStatus(store.GetStatistics(call.context(), request, &response), "GetStatistics"));
     pulse.mutable_statistics()->Swap(response.mutable_mission());
     KeepNewest(*pulse.mutable_statistics()->mutable_merge_ms());
     KeepNewest(*pulse.mutable_statistics()->mutable_adjustments());
@@ -223,7 +227,7 @@ absl::Status MissionUpstream::AskStore(v1::MissionPulse& pulse) {
     Call call(*this, kAskPatience);
     v1::ListLocalMapsResponse response;
     RETURN_IF_ERROR(
-        ToStatus(store_->ListLocalMaps(call.context(), request, &response), "ListLocalMaps"));
+        ToStatus(store.ListLocalMaps(call.context(), request, &response), "ListLocalMaps"));
     pulse.mutable_local_maps()->MergeFrom(response.local_maps());
     request.set_page_token(response.next_page_token());
   } while (!request.page_token().empty() && pulse.local_maps_size() < kMaxLocalMaps);

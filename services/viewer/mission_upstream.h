@@ -18,6 +18,7 @@
 #include "absl/time/time.h"
 #include "corbslam/v1/agent_service.grpc.pb.h"
 #include "corbslam/v1/map_store_service.grpc.pb.h"
+#include "services/client/remote/store_route.h"
 #include "services/viewer/mission_feed.h"
 
 namespace corbslam::services {
@@ -36,11 +37,11 @@ struct UpstreamOptions {
 };
 
 // Has three threads: for the map, for events, and for what is asked again and again. They end with
-// it. A mission that is not there is waited for.
+// it. A mission that is not there is waited for, and one that is at another store followed there.
 class MissionUpstream {
  public:
   // `feed` is not owned and must outlive it.
-  MissionUpstream(std::string mission, const std::shared_ptr<grpc::Channel>& store,
+  MissionUpstream(std::string mission, std::shared_ptr<StoreRoute> route,
                   const std::vector<AskedRobot>& robots, MissionFeed* feed,
                   const UpstreamOptions& options = {});
   ~MissionUpstream();
@@ -58,16 +59,16 @@ class MissionUpstream {
   // Calls `attempt` again and again, with pauses that begin anew once an attempt has got something.
   template <typename Attempt>
   void Repeat(Attempt attempt);
-  absl::Status FollowMap(bool& got_something);
-  absl::Status FollowEvents(bool& got_something);
+  absl::Status FollowMap(v1::MapStore::Stub& store, bool& got_something);
+  absl::Status FollowEvents(v1::MapStore::Stub& store, bool& got_something);
   void TakePulses();
   v1::MissionPulse TakePulse();
-  absl::Status AskStore(v1::MissionPulse& pulse);
+  absl::Status AskStore(v1::MapStore::Stub& store, v1::MissionPulse& pulse);
 
   const std::string mission_;
   const UpstreamOptions options_;
   MissionFeed& feed_;
-  const std::unique_ptr<v1::MapStore::Stub> store_;
+  const std::shared_ptr<StoreRoute> route_;
   std::vector<Robot> robots_;
 
   absl::Notification stop_;

@@ -164,18 +164,22 @@ StoreApi::Answered StoreApi::ListMissions(const WebRequest& request) {
     SetDeadline(context);
     v1::ListMissionsRequest ask;
     RETURN_IF_ERROR(SetPage(request, ask));
-    RETURN_IF_ERROR(ToStatus(store_->ListMissions(&context, ask, &response), "ListMissions"));
+    const auto store = v1::MapStore::NewStub(routes_->named());
+    RETURN_IF_ERROR(ToStatus(store->ListMissions(&context, ask, &response), "ListMissions"));
     return ToJson(response);
   }
   // A token may name many missions; all of them together get the time of one call.
   const absl::Time deadline = absl::Now() + absl::Seconds(60);
   for (const std::string& mission : *missions) {
-    grpc::ClientContext context;
-    context.set_deadline(absl::ToChronoTime(deadline));
     v1::GetMissionRequest ask;
     ask.set_name(MissionName(mission));
     v1::Mission found;
-    if (store_->GetMission(&context, ask, &found).ok()) *response.add_missions() = found;
+    const absl::Status asked = routes_->Of(mission)->Ask([&](Store& store) {
+      grpc::ClientContext context;
+      context.set_deadline(absl::ToChronoTime(deadline));
+      return ToStatus(store.GetMission(&context, ask, &found), "GetMission");
+    });
+    if (asked.ok()) *response.add_missions() = found;
   }
   return ToJson(response);
 }
@@ -183,62 +187,78 @@ StoreApi::Answered StoreApi::ListMissions(const WebRequest& request) {
 StoreApi::Answered StoreApi::OfMission(const std::string& mission,
                                        const std::vector<std::string>& rest,
                                        const WebRequest& request) {
-  if (rest.empty()) return GetMission(mission);
+  Answered answer;
+  const absl::Status asked = routes_->Of(mission)->Ask([&](Store& store) {
+    answer = AskOne(store, mission, rest, request);
+    return answer.status();
+  });
+  RETURN_IF_ERROR(asked);
+  return answer;
+}
+
+StoreApi::Answered StoreApi::AskOne(Store& store, const std::string& mission,
+                                    const std::vector<std::string>& rest,
+                                    const WebRequest& request) {
+  if (rest.empty()) return GetMission(store, mission);
   if (rest.size() == 1) {
-    if (rest[0] == "agents") return ListAgents(mission, request);
-    if (rest[0] == "localMaps") return ListLocalMaps(mission, request);
-    if (rest[0] == "overlaps") return ListOverlaps(mission, request);
-    if (rest[0] == "trajectory") return GetTrajectory(mission, request);
-    if (rest[0] == "history") return GetHistory(mission, request);
+    if (rest[0] == "agents") return ListAgents(store, mission, request);
+    if (rest[0] == "localMaps") return ListLocalMaps(store, mission, request);
+    if (rest[0] == "overlaps") return ListOverlaps(store, mission, request);
+    if (rest[0] == "trajectory") return GetTrajectory(store, mission, request);
+    if (rest[0] == "history") return GetHistory(store, mission, request);
     if (rest[0] == "truth") return GetTruth(mission);
   }
   if (rest.size() == 4 && rest[0] == "localMaps" && rest[2] == "keyframes") {
-    return GetKeyframe(absl::StrCat(MissionName(mission), "/", absl::StrJoin(rest, "/")), request);
+    return GetKeyframe(store, absl::StrCat(MissionName(mission), "/", absl::StrJoin(rest, "/")),
+                       request);
   }
   if (rest.size() == 5 && rest[0] == "localMaps" && rest[2] == "keyframes" &&
       rest[4] == "picture") {
-    return GetPicture(absl::StrCat(MissionName(mission), "/",
-                                   absl::StrJoin(rest.begin(), rest.begin() + 4, "/")));
+    return GetPicture(store, absl::StrCat(MissionName(mission), "/",
+                                          absl::StrJoin(rest.begin(), rest.begin() + 4, "/")));
   }
   if (rest.size() == 2 && rest[0] == "overlaps") {
-    return GetOverlap(absl::StrCat(MissionName(mission), "/", absl::StrJoin(rest, "/")));
+    return GetOverlap(store, absl::StrCat(MissionName(mission), "/", absl::StrJoin(rest, "/")));
   }
   return absl::NotFoundError(absl::StrCat("there is no ", request.path.substr(0, 200)));
 }
 
-StoreApi::Answered StoreApi::GetMission(const std::string& mission) {
+StoreApi::Answered StoreApi::GetMission(Store& store, const std::string& mission) {
   grpc::ClientContext context;
   SetDeadline(context);
   v1::GetMissionRequest ask;
   ask.set_name(MissionName(mission));
   v1::Mission response;
-  RETURN_IF_ERROR(ToStatus(store_->GetMission(&context, ask, &response), "GetMission"));
+  RETURN_IF_ERROR(ToStatus(store.GetMission(&context, ask, &response), "GetMission"));
   return ToJson(response);
 }
 
-StoreApi::Answered StoreApi::ListAgents(const std::string& mission, const WebRequest& request) {
+StoreApi::Answered StoreApi::ListAgents(Store& store, const std::string& mission,
+                                        const WebRequest& request) {
   grpc::ClientContext context;
   SetDeadline(context);
   v1::ListAgentsRequest ask;
   ask.set_parent(MissionName(mission));
   RETURN_IF_ERROR(SetPage(request, ask));
   v1::ListAgentsResponse response;
-  RETURN_IF_ERROR(ToStatus(store_->ListAgents(&context, ask, &response), "ListAgents"));
+  RETURN_IF_ERROR(ToStatus(store.ListAgents(&context, ask, &response), "ListAgents"));
   return ToJson(response);
 }
 
-StoreApi::Answered StoreApi::ListLocalMaps(const std::string& mission, const WebRequest& request) {
+StoreApi::Answered StoreApi::ListLocalMaps(Store& store, const std::string& mission,
+                                           const WebRequest& request) {
   grpc::ClientContext context;
   SetDeadline(context);
   v1::ListLocalMapsRequest ask;
   ask.set_parent(MissionName(mission));
   RETURN_IF_ERROR(SetPage(request, ask));
   v1::ListLocalMapsResponse response;
-  RETURN_IF_ERROR(ToStatus(store_->ListLocalMaps(&context, ask, &response), "ListLocalMaps"));
+  RETURN_IF_ERROR(ToStatus(store.ListLocalMaps(&context, ask, &response), "ListLocalMaps"));
   return ToJson(response);
 }
 
-StoreApi::Answered StoreApi::ListOverlaps(const std::string& mission, const WebRequest& request) {
+StoreApi::Answered StoreApi::ListOverlaps(Store& store, const std::string& mission,
+                                          const WebRequest& request) {
   grpc::ClientContext context;
   SetDeadline(context);
   v1::ListOverlapsRequest ask;
@@ -246,29 +266,30 @@ StoreApi::Answered StoreApi::ListOverlaps(const std::string& mission, const WebR
   ask.set_accepted_only(Find(request, "acceptedOnly") == "true");
   RETURN_IF_ERROR(SetPage(request, ask));
   v1::ListOverlapsResponse response;
-  RETURN_IF_ERROR(ToStatus(store_->ListOverlaps(&context, ask, &response), "ListOverlaps"));
+  RETURN_IF_ERROR(ToStatus(store.ListOverlaps(&context, ask, &response), "ListOverlaps"));
   return ToJson(response);
 }
 
-StoreApi::Answered StoreApi::GetKeyframe(const std::string& name, const WebRequest& request) {
+StoreApi::Answered StoreApi::GetKeyframe(Store& store, const std::string& name,
+                                         const WebRequest& request) {
   grpc::ClientContext context;
   SetDeadline(context);
   v1::GetKeyframeRequest ask;
   ask.set_name(name);
   if (Find(request, "view") == "full") ask.set_view(v1::KEYFRAME_VIEW_FULL);
   v1::Keyframe response;
-  RETURN_IF_ERROR(ToStatus(store_->GetKeyframe(&context, ask, &response), "GetKeyframe"));
+  RETURN_IF_ERROR(ToStatus(store.GetKeyframe(&context, ask, &response), "GetKeyframe"));
   return ToJson(response);
 }
 
-StoreApi::Answered StoreApi::GetPicture(const std::string& name) {
+StoreApi::Answered StoreApi::GetPicture(Store& store, const std::string& name) {
   grpc::ClientContext context;
   SetDeadline(context);
   v1::GetKeyframeRequest ask;
   ask.set_name(name);
   ask.set_view(v1::KEYFRAME_VIEW_PICTURE);
   v1::Keyframe keyframe;
-  RETURN_IF_ERROR(ToStatus(store_->GetKeyframe(&context, ask, &keyframe), "GetKeyframe"));
+  RETURN_IF_ERROR(ToStatus(store.GetKeyframe(&context, ask, &keyframe), "GetKeyframe"));
   const size_t bytes = keyframe.picture().size();
   if (bytes > kMaxPictureBytes) {
     return absl::InternalError(absl::StrCat("the map store's picture has ", bytes,
@@ -286,17 +307,18 @@ StoreApi::Answered StoreApi::GetPicture(const std::string& name) {
   return response;
 }
 
-StoreApi::Answered StoreApi::GetOverlap(const std::string& name) {
+StoreApi::Answered StoreApi::GetOverlap(Store& store, const std::string& name) {
   grpc::ClientContext context;
   SetDeadline(context);
   v1::GetOverlapRequest ask;
   ask.set_name(name);
   v1::Overlap response;
-  RETURN_IF_ERROR(ToStatus(store_->GetOverlap(&context, ask, &response), "GetOverlap"));
+  RETURN_IF_ERROR(ToStatus(store.GetOverlap(&context, ask, &response), "GetOverlap"));
   return ToJson(response);
 }
 
-StoreApi::Answered StoreApi::GetTrajectory(const std::string& mission, const WebRequest& request) {
+StoreApi::Answered StoreApi::GetTrajectory(Store& store, const std::string& mission,
+                                           const WebRequest& request) {
   const std::string frame = Find(request, "frame");
   if (frame != "" && frame != "global" && frame != "local") {
     return absl::InvalidArgumentError(
@@ -309,11 +331,12 @@ StoreApi::Answered StoreApi::GetTrajectory(const std::string& mission, const Web
   ask.set_frame(frame == "local" ? v1::TRAJECTORY_FRAME_LOCAL : v1::TRAJECTORY_FRAME_GLOBAL);
   ask.set_all_islands(true);
   ask.set_poses_of(v1::POSES_OF_RECTIFIED_CAMERA);
-  const auto reader = store_->GetTrajectory(&context, ask);
+  const auto reader = store.GetTrajectory(&context, ask);
   return Collect<v1::GetTrajectoryResponse>(context, *reader, "GetTrajectory", memory_);
 }
 
-StoreApi::Answered StoreApi::GetHistory(const std::string& mission, const WebRequest& request) {
+StoreApi::Answered StoreApi::GetHistory(Store& store, const std::string& mission,
+                                        const WebRequest& request) {
   v1::ReplayMapRequest ask;
   ask.set_mission(MissionName(mission));
   ask.set_include_points(Find(request, "points") == "1");
@@ -323,7 +346,7 @@ StoreApi::Answered StoreApi::GetHistory(const std::string& mission, const WebReq
   RETURN_IF_ERROR(slot.status());
   grpc::ClientContext context;
   SetDeadline(context);
-  const auto reader = store_->ReplayMap(&context, ask);
+  const auto reader = store.ReplayMap(&context, ask);
   return Collect<v1::WatchMapResponse>(context, *reader, "ReplayMap", memory_);
 }
 

@@ -13,6 +13,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "corbslam/v1/map_store_service.grpc.pb.h"
+#include "services/client/remote/store_route.h"
 #include "services/http/web_message.h"
 #include "services/server/work_slots.h"
 #include "services/viewer/answer_memory.h"
@@ -33,9 +34,9 @@ class StoreApi {
       std::function<absl::Status(const std::string& token, const std::string& mission)>;
 
   // `access` is not owned and must outlive it; `ask_store` may be null.
-  StoreApi(const std::shared_ptr<grpc::Channel>& store, const BrowserAccess* access,
-           AskStore ask_store, Truths truths)
-      : store_(v1::MapStore::NewStub(store)),
+  StoreApi(std::shared_ptr<StoreRoutes> routes, const BrowserAccess* access, AskStore ask_store,
+           Truths truths)
+      : routes_(std::move(routes)),
         access_(*access),
         ask_store_(std::move(ask_store)),
         truths_(std::move(truths)) {}
@@ -48,24 +49,27 @@ class StoreApi {
   static constexpr size_t kMaxAnswerBytes = size_t{256} << 20;
 
   using Answered = absl::StatusOr<WebResponse>;
+  using Store = v1::MapStore::Stub;
 
   Answered AnswerOrError(const WebRequest& request);
   Answered ListMissions(const WebRequest& request);
-  // `rest` is what follows the mission in the path.
+  // `rest` is what follows the mission in the path. Asks the store that has the mission.
   Answered OfMission(const std::string& mission, const std::vector<std::string>& rest,
                      const WebRequest& request);
-  Answered GetMission(const std::string& mission);
-  Answered ListAgents(const std::string& mission, const WebRequest& request);
-  Answered ListLocalMaps(const std::string& mission, const WebRequest& request);
-  Answered ListOverlaps(const std::string& mission, const WebRequest& request);
-  Answered GetKeyframe(const std::string& name, const WebRequest& request);
-  Answered GetPicture(const std::string& name);
-  Answered GetOverlap(const std::string& name);
-  Answered GetTrajectory(const std::string& mission, const WebRequest& request);
-  Answered GetHistory(const std::string& mission, const WebRequest& request);
+  Answered AskOne(Store& store, const std::string& mission, const std::vector<std::string>& rest,
+                  const WebRequest& request);
+  Answered GetMission(Store& store, const std::string& mission);
+  Answered ListAgents(Store& store, const std::string& mission, const WebRequest& request);
+  Answered ListLocalMaps(Store& store, const std::string& mission, const WebRequest& request);
+  Answered ListOverlaps(Store& store, const std::string& mission, const WebRequest& request);
+  Answered GetKeyframe(Store& store, const std::string& name, const WebRequest& request);
+  Answered GetPicture(Store& store, const std::string& name);
+  Answered GetOverlap(Store& store, const std::string& name);
+  Answered GetTrajectory(Store& store, const std::string& mission, const WebRequest& request);
+  Answered GetHistory(Store& store, const std::string& mission, const WebRequest& request);
   Answered GetTruth(const std::string& mission) const;
 
-  const std::unique_ptr<v1::MapStore::Stub> store_;
+  const std::shared_ptr<StoreRoutes> routes_;
   const BrowserAccess& access_;
   const AskStore ask_store_;
   const Truths truths_;

@@ -91,9 +91,10 @@ Viewer::Viewer(const std::shared_ptr<grpc::Channel>& store, MissionFeeds::Robots
                 .of_caller = kMaxAnswersOfHost,
                 .of_resource = kMaxAnswers}),
       page_(std::move(page)),
-      feeds_(store, std::move(robots), options.feeds),
+      routes_(std::make_shared<StoreRoutes>(store, options.connect)),
+      feeds_(routes_, std::move(robots), options.feeds),
       api_(
-          store, &access_,
+          routes_, &access_,
           [this](const std::string& token, const std::string& mission) {
             return tokens_.AskAndCheck(access_.TokenId(token), token, mission);
           },

@@ -31,6 +31,8 @@ struct ViewerOptions {
   // A channel to the store that brings no token; it is shown those of browsers, and whom it has
   // revoked may not look here either. Null: it is not asked.
   std::shared_ptr<grpc::Channel> token_channel;
+  // Connects to other stores, where the store says that they have a mission; null: nobody does.
+  ConnectToOther connect = nullptr;
 };
 
 // docs/viewer.md says what browsers may ask. Thread-safe.
@@ -59,6 +61,7 @@ class Viewer : public WebHandler {
   RefusalPace refusals_;
   WorkSlots answers_;
   const absl::StatusOr<PageFiles> page_;
+  const std::shared_ptr<StoreRoutes> routes_;
   MissionFeeds feeds_;
   StoreApi api_;
   // The last member: its tasks use the others.

@@ -20,6 +20,7 @@
 #include "absl/strings/str_format.h"
 #include "absl/time/clock.h"
 #include "map_store/testing/grey_jpeg.h"
+#include "map_store/testing/told_directory.h"
 #include "services/client/remote/remote_uplink.h"
 #include "services/convert/testing/test_data.h"
 #include "services/http/browser_options.h"
@@ -138,6 +139,34 @@ class ViewerTest : public ::testing::Test {
   std::unique_ptr<Viewer> viewer_;
   std::unique_ptr<WebServer> web_;
 };
+
+TEST_F(ViewerTest, AMissionThatAnotherStoreHasIsShownFromThere) {
+  Upload("lab", "alpha", {0xa});
+  testing::ToldDirectory directory;
+  directory.Place("lab", "there:1");
+  MapStore asked(MapStoreOptions(), *Vocabulary::Load(DefaultVocabularyPath()),
+                 std::make_unique<testing::JournalOfToldDirectory>(&directory), nullptr);
+  MapStoreService service(&asked);
+  const auto server = Server::Start("", {&service});
+  ASSERT_TRUE(server.ok()) << server.status();
+  ViewerOptions options;
+  options.connect =
+      [this](const std::string& address) -> absl::StatusOr<std::shared_ptr<grpc::Channel>> {
+    EXPECT_EQ(address, "there:1");
+    return channel_;
+  };
+  viewer_ = std::make_unique<Viewer>((*server)->InProcessChannel(), MissionFeeds::Robots(), nullptr,
+                                     PageFiles::Load(folder_), options);
+  auto web = WebServer::Start("127.0.0.1:0", viewer_.get(), BrowserOptions());
+  ASSERT_TRUE(web.ok()) << web.status();
+  web_ = *std::move(web);
+  EXPECT_EQ(GetJson("/api/missions/lab").value("name", ""), "missions/lab");
+  WebSocketClient page(web_->address(), "/stream/missions/lab");
+  EXPECT_TRUE(ReadUntil(page, HasKeyframes).has_value());
+  web_.reset();
+  viewer_.reset();
+  (*server)->Shutdown(absl::ZeroDuration());
+}
 
 TEST_F(ViewerTest, TellsTheTruthOfMissionsThatHaveOne) {
   Write("truth.tum", "# comment\n1.5 1 2 3 0 0 0 1\n2.5 4 5 6 0 0 0 1\n");

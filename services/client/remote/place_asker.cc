@@ -41,10 +41,15 @@ absl::StatusOr<std::optional<Rigid3d>> Ask(v1::MapStore::Stub& stub, const std::
 }  // namespace
 
 std::function<absl::StatusOr<std::optional<Rigid3d>>(const KeyframePayload& frame)> MakePlaceAsker(
-    std::shared_ptr<grpc::Channel> channel, const std::string& mission) {
-  std::shared_ptr<v1::MapStore::Stub> stub = v1::MapStore::NewStub(channel);
-  return [stub = std::move(stub), mission](const KeyframePayload& frame) {
-    return Ask(*stub, mission, frame);
+    std::shared_ptr<StoreRoute> route, const std::string& mission) {
+  return [route = std::move(route),
+          mission](const KeyframePayload& frame) -> absl::StatusOr<std::optional<Rigid3d>> {
+    absl::StatusOr<std::optional<Rigid3d>> answer;
+    RETURN_IF_ERROR(route->Ask([&](v1::MapStore::Stub& store) {
+      answer = Ask(store, mission, frame);
+      return answer.status();
+    }));
+    return answer;
   };
 }
 

@@ -31,11 +31,11 @@ struct Sessions {
 
 class RemoteUplink : public Uplink {
  public:
-  RemoteUplink(const std::shared_ptr<grpc::Channel>& channel, const RemoteUplinkOptions& options)
+  RemoteUplink(std::shared_ptr<StoreRoute> route, const RemoteUplinkOptions& options)
       : options_(options),
+        route_(std::move(route)),
         transport_(std::make_shared<SyncTransport>()),
         sessions_(std::make_shared<Sessions>()) {
-    transport_->stub = v1::MapStore::NewStub(channel);
     transport_->on_settings = options.on_settings;
   }
   ~RemoteUplink() override { Close(); }
@@ -44,9 +44,7 @@ class RemoteUplink : public Uplink {
     SessionRequest own = request;
     own.instance = options_.instance;
     own.take_over = options_.take_over && !transport_->was_granted;
-    auto session = std::make_shared<SyncSession>(
-        transport_, own, listener, options_.max_queued_bytes,
-        [sessions = sessions_](const SyncSession* done) { sessions->OnDone(done); });
+    const std::shared_ptr<SyncSession> session = MakeSession({own, listener, 0});
     const std::shared_ptr<SyncSession> previous = Replace(session);
     if (previous != nullptr) previous->Cancel();
     session->Start(session);
@@ -93,6 +91,40 @@ class RemoteUplink : public Uplink {
   uint64_t bytes_down() const override { return transport_->bytes_down; }
 
  private:
+  // One Open: a session after the other, as each store sends on to the next.
+  struct Attempt {
+    SessionRequest request;
+    UplinkListener* listener = nullptr;
+    int hops = 0;
+  };
+
+  std::shared_ptr<SyncSession> MakeSession(const Attempt& attempt) {
+    const std::shared_ptr<grpc::Channel> asked = route_->channel();
+    // This is called before the session is done, for which Close waits.
+    const auto follow = [this, attempt, asked](const SyncSession* ended, absl::Status& reason) {
+      Attempt next = attempt;
+      const bool goes_on = route_->Follow(asked, reason, next.hops);
+      return goes_on && !ended->was_granted() && GoOn(ended, next);
+    };
+    return std::make_shared<SyncSession>(
+        transport_, v1::MapStore::NewStub(asked), attempt.request, attempt.listener,
+        options_.max_queued_bytes, follow,
+        [sessions = sessions_](const SyncSession* done) { sessions->OnDone(done); });
+  }
+  // Begins a session in the place of one that has ended; returns false if another one has it, or
+  // none is wanted any more.
+  bool GoOn(const SyncSession* ended, const Attempt& attempt) {
+    const std::shared_ptr<SyncSession> session = MakeSession(attempt);
+    {
+      absl::MutexLock lock(&sessions_->mutex);
+      if (sessions_->current.get() != ended) return false;
+      sessions_->current = session;
+      ++sessions_->live;
+    }
+    session->Start(session);
+    return true;
+  }
+
   std::shared_ptr<SyncSession> Current() const {
     absl::MutexLock lock(&sessions_->mutex);
     return sessions_->current;
@@ -111,6 +143,7 @@ class RemoteUplink : public Uplink {
   }
 
   const RemoteUplinkOptions options_;
+  const std::shared_ptr<StoreRoute> route_;
   const std::shared_ptr<SyncTransport> transport_;
   const std::shared_ptr<Sessions> sessions_;
 };
@@ -128,9 +161,14 @@ uint64_t ProcessInstance() {
   return instance;
 }
 
+std::unique_ptr<Uplink> MakeRemoteUplink(std::shared_ptr<StoreRoute> route,
+                                         const RemoteUplinkOptions& options) {
+  return std::make_unique<RemoteUplink>(std::move(route), options);
+}
+
 std::unique_ptr<Uplink> MakeRemoteUplink(std::shared_ptr<grpc::Channel> channel,
                                          const RemoteUplinkOptions& options) {
-  return std::make_unique<RemoteUplink>(channel, options);
+  return MakeRemoteUplink(std::make_shared<StoreRoute>(std::move(channel)), options);
 }
 
 }  // namespace corbslam::services

@@ -10,6 +10,7 @@
 #include <memory>
 
 #include "corbslam/v1/robot_settings.pb.h"
+#include "services/client/remote/store_route.h"
 #include "slam/exchange/uplink.h"
 
 namespace corbslam::services {
@@ -37,6 +38,11 @@ struct RemoteUplinkOptions {
 // is called from threads of gRPC, and may call Send and Open but not Close. If all that was sent is
 // on its way, Close says good-bye and waits for the store's own end of the stream, for a second at
 // most: the store then knows that nothing broke.
+// A store that says that another one has the mission is followed there, as `route` does; a session
+// that had begun ends first.
+std::unique_ptr<Uplink> MakeRemoteUplink(std::shared_ptr<StoreRoute> route,
+                                         const RemoteUplinkOptions& options = {});
+// The same, with a store that nobody is sent on from.
 std::unique_ptr<Uplink> MakeRemoteUplink(std::shared_ptr<grpc::Channel> channel,
                                          const RemoteUplinkOptions& options = {});
 

@@ -21,11 +21,15 @@ constexpr size_t kLittle_bytes = 4096;
 
 }  // namespace
 
-SyncSession::SyncSession(std::shared_ptr<SyncTransport> transport, const SessionRequest& request,
-                         UplinkListener* listener, size_t max_queued_bytes, DoneCallback on_done)
+SyncSession::SyncSession(std::shared_ptr<SyncTransport> transport,
+                         std::unique_ptr<v1::MapStore::Stub> stub, const SessionRequest& request,
+                         UplinkListener* listener, size_t max_queued_bytes, EndCallback on_end,
+                         DoneCallback on_done)
     : transport_(std::move(transport)),
+      stub_(std::move(stub)),
       listener_(listener),
       max_queued_bytes_(max_queued_bytes),
+      on_end_(std::move(on_end)),
       on_done_(std::move(on_done)) {
   v1::SyncRequest open;
   ToProto(request, open.mutable_open());
@@ -38,11 +42,16 @@ SyncSession::SyncSession(std::shared_ptr<SyncTransport> transport, const Session
 
 void SyncSession::Start(std::shared_ptr<SyncSession> self) {
   self_ = std::move(self);
-  transport_->stub->async()->Sync(&context_, this);
+  stub_->async()->Sync(&context_, this);
   AddHold();
   StartRead(&response_);
   StartCall();
   WriteNext();
+}
+
+bool SyncSession::was_granted() const {
+  absl::MutexLock lock(&mutex_);
+  return granted_;
 }
 
 bool SyncSession::Send(const MapUpdateBatch& batch) {
@@ -279,7 +288,7 @@ void SyncSession::OnDone(const grpc::Status& status) {
     if (reason.ok()) reason = absl::UnavailableError("the map store closed the stream");
     // What the store sent was wrong, not what was sent to it: trying again may help.
     if (!failure_.ok()) reason = absl::InternalError(failure_.message());
-    listener_->OnSessionClosed(reason);
+    if (!on_end_(this, reason)) listener_->OnSessionClosed(reason);
   }
   // At the end `self` destroys this session, unless somebody else holds it.
   const std::shared_ptr<SyncSession> self = std::move(self_);

@@ -22,7 +22,6 @@ namespace corbslam::services {
 
 // Holds what the sessions of one uplink share.
 struct SyncTransport {
-  std::unique_ptr<v1::MapStore::Stub> stub;
   // Bytes on the wire, both ways.
   std::atomic<uint64_t> bytes_up{0};
   std::atomic<uint64_t> bytes_down{0};
@@ -35,14 +34,20 @@ struct SyncTransport {
 // One session. Thread-safe. Once started, it keeps itself alive until its call has ended.
 class SyncSession : private grpc::ClientBidiReactor<v1::SyncRequest, v1::SyncResponse> {
  public:
+  // Called with how a session has ended, before the listener is. True: another one takes its place,
+  // and the listener hears nothing. It may change what the listener is told.
+  using EndCallback = std::function<bool(const SyncSession* ended, absl::Status& reason)>;
   // Called after the last call of the listener.
   using DoneCallback = std::function<void(const SyncSession*)>;
 
-  SyncSession(std::shared_ptr<SyncTransport> transport, const SessionRequest& request,
-              UplinkListener* listener, size_t max_queued_bytes, DoneCallback on_done);
+  SyncSession(std::shared_ptr<SyncTransport> transport, std::unique_ptr<v1::MapStore::Stub> stub,
+              const SessionRequest& request, UplinkListener* listener, size_t max_queued_bytes,
+              EndCallback on_end, DoneCallback on_done);
 
   // Starts the call. `self` is this session.
   void Start(std::shared_ptr<SyncSession> self);
+  // Returns whether the store has granted it.
+  bool was_granted() const;
   // Does what Uplink::Send does.
   bool Send(const MapUpdateBatch& batch);
   // Does what Uplink::SendLocalised does.
@@ -85,8 +90,10 @@ class SyncSession : private grpc::ClientBidiReactor<v1::SyncRequest, v1::SyncRes
   bool TakeHold() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
   const std::shared_ptr<SyncTransport> transport_;
+  const std::unique_ptr<v1::MapStore::Stub> stub_;
   UplinkListener* const listener_;
   const size_t max_queued_bytes_;
+  EndCallback on_end_;
   DoneCallback on_done_;
   std::shared_ptr<SyncSession> self_;
   grpc::ClientContext context_;

@@ -13,6 +13,7 @@
 #include "absl/time/clock.h"
 #include "absl/time/time.h"
 #include "services/convert/status.h"
+#include "slam/exchange/mission_elsewhere.h"
 
 namespace corbslam::services {
 
@@ -31,8 +32,7 @@ inline void SetStreamDeadline(grpc::ClientContext& context) {
 // Returns the status with the name of the call that met the error.
 inline absl::Status ToStatus(const grpc::Status& status, absl::string_view call) {
   if (status.ok()) return absl::OkStatus();
-  return absl::Status(static_cast<absl::StatusCode>(status.error_code()),
-                      absl::StrCat(call, ": ", MessageOf(status)));
+  return WithMessage(FromGrpcStatus(status), absl::StrCat(call, ": ", MessageOf(status)));
 }
 
 }  // namespace corbslam::services

@@ -5,9 +5,12 @@
 #include "corbslam/v1/map_store_service.grpc.pb.h"
 #include "services/client/reachability/cause.h"
 #include "services/client/remote/channel.h"
+#include "services/client/remote/store_route.h"
 #include "services/client/store/call_status.h"
 #include "services/client/store/store_reader.h"
+#include "services/convert/resource_names.h"
 #include "services/runtime/address.h"
+#include "slam/exchange/mission_elsewhere.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::services {
@@ -72,6 +75,28 @@ absl::StatusOr<std::shared_ptr<grpc::Channel>> ConnectToStore(const std::string&
   RETURN_IF_ERROR(WaitForConnection(target, patience, *channel));
   RETURN_IF_ERROR(CheckIsStore(target, channel));
   return channel;
+}
+
+absl::StatusOr<std::shared_ptr<grpc::Channel>> ConnectToStoreOf(const std::string& mission,
+                                                                const std::string& address,
+                                                                const SecurityOptions& security,
+                                                                absl::Duration patience) {
+  const ConnectToOther connect = [&](const std::string& other) {
+    return ConnectToStore(other, security, patience);
+  };
+  ASSIGN_OR_RETURN(std::shared_ptr<grpc::Channel> channel, connect(address));
+  StoreRoute route(channel, connect);
+  v1::GetMissionRequest request;
+  request.set_name(MissionName(mission));
+  const absl::Status asked = route.Ask([&request](v1::MapStore::Stub& store) {
+    grpc::ClientContext context;
+    SetDeadline(context);
+    v1::Mission found;
+    return ToStatus(store.GetMission(&context, request, &found), "GetMission");
+  });
+  if (FindElsewhere(asked).has_value()) return asked;
+  // Other errors are for those who know what they ask for.
+  return route.channel();
 }
 
 }  // namespace corbslam::services

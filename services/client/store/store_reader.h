@@ -31,6 +31,12 @@ absl::StatusOr<std::shared_ptr<grpc::Channel>> ConnectToStore(
     const std::string& address, const SecurityOptions& security,
     absl::Duration patience = absl::Seconds(10));
 
+// The same, to the map store that has the mission: the one at HOST:PORT, or where that one sends. A
+// mission that nobody has is the first one's. UNAVAILABLE also if the other store is not reached.
+absl::StatusOr<std::shared_ptr<grpc::Channel>> ConnectToStoreOf(
+    const std::string& mission, const std::string& address, const SecurityOptions& security,
+    absl::Duration patience = absl::Seconds(10));
+
 // Reads one mission. Thread-safe. Each call has a deadline of its own. Errors are those of the
 // store, with the call that met them.
 class StoreReader {

@@ -9,6 +9,7 @@
 
 #include "absl/time/clock.h"
 #include "map_store/store/map_store.h"
+#include "map_store/testing/told_directory.h"
 #include "services/convert/testing/test_data.h"
 #include "services/map_store_service/map_store_service.h"
 #include "services/programs/default_vocabulary.h"
@@ -52,6 +53,32 @@ TEST(ConnectToStoreTest, SaysSoonThatNobodyAnswers) {
   EXPECT_EQ(status.code(), absl::StatusCode::kUnavailable);
   EXPECT_THAT(std::string(status.message()), HasSubstr(kNobody));
   EXPECT_LT(absl::Now() - start, absl::Seconds(20));
+}
+
+TEST_F(StoreReaderTest, WhoAsksAnotherStoreIsConnectedToTheOneThatHasTheMission) {
+  ASSERT_TRUE(store_->CreateMission("m", {}).ok());
+  testing::ToldDirectory directory;
+  directory.Place("m", server_->address());
+  directory.Place("lost", kNobody);
+  MapStore other(MapStoreOptions(), *Vocabulary::Load(DefaultVocabularyPath()),
+                 std::make_unique<testing::JournalOfToldDirectory>(&directory), nullptr);
+  MapStoreService service(&other);
+  const auto server = Server::Start("127.0.0.1:0", {&service});
+  ASSERT_TRUE(server.ok());
+  const auto channel = ConnectToStoreOf("m", (*server)->address(), WithoutTls());
+  ASSERT_TRUE(channel.ok()) << channel.status();
+  EXPECT_TRUE(StoreReader(*channel, "m").Statistics().ok());
+  // A mission that nobody has is asked for where the caller was told.
+  const auto first = ConnectToStoreOf("new", (*server)->address(), WithoutTls());
+  ASSERT_TRUE(first.ok());
+  EXPECT_TRUE(absl::IsNotFound(StoreReader(*first, "new").Statistics().status()));
+  const absl::Status lost =
+      ConnectToStoreOf("lost", (*server)->address(), WithoutTls(), absl::Milliseconds(300))
+          .status();
+  EXPECT_TRUE(absl::IsUnavailable(lost)) << lost;
+  EXPECT_THAT(std::string(lost.message()),
+              HasSubstr("mission lost is at 127.0.0.1:1 (a store of the test)"));
+  EXPECT_THAT(std::string(lost.message()), HasSubstr("127.0.0.1:1 is not asked: "));
 }
 
 // A robot that was lost all the time, in a mission that another one has mapped.

@@ -31,6 +31,7 @@ void AddRigCommand(CLI::App& app, Command& chosen);
 void AddSimulateCommand(CLI::App& app, Command& chosen);
 // Adds `store-schema`, which prints the SQL of a journal's tables.
 void AddStoreSchemaCommand(CLI::App& app, Command& chosen);
+void AddFleetCommand(CLI::App& app, Command& chosen);
 void AddSplitCommand(CLI::App& app, Command& chosen);
 void AddTokenCommand(CLI::App& app, Command& chosen);
 void AddVocabularyCommand(CLI::App& app, Command& chosen);

@@ -65,7 +65,8 @@ absl::Status Localize(LocalizeArguments arguments) {
   if (!arguments.near.empty()) {
     ASSIGN_OR_RETURN(search.near_m, ParsePlace(arguments.near));
   }
-  ASSIGN_OR_RETURN(const auto channel, ConnectToStore(arguments.server, arguments.security));
+  ASSIGN_OR_RETURN(const auto channel,
+                   ConnectToStoreOf(search.mission, arguments.server, arguments.security));
   ASSIGN_OR_RETURN(const std::vector<FoundPicture> found, FindPictures(channel, search));
   nlohmann::json rows = nlohmann::json::array();
   for (const FoundPicture& picture : found) {

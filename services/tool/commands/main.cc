@@ -37,6 +37,7 @@ int main(int argc, char** argv) {
   corbslam::services::AddSimulateCommand(app, chosen);
   corbslam::services::AddSplitCommand(app, chosen);
   corbslam::services::AddStoreSchemaCommand(app, chosen);
+  corbslam::services::AddFleetCommand(app, chosen);
   corbslam::services::AddTokenCommand(app, chosen);
   corbslam::services::AddVocabularyCommand(app, chosen);
   corbslam::services::AddJsonFlags(app);

@@ -12,7 +12,8 @@
 namespace corbslam::services {
 
 absl::StatusOr<std::shared_ptr<grpc::Channel>> Connect(const MissionArguments& arguments) {
-  return ConnectToStore(arguments.server, arguments.security);
+  if (arguments.mission.empty()) return ConnectToStore(arguments.server, arguments.security);
+  return ConnectToStoreOf(arguments.mission, arguments.server, arguments.security);
 }
 
 std::function<void(uint64_t bytes)> ShowBytes(const char* what, uint64_t total) {

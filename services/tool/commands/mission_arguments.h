@@ -49,7 +49,7 @@ struct MissionArguments {
   uint32_t moments = 0;  // 0 if the flag was not given.
 };
 
-// Opens a channel to the store that the flags name.
+// Opens a channel to the store that the flags name, or to the one that has their mission.
 absl::StatusOr<std::shared_ptr<grpc::Channel>> Connect(const MissionArguments& arguments);
 
 // Returns a function that shows the bytes so far (progress.h), of a `total` that may be unknown

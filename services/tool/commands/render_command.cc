@@ -131,7 +131,7 @@ absl::Status Render(const RenderArguments& arguments) {
   RETURN_IF_ERROR(CheckNameSegment("--mission", arguments.mission));
   RETURN_IF_ERROR(CheckOut(arguments.out));
   ASSIGN_OR_RETURN(const std::shared_ptr<grpc::Channel> channel,
-                   ConnectToStore(arguments.server, arguments.security));
+                   ConnectToStoreOf(arguments.mission, arguments.server, arguments.security));
   StoreReader store(channel, arguments.mission);
   const ProgressTicker ticker("reads and draws mission " + arguments.mission);
   // Without keyframes a mission has no map to wait for.

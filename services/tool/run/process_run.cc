@@ -129,7 +129,7 @@ absl::Status ProcessRun::StartServers() {
   store_address_ = options_.server;
   if (!store_address_.empty()) {
     ASSIGN_OR_RETURN(std::shared_ptr<grpc::Channel> channel,
-                     ConnectToStore(store_address_, options_.security));
+                     ConnectToStoreOf(options_.mission, store_address_, options_.security));
     store_ = std::make_unique<StoreReader>(std::move(channel), options_.mission);
     return absl::OkStatus();
   }
