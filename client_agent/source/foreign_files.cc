@@ -21,8 +21,8 @@ constexpr char kPushOrExtract[] =
     "out as a folder of one of the layouts";
 
 constexpr char kPlayAsBag[] =
-    "name it as bag:FILE, or bag:DIR for a folder of rosbag2 (docs/sources.md); 'corbslam bag info' "
-    "lists what is in it";
+    "name it as bag:FILE, or bag:DIR for a folder of rosbag2 (docs/sources.md); "
+    "'corbslam bag info' lists what is in it";
 
 const std::vector<ForeignKind>& Kinds() {
   static const auto& kinds = *new std::vector<ForeignKind>{

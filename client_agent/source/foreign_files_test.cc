@@ -23,8 +23,7 @@ std::string Refusal(const std::string& source) {
 }
 
 TEST(ForeignFilesTest, OtherProgramsRecordingsAreCalledByTheirNames) {
-  for (const char* source :
-       {"rec.bag", "/data/rec.bag", "rosbag:rec", "rec.db3"}) {
+  for (const char* source : {"rec.bag", "/data/rec.bag", "rosbag:rec", "rec.db3"}) {
     EXPECT_THAT(Refusal(source), AllOf(HasSubstr("a ROS bag"), HasSubstr("bag:FILE"))) << source;
   }
   EXPECT_THAT(Refusal("mcap:rec.mcap"), HasSubstr("an MCAP recording"));

@@ -61,10 +61,9 @@ absl::StatusOr<cv::Mat> ReadGreyImage(const std::string& path) {
 }
 
 absl::StatusOr<cv::Mat> DecodeGreyImage(absl::string_view bytes, absl::string_view name) {
-  ASSIGN_OR_RETURN(cv::Mat image,
-                   DecodeImage(bytes, name,
-                               cv::IMREAD_GRAYSCALE | cv::IMREAD_ANYDEPTH |
-                                   cv::IMREAD_IGNORE_ORIENTATION));
+  ASSIGN_OR_RETURN(cv::Mat image, DecodeImage(bytes, name,
+                                              cv::IMREAD_GRAYSCALE | cv::IMREAD_ANYDEPTH |
+                                                  cv::IMREAD_IGNORE_ORIENTATION));
   if (image.type() == CV_8UC1 || image.type() == CV_16UC1) return image;
   return absl::InvalidArgumentError(
       absl::StrCat(name, ": a picture has 8 or 16 bits, this one is of OpenCV type ",
