@@ -106,6 +106,10 @@ bool SyncSession::SendReport(const AgentReport& report) {
 
 uint64_t SyncSession::bytes_waiting() const {
   absl::MutexLock lock(&mutex_);
+  return UnsentBytes();
+}
+
+uint64_t SyncSession::UnsentBytes() const {
   if (broken_ || queue_.empty()) return 0;
   // The message that is being written is on the wire already.
   return writing_ ? queued_bytes_ - (queue_.front().ByteSizeLong() + kFrameBytes) : queued_bytes_;
@@ -142,7 +146,8 @@ bool SyncSession::Leave() {
   ResumeReading();
   {
     absl::MutexLock lock(&mutex_);
-    if (!granted_ || broken_ || queued_bytes_ > kLittle_bytes) return false;
+    // What was acknowledged may be on its way still as far as gRPC has told.
+    if (!granted_ || broken_ || UnsentBytes() > kLittle_bytes) return false;
     leaves_soon_ = true;
     // OnWriteDone closes the side.
     if (writing_ || !queue_.empty()) return true;

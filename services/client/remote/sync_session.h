@@ -76,6 +76,8 @@ class SyncSession : private grpc::ClientBidiReactor<v1::SyncRequest, v1::SyncRes
 
   absl::Status Handle(const v1::SyncResponse& response);
   absl::Status HandleShared(const v1::SharedUpdate& part);
+  // Bytes of messages that are not on the wire yet.
+  uint64_t UnsentBytes() const ABSL_SHARED_LOCKS_REQUIRED(mutex_);
   bool HasRoom() const ABSL_SHARED_LOCKS_REQUIRED(mutex_) {
     return granted_ && !broken_ && !leaving_ && !leaves_soon_ && queued_bytes_ <= max_queued_bytes_;
   }
