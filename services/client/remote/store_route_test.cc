@@ -9,6 +9,8 @@
 #include <string>
 
 #include "absl/strings/str_cat.h"
+#include "absl/time/clock.h"
+#include "absl/time/time.h"
 #include "map_store/mission/mission_load.h"
 #include "map_store/store/map_store.h"
 #include "map_store/testing/told_directory.h"
@@ -95,6 +97,10 @@ TEST(StoreRouteTest, ARobotWhoseMissionMovesGoesAfterIt) {
   const absl::Status closed = first.WaitForClose();
   EXPECT_TRUE(absl::IsUnavailable(closed)) << closed;
   EXPECT_THAT(std::string(closed.message()), HasSubstr("mission m is not this store's any more"));
+  // Robots hear of it before the store lets go of the mission.
+  for (int i = 0; i < 1000 && !a.store->ListLoads().empty(); ++i) {
+    absl::SleepFor(absl::Milliseconds(10));
+  }
   EXPECT_TRUE(a.store->ListLoads().empty());
   // It is the next session that begins there, as batches may wait for it.
   UplinkNotes second;
