@@ -1,5 +1,6 @@
 // Implements the part of Tracker that follows patches of keyframes' pictures from frame to frame.
 #include <algorithm>
+#include <cstdint>
 #include <utility>
 #include <vector>
 
@@ -19,6 +20,8 @@ constexpr int kLeastFirst = 25;
 // A pose that patches give rests on so many, and on this share of those sought.
 constexpr int kLeastInliers = 60;
 constexpr double kLeastShare = 0.2;
+// Between frames that are further apart more has changed, and there is time to search them.
+constexpr int64_t kLongestApart_ns = 150'000'000;
 // How far from a patch its feature is sought.
 constexpr double kNear_px = 3;
 // What a guess is taken for, so that hardly one is too high.
@@ -48,6 +51,7 @@ Rigid3d AsTurned(const PictureShift& shift, const Camera& camera, const Rigid3d&
 bool Tracker::MayFollow(int64_t timestamp_ns) const {
   if (state_ != TrackingState::kTracking || !velocity_.has_value()) return false;
   if (options_.localise_only || frames_since_relocalisation_ < kProbation) return false;
+  if (timestamp_ns - previous_->payload->timestamp_ns > kLongestApart_ns) return false;
   return followed_ < options_.most_followed && TimesOfMotion(timestamp_ns) == 1;
 }
 
