@@ -206,6 +206,19 @@ TEST_F(RecordedAgentTest, PatchesAreFollowedBetweenKeyframesAndSearchedForFeatur
   }
 }
 
+TEST_F(RecordedAgentTest, FramesThatComeSeldomAreNotFollowed) {
+  std::unique_ptr<Agent> agent = Open(/*deterministic=*/true);
+  for (int i = 0; i < 20; ++i) {
+    auto images = source_images_->NextImages();
+    ASSERT_TRUE(images.ok() && images->has_value()) << images.status();
+    (*images)->timestamp_ns = int64_t{200'000'000} * (1 + i);
+    const auto result = agent->Track(**images);
+    ASSERT_TRUE(result.ok()) << result.status();
+    EXPECT_EQ(result->state, TrackingState::kTracking) << i;
+    EXPECT_FALSE(result->was_followed) << i;
+  }
+}
+
 TEST_F(RecordedAgentTest, ThreadedRunTracksEveryFrame) {
   std::unique_ptr<Agent> agent = Open(/*deterministic=*/false);
   Play(*agent, 60);
