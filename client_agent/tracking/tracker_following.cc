@@ -1,5 +1,6 @@
 // Implements the part of Tracker that follows patches of keyframes' pictures from frame to frame.
 #include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <utility>
 #include <vector>
@@ -32,7 +33,7 @@ constexpr double kNewestShare = 0.3;
 // The levels that FindPictureShift reads, which are copies already.
 HalvedPicture SmallOf(const HalvedPicture& picture) {
   HalvedPicture small;
-  for (int i = PatchSearch::kLevels; i < HalvedPicture::kLevels; ++i) {
+  for (size_t i = PatchSearch::kLevels; i < small.levels.size(); ++i) {
     small.levels[i] = picture.levels[i];
   }
   return small;

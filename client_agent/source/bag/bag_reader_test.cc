@@ -43,8 +43,9 @@ TEST(BagReaderTest, EachBagHoldsTheDrawnPair) {
     ASSERT_EQ((*reader)->frame_count(), 3u) << name;
     EXPECT_THAT((*reader)->description().remarks.findings, IsEmpty()) << name;
     for (int i = 0; i < 3; ++i) {
-      EXPECT_EQ((*reader)->timestamp_ns(i), kDrawnStart_ns + i * 100'000'000) << name;
-      const auto images = (*reader)->Read(i);
+      const auto frame = static_cast<size_t>(i);
+      EXPECT_EQ((*reader)->timestamp_ns(frame), kDrawnStart_ns + i * 100'000'000) << name;
+      const auto images = (*reader)->Read(frame);
       ASSERT_TRUE(images.ok()) << name << ": " << images.status();
       EXPECT_EQ(cv::norm(images->grey, DrawnPicture(i, 0), cv::NORM_INF), 0) << name;
       EXPECT_EQ(cv::norm(images->right, DrawnPicture(i, 1), cv::NORM_INF), 0) << name;
