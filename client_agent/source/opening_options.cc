@@ -2,29 +2,12 @@
 
 #include <algorithm>
 
-#include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "client_agent/source/calibration/named_cameras.h"
+#include "client_agent/source/option_values.h"
 #include "slam/util/text_file.h"
 
 namespace corbslam::client_agent {
-namespace {
-
-absl::Status BadOption(absl::string_view key, absl::string_view value, absl::string_view wanted) {
-  return absl::InvalidArgumentError(
-      absl::StrCat("source option ", key, "=", value, ": wants ", wanted));
-}
-
-absl::Status ParseReal(absl::string_view key, absl::string_view value, double least, double most,
-                       double& number) {
-  if (absl::SimpleAtod(value, &number) && number >= least && number <= most) {
-    return absl::OkStatus();
-  }
-  return BadOption(key, value, absl::StrCat("a number from ", least, " to ", most));
-}
-
-}  // namespace
-
 std::vector<absl::string_view> OpeningOptionNames(SourceLayout layout) {
   switch (layout) {
     case SourceLayout::kKitti:
@@ -62,11 +45,9 @@ absl::Status ApplyOpeningOption(absl::string_view key, absl::string_view value,
     if (value.empty()) return BadOption(key, value, "a file");
     opening.calibration_file = std::string(value);
   } else if (key == "trust_calibration") {
-    if (value != "" && value != "0" && value != "1") return BadOption(key, value, "0 or 1");
-    opening.trust_calibration = value != "0";
+    return ParseFlag(key, value, opening.trust_calibration);
   } else if (key == "register") {
-    if (value != "" && value != "0" && value != "1") return BadOption(key, value, "0 or 1");
-    opening.registers = value != "0";
+    return ParseFlag(key, value, opening.registers.emplace());
   } else if (key == "fps") {
     return ParseReal(key, value, 0.1, 1000, opening.fps.emplace());
   } else if (key == "images") {

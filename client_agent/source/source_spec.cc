@@ -13,6 +13,7 @@
 #include "absl/strings/str_split.h"
 #include "client_agent/source/foreign_files.h"
 #include "client_agent/source/opening_options.h"
+#include "client_agent/source/option_values.h"
 #include "slam/util/status_macros.h"
 #include "slam/util/text_file.h"
 
@@ -20,11 +21,6 @@ namespace corbslam::client_agent {
 namespace {
 
 using KeyAndValue = std::pair<absl::string_view, absl::string_view>;
-
-absl::Status BadOption(absl::string_view key, absl::string_view value, absl::string_view wanted) {
-  return absl::InvalidArgumentError(
-      absl::StrCat("source option ", key, "=", value, ": wants ", wanted));
-}
 
 absl::Status ParseCount(absl::string_view key, absl::string_view value, size_t& count) {
   uint32_t parsed = 0;
@@ -43,14 +39,6 @@ absl::Status ParseFrames(absl::string_view value, FrameSelection& selection) {
   RETURN_IF_ERROR(ParseCount("frames", range.second, last));
   if (last < selection.first) return BadOption("frames", value, "FIRST not above LAST");
   selection.last = last;
-  return absl::OkStatus();
-}
-
-absl::Status ParseReal(absl::string_view key, absl::string_view value, double least, double most,
-                       double& number) {
-  if (!absl::SimpleAtod(value, &number) || !(number >= least && number <= most)) {
-    return BadOption(key, value, absl::StrCat("a number from ", least, " to ", most));
-  }
   return absl::OkStatus();
 }
 
@@ -112,9 +100,7 @@ absl::Status ApplyOption(absl::string_view key, absl::string_view value, SourceS
   }
   if (key == "offset") return ParseCount(key, value, spec.selection.offset);
   if (key == "reverse") {
-    if (value != "" && value != "0" && value != "1") return BadOption(key, value, "0 or 1");
-    spec.selection.reverse = value != "0";
-    return absl::OkStatus();
+    return ParseFlag(key, value, spec.selection.reverse);
   }
   if (key == "robot") return ParseRobot(value, PartOf(spec));
   if (key == "overlap") return ParseCount(key, value, PartOf(spec).overlap);

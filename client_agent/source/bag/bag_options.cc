@@ -1,8 +1,7 @@
 #include "client_agent/source/bag/bag_options.h"
 
-#include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
-#include "slam/util/status_macros.h"
+#include "client_agent/source/option_values.h"
 #include "slam/util/text_file.h"
 
 namespace corbslam::client_agent {
@@ -19,26 +18,6 @@ constexpr TopicOption kTopicOptions[] = {{"left", &BagOptions::left},
                                          {"right_info", &BagOptions::right_info},
                                          {"depth_info", &BagOptions::depth_info}};
 
-absl::Status BadBagOption(absl::string_view key, absl::string_view value,
-                          absl::string_view wanted) {
-  return absl::InvalidArgumentError(
-      absl::StrCat("source option ", key, "=", value, ": wants ", wanted));
-}
-
-absl::Status ParseBagReal(absl::string_view key, absl::string_view value, double least, double most,
-                          double& number) {
-  if (absl::SimpleAtod(value, &number) && number >= least && number <= most) {
-    return absl::OkStatus();
-  }
-  return BadBagOption(key, value, absl::StrCat("a number from ", least, " to ", most));
-}
-
-absl::Status ParseBagFlag(absl::string_view key, absl::string_view value, bool& flag) {
-  if (value != "" && value != "0" && value != "1") return BadBagOption(key, value, "0 or 1");
-  flag = value != "0";
-  return absl::OkStatus();
-}
-
 }  // namespace
 
 std::vector<absl::string_view> BagOptionNames() {
@@ -54,32 +33,32 @@ std::vector<absl::string_view> BagOptionNames() {
 absl::Status ApplyBagOption(absl::string_view key, absl::string_view value, BagOptions& options) {
   for (const TopicOption& option : kTopicOptions) {
     if (key != option.name) continue;
-    if (value.empty()) return BadBagOption(key, value, "a topic");
+    if (value.empty()) return BadOption(key, value, "a topic");
     options.*option.topic = absl::StrCat(value[0] == '/' ? "" : "/", value);
     return absl::OkStatus();
   }
   if (key == "rig") {
-    if (value.empty()) return BadBagOption(key, value, "a file");
+    if (value.empty()) return BadOption(key, value, "a file");
     options.rig_file = std::string(value);
     return absl::OkStatus();
   }
   if (key == "time") {
     if (value != "header" && value != "recording") {
-      return BadBagOption(key, value, "header or recording");
+      return BadOption(key, value, "header or recording");
     }
     options.by_recording_time = value == "recording";
     return absl::OkStatus();
   }
-  if (key == "scale") return ParseBagReal(key, value, 0.1, 1, options.scale);
-  if (key == "trust_calibration") return ParseBagFlag(key, value, options.trust_calibration);
-  if (key == "register") return ParseBagFlag(key, value, options.registers.emplace());
+  if (key == "scale") return ParseReal(key, value, 0.1, 1, options.scale);
+  if (key == "trust_calibration") return ParseFlag(key, value, options.trust_calibration);
+  if (key == "register") return ParseFlag(key, value, options.registers.emplace());
   if (key == "pair_within_ms") {
-    return ParseBagReal(key, value, 0, 1000, options.pair_within_ms.emplace());
+    return ParseReal(key, value, 0, 1000, options.pair_within_ms.emplace());
   }
   if (key == "depth_units") {
-    return ParseBagReal(key, value, 1, 1e6, options.depth_units_per_m.emplace());
+    return ParseReal(key, value, 1, 1e6, options.depth_units_per_m.emplace());
   }
-  return BadBagOption(key, value, "another name");
+  return BadOption(key, value, "another name");
 }
 
 absl::Status Validate(const BagOptions& options) {
