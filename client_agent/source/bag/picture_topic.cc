@@ -117,6 +117,24 @@ absl::StatusOr<cv::Mat> Named(const BagContents& contents, const PictureTopic& p
                                                  " s: ", decoded.status().message()));
 }
 
+// `convert` makes the picture of a message of either type.
+template <typename Convert>
+absl::StatusOr<cv::Mat> ReadAs(Convert convert, const BagContents& contents,
+                               const PictureTopic& picture, const RecordedPlace& place,
+                               int64_t timestamp_ns) {
+  const BagEncoding encoding = picture.topic->encoding;
+  return Named(contents, picture, timestamp_ns, place,
+               [&](const std::string& bytes) -> absl::StatusOr<cv::Mat> {
+                 if (!picture.is_compressed) {
+                   ASSIGN_OR_RETURN(const RosImage image, ReadRosImage(encoding, bytes));
+                   return convert(image);
+                 }
+                 ASSIGN_OR_RETURN(const RosCompressedImage image,
+                                  ReadRosCompressedImage(encoding, bytes));
+                 return convert(image);
+               });
+}
+
 }  // namespace
 
 std::vector<PictureTopic> LookAtPictures(const BagContents& contents) {
@@ -168,32 +186,14 @@ TransformTree ReadFixedTransforms(const BagContents& contents) {
 
 absl::StatusOr<cv::Mat> ReadBagGrey(const BagContents& contents, const PictureTopic& picture,
                                     const RecordedPlace& place, int64_t timestamp_ns) {
-  const BagEncoding encoding = picture.topic->encoding;
-  return Named(contents, picture, timestamp_ns, place,
-               [&](const std::string& bytes) -> absl::StatusOr<cv::Mat> {
-                 if (!picture.is_compressed) {
-                   ASSIGN_OR_RETURN(const RosImage image, ReadRosImage(encoding, bytes));
-                   return GreyOf(image);
-                 }
-                 ASSIGN_OR_RETURN(const RosCompressedImage image,
-                                  ReadRosCompressedImage(encoding, bytes));
-                 return GreyOf(image);
-               });
+  return ReadAs([](const auto& image) { return GreyOf(image); }, contents, picture, place,
+                timestamp_ns);
 }
 
 absl::StatusOr<cv::Mat> ReadBagDepth(const BagContents& contents, const PictureTopic& picture,
                                      const RecordedPlace& place, int64_t timestamp_ns) {
-  const BagEncoding encoding = picture.topic->encoding;
-  return Named(contents, picture, timestamp_ns, place,
-               [&](const std::string& bytes) -> absl::StatusOr<cv::Mat> {
-                 if (!picture.is_compressed) {
-                   ASSIGN_OR_RETURN(const RosImage image, ReadRosImage(encoding, bytes));
-                   return DepthOf(image);
-                 }
-                 ASSIGN_OR_RETURN(const RosCompressedImage image,
-                                  ReadRosCompressedImage(encoding, bytes));
-                 return DepthOf(image);
-               });
+  return ReadAs([](const auto& image) { return DepthOf(image); }, contents, picture, place,
+                timestamp_ns);
 }
 
 std::string DescribeTopic(const PictureTopic& picture) {
