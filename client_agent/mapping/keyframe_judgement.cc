@@ -16,15 +16,6 @@ constexpr int kLooksOfKnown = 4;
 // Points that the neighbours of one that goes must have in common.
 constexpr int kLeastToHoldTogether = 50;
 
-int CountCommonPoints(const Map& map, const Keyframe& a, KeyframeId b) {
-  int common = 0;
-  for (const MapPointId id : a.points) {
-    const MapPoint* point = map.FindPoint(id);
-    common += point != nullptr && point->observations.contains(b);
-  }
-  return common;
-}
-
 // True if the own keyframes before and after this one see enough of the same without it.
 bool NeighboursHoldTogether(const Map& map, KeyframeId id) {
   const auto it = map.keyframes().find(id);
@@ -34,7 +25,8 @@ bool NeighboursHoldTogether(const Map& map, KeyframeId id) {
   if (before->first.local_map != id.local_map || after->first.local_map != id.local_map) {
     return false;
   }
-  return CountCommonPoints(map, before->second, after->first) >= kLeastToHoldTogether;
+  const auto common = before->second.covisible.find(after->first);
+  return common != before->second.covisible.end() && common->second >= kLeastToHoldTogether;
 }
 
 bool IsOfKnownGround(const Map& map, const Keyframe& keyframe) {
