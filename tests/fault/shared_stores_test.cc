@@ -125,7 +125,9 @@ class SharedStoresTest : public ReplayFaultTest {
   // it was stopped answers soon.
   static std::optional<std::string> Elsewhere(const std::string& address) {
     for (int i = 0; i < 20; ++i) {
-      const auto elsewhere = FindElsewhere(Refusal(address));
+      const absl::Status refusal = Refusal(address);
+      EXPECT_FALSE(refusal.ok()) << address << " takes in robots of a mission that it lost";
+      const auto elsewhere = FindElsewhere(refusal);
       if (elsewhere.has_value()) return elsewhere->address;
       absl::SleepFor(absl::Milliseconds(500));
     }
