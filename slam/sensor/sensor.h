@@ -17,6 +17,7 @@
 #include "slam/camera/rectification.h"
 #include "slam/features/keypoint.h"
 #include "slam/features/orb_extractor.h"
+#include "slam/inertial/imu.h"
 
 namespace corbslam {
 
@@ -28,6 +29,10 @@ struct SensorImages {
   // Depth for RGB-D only, registered to `grey`: CV_16UC1 in units of depth_units_per_m, or CV_32FC1
   // in metres; 0, 65535 (of 16 bits) and NaN mean none.
   cv::Mat depth = {};
+  // Measured since the images before, those that were passed over among them, up to the first
+  // sample at or after these images' time where that came already; stamped by the camera's clock.
+  // Empty where the rig has no IMU.
+  ImuSamples imu = {};
 };
 
 // Says which parts of the recorded (left) picture belong to the robot itself and are never used:
@@ -47,6 +52,7 @@ struct StereoCalibration {
   // Pose of the left camera as it recorded, where the calibration says it (EuRoC's T_BS).
   std::optional<Rigid3d> body_from_raw_left = {};
   PictureMask mask = {};
+  std::optional<ImuCalibration> imu = {};
 };
 
 struct RgbdCalibration {
@@ -59,6 +65,7 @@ struct RgbdCalibration {
   // Pose of the grey camera, where the calibration says it.
   std::optional<Rigid3d> body_from_raw = {};
   PictureMask mask = {};
+  std::optional<ImuCalibration> imu = {};
 };
 
 using SensorCalibration = std::variant<StereoCalibration, RgbdCalibration>;
