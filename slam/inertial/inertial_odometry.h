@@ -1,0 +1,124 @@
+// Goes on by an IMU where pictures fail: learns from frames that have poses, and says how the
+// camera moved since the last of them, and how well that is known.
+#ifndef CORBSLAM_SLAM_INERTIAL_INERTIAL_ODOMETRY_H_
+#define CORBSLAM_SLAM_INERTIAL_INERTIAL_ODOMETRY_H_
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <deque>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "slam/geometry/lie.h"
+#include "slam/geometry/rigid3.h"
+#include "slam/inertial/imu.h"
+#include "slam/inertial/imu_axes.h"
+#include "slam/inertial/imu_buffer.h"
+#include "slam/inertial/inertial_filter.h"
+
+namespace corbslam {
+
+// How the camera moved since the last frame that had a pose, as the IMU felt it.
+struct InertialMotion {
+  Rigid3d camera_from_previous;
+  int64_t since_ns = 0;
+  // Of the camera's pose in the previous one's frame: of its position along and its rotation about
+  // the previous camera's axes.
+  Matrix6d covariance = Matrix6d::Identity();
+};
+
+// Where gravity pulls, in the axes of the camera of the last frame that had a pose.
+struct Down {
+  Eigen::Vector3d in_camera = Eigen::Vector3d::UnitY();
+  double sigma_rad = 0;  // Of its direction, any way.
+};
+
+// What is known of the IMU.
+struct InertialState {
+  bool is_ready = false;  // It says how the camera moves.
+  std::optional<Down> down;
+  Eigen::Vector3d velocity_in_camera_mps = Eigen::Vector3d::Zero();
+  double velocity_sigma_mps = 0;
+  ImuBiases biases;
+  double late_s = 0;  // How much later than its stamps say the IMU measures, by the calibration.
+  double late_sigma_s = 0;
+};
+
+// Why an IMU is not used.
+struct InertialDoubt {
+  enum class Kind {
+    kMissing,      // No samples come, though the rig has an IMU.
+    kGap,          // Samples are missing.
+    kContradicts,  // What it feels and what the camera sees contradict.
+  };
+  Kind kind = Kind::kMissing;
+  std::string text;  // What was seen, with figures, and what to look at.
+};
+
+// The camera is the sensor's, whose poses tracking finds. Not thread-safe.
+class InertialOdometry {
+ public:
+  // What moves for longer without pictures is lost.
+  static constexpr int64_t kLongest_ns = 5'000'000'000;
+
+  InertialOdometry(const ImuCalibration& calibration, const Rigid3d& camera_from_recorded);
+
+  // Takes the samples that came with a frame, which are stamped by the camera's clock.
+  void Add(const ImuSamples& samples) { buffer_.Add(samples); }
+
+  // Takes the pose that pictures gave of a frame: what the camera moved since the last one, and the
+  // covariance of its pose in the axes of the present camera (translation, rotation). Nullopt:
+  // nobody knows how it got here.
+  void Track(int64_t timestamp_ns, const std::optional<Rigid3d>& camera_from_previous,
+             const Matrix6d& covariance);
+
+  // Returns what the camera moved since the last frame that had a pose. Nullopt where it is not
+  // known well enough yet or any more, or samples are missing.
+  std::optional<InertialMotion> Since(int64_t timestamp_ns) const;
+
+  InertialState state() const;
+  // Returns what is wrong since the last call, each kind once.
+  std::vector<InertialDoubt> TakeDoubts() { return std::exchange(doubts_, {}); }
+
+ private:
+  struct Seen {
+    int64_t timestamp_ns = 0;
+    SeenPose pose;
+  };
+
+  // Where pictures begin anew, the camera is where the IMU takes it to be.
+  Rigid3d Anchor(int64_t timestamp_ns);
+  void Begin(const Seen& seen);
+  void TakePending();
+  void Take(const Seen& seen);
+  // Returns what was felt on the way; none where samples are missing.
+  std::vector<ImuStep> GoOnTo(int64_t timestamp_ns, InertialFilter& filter) const;
+  void CompareTurns(const Seen& before, const Seen& seen, const std::vector<ImuStep>& steps);
+  void Judge(double distance);
+  double ShareFar() const;
+  bool IsReady() const;
+  // Returns whether the IMU seems not to have moved for a while before `until_ns`.
+  bool IsStill(int64_t until_ns, const InertialFilter& filter) const;
+  void Doubt(InertialDoubt::Kind kind, std::string text);
+
+  const ImuCalibration calibration_;
+  const Rigid3d imu_from_camera_;
+  ImuBuffer buffer_;
+  ImuAxes axes_;
+  std::optional<InertialFilter> filter_;
+  int64_t filter_ns_ = 0;
+  int64_t began_ns_ = 0;
+  double least_time_s_ = 1;    // From then until it is ready.
+  std::optional<Seen> last_;   // The newest frame that had a pose.
+  std::optional<Seen> taken_;  // The newest one that the filter took.
+  std::deque<Seen> pending_;   // Those that samples have not come for yet.
+  std::deque<bool> was_far_;   // Whether the newest poses were further off than chance.
+  std::vector<InertialDoubt> doubts_;
+  std::vector<InertialDoubt::Kind> told_;
+};
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SLAM_INERTIAL_INERTIAL_ODOMETRY_H_

@@ -1,0 +1,300 @@
+#include "slam/inertial/inertial_odometry.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "slam/inertial/testing/felt_path.h"
+
+namespace corbslam {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
+
+constexpr int64_t kSecond_ns = 1'000'000'000;
+constexpr int64_t kFrame_ns = 50'000'000;
+const ImuNoise kNoise{1.7e-4, 2e-3, 1.9e-5, 3e-3};
+const ImuBiases kBiases{{0.01, -0.01, 0.02}, {0.05, 0.05, -0.05}};
+
+ImuCalibration Calibration() {
+  ImuCalibration calibration;
+  calibration.noise = kNoise;
+  // As cameras look along z and IMUs lie flat: x of the IMU is where the camera looks.
+  Eigen::Matrix3d turn;
+  turn << 0, 0, 1, -1, 0, 0, 0, -1, 0;
+  calibration.imu_from_camera = {Eigen::Quaterniond(turn), {0.05, 0.02, -0.03}};
+  return calibration;
+}
+
+// A robot whose camera is tracked along a path.
+class Robot {
+ public:
+  explicit Robot(ImuPath path, ImuCalibration calibration = Calibration())
+      : path_(std::move(path)),
+        imu_from_camera_(Calibration().imu_from_camera),
+        odometry_(calibration, Rigid3d::Identity()),
+        samples_(FeltAlong(path_, -kSecond_ns, 60 * kSecond_ns, 200, kNoise, kBiases, 7)) {}
+
+  // What the IMU's driver makes of samples.
+  std::function<ImuSample(ImuSample)> driver = [](ImuSample sample) { return sample; };
+
+  Rigid3d WorldFromCamera(int64_t time_ns) const {
+    return PathAt(path_, time_ns) * imu_from_camera_;
+  }
+
+  // Frames up to a time, each tracked.
+  void Drive(int64_t until_ns) {
+    for (; now_ns_ <= until_ns; now_ns_ += kFrame_ns) {
+      GiveSamples(now_ns_);
+      std::optional<Rigid3d> motion;
+      if (last_ns_.has_value()) motion = TrueMotion(now_ns_);
+      Matrix6d covariance = Matrix6d::Identity() * 1e-8;
+      odometry_.Track(now_ns_, motion, covariance);
+      last_ns_ = now_ns_;
+    }
+  }
+  // Frames up to a time, none tracked.
+  void DriveBlind(int64_t until_ns) {
+    for (; now_ns_ <= until_ns; now_ns_ += kFrame_ns) GiveSamples(now_ns_);
+  }
+  void GiveSamples(int64_t until_ns) {
+    ImuSamples given;
+    for (; next_ < samples_.size() && samples_[next_].timestamp_ns < until_ns + 5'000'000;
+         ++next_) {
+      given.push_back(driver(samples_[next_]));
+    }
+    odometry_.Add(given);
+  }
+  void LoseSamples(int64_t until_ns) {
+    while (samples_[next_].timestamp_ns < until_ns) ++next_;
+  }
+
+  // camera_from_previous since the last frame that was tracked.
+  Rigid3d TrueMotion(int64_t time_ns) const {
+    return WorldFromCamera(time_ns).Inverse() * WorldFromCamera(*last_ns_);
+  }
+
+  void Forget() { last_ns_.reset(); }
+  int64_t newest_ns() const { return now_ns_ - kFrame_ns; }
+  InertialOdometry& odometry() { return odometry_; }
+
+ private:
+  const ImuPath path_;
+  const Rigid3d imu_from_camera_;
+  InertialOdometry odometry_;
+  const ImuSamples samples_;
+  size_t next_ = 0;
+  int64_t now_ns_ = 0;
+  std::optional<int64_t> last_ns_;
+};
+
+double Off_m(const InertialMotion& motion, const Rigid3d& truth) {
+  return (motion.camera_from_previous * truth.Inverse()).translation.norm();
+}
+
+TEST(InertialOdometryTest, SaysTheMotionToTheNextFrame) {
+  Robot robot(FlownPath);
+  robot.Drive(5 * kSecond_ns);
+  robot.DriveBlind(5 * kSecond_ns + kFrame_ns);
+  const auto motion = robot.odometry().Since(robot.newest_ns());
+  ASSERT_TRUE(motion.has_value());
+  EXPECT_EQ(motion->since_ns, kFrame_ns);
+  const Rigid3d truth = robot.TrueMotion(robot.newest_ns());
+  EXPECT_LT(Off_m(*motion, truth), 0.004);
+  EXPECT_LT(RotationAngle(motion->camera_from_previous.rotation * truth.rotation.conjugate()),
+            0.002);
+}
+
+TEST(InertialOdometryTest, IsNotReadyInTheFirstSecond) {
+  Robot robot(FlownPath);
+  robot.Drive(kSecond_ns / 2);
+  EXPECT_FALSE(robot.odometry().Since(kSecond_ns / 2 + kFrame_ns).has_value());
+  EXPECT_FALSE(robot.odometry().state().is_ready);
+}
+
+TEST(InertialOdometryTest, IsReadyAfterFiveSecondsHoweverItBegins) {
+  const auto stands = [](double) { return Rigid3d(); };
+  const auto drives = [](double t_s) {
+    Rigid3d pose;
+    pose.translation = {8 * t_s + std::sin(t_s), 3 * std::sin(0.3 * t_s), 0};
+    pose.rotation = ExpSO3({0, 0, 0.2 * std::sin(0.3 * t_s)});
+    return pose;
+  };
+  for (const ImuPath& path : {ImuPath(FlownPath), ImuPath(stands), ImuPath(drives)}) {
+    Robot robot(path);
+    robot.Drive(5 * kSecond_ns);
+    const InertialState state = robot.odometry().state();
+    EXPECT_TRUE(state.is_ready);
+    ASSERT_TRUE(state.down.has_value());
+    const Eigen::Vector3d truth =
+        robot.WorldFromCamera(robot.newest_ns()).rotation.conjugate() * Eigen::Vector3d(0, 0, -1);
+    const double off_rad = std::acos(std::min(1.0, state.down->in_camera.dot(truth)));
+    EXPECT_LT(off_rad, 3 * state.down->sigma_rad + 0.002);
+    EXPECT_LT(off_rad, 0.03);
+    EXPECT_THAT(robot.odometry().TakeDoubts(), IsEmpty());
+  }
+}
+
+TEST(InertialOdometryTest, GoesOnWithoutPicturesForThreeSecondsWithinItsSigmas) {
+  Robot robot(FlownPath);
+  robot.Drive(10 * kSecond_ns);
+  robot.DriveBlind(13 * kSecond_ns);
+  const auto motion = robot.odometry().Since(robot.newest_ns());
+  ASSERT_TRUE(motion.has_value());
+  const Rigid3d error =
+      motion->camera_from_previous.Inverse() * robot.TrueMotion(robot.newest_ns());
+  EXPECT_LT(error.translation.norm(), 0.4);
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_LT(std::abs(error.translation(i)), 3 * std::sqrt(motion->covariance(i, i)));
+  }
+  EXPECT_LT(RotationAngle(error.rotation),
+            3 * std::sqrt(motion->covariance.bottomRightCorner<3, 3>().trace()));
+}
+
+TEST(InertialOdometryTest, NobodyKnowsTheMotionAfterFiveSeconds) {
+  Robot robot(FlownPath);
+  robot.Drive(10 * kSecond_ns);
+  robot.DriveBlind(15 * kSecond_ns + 2 * kFrame_ns);
+  EXPECT_FALSE(robot.odometry().Since(robot.newest_ns()).has_value());
+}
+
+TEST(InertialOdometryTest, TakesPicturesThatComeBack) {
+  Robot robot(FlownPath);
+  robot.Drive(10 * kSecond_ns);
+  robot.DriveBlind(12 * kSecond_ns);
+  robot.Drive(13 * kSecond_ns);
+  robot.DriveBlind(13 * kSecond_ns + kFrame_ns);
+  const auto motion = robot.odometry().Since(robot.newest_ns());
+  ASSERT_TRUE(motion.has_value());
+  EXPECT_LT(Off_m(*motion, robot.TrueMotion(robot.newest_ns())), 0.005);
+  EXPECT_THAT(robot.odometry().TakeDoubts(), IsEmpty());
+}
+
+TEST(InertialOdometryTest, WhatIsKnownOutlivesTheMapThatPicturesBeganAnew) {
+  Robot robot(FlownPath);
+  robot.Drive(10 * kSecond_ns);
+  robot.DriveBlind(11 * kSecond_ns);
+  robot.Forget();
+  robot.Drive(11 * kSecond_ns + kFrame_ns);
+  EXPECT_TRUE(robot.odometry().state().is_ready);
+  robot.DriveBlind(12 * kSecond_ns);
+  const auto motion = robot.odometry().Since(robot.newest_ns());
+  ASSERT_TRUE(motion.has_value());
+  EXPECT_LT(Off_m(*motion, robot.TrueMotion(robot.newest_ns())), 0.15);
+}
+
+TEST(InertialOdometryTest, WhatStandsInTheDarkStaysPut) {
+  // It slows down from 8 s on, and comes to rest at 10 s.
+  Robot robot([](double t_s) {
+    const double slowing_s = std::clamp(t_s - 8, 0.0, 2.0);
+    return FlownPath(std::min(t_s, 8.0) + slowing_s - slowing_s * slowing_s / 4);
+  });
+  robot.Drive(11 * kSecond_ns);
+  robot.DriveBlind(15 * kSecond_ns);
+  const auto motion = robot.odometry().Since(robot.newest_ns());
+  ASSERT_TRUE(motion.has_value());
+  EXPECT_LT(motion->camera_from_previous.translation.norm(), 0.02);
+}
+
+TEST(InertialOdometryTest, WhatRollsOnEvenlyIsNotTakenToStand) {
+  Robot robot([](double t_s) {
+    Rigid3d pose;
+    const double evenly_s = std::max(0.0, t_s - 8);
+    pose.translation = {std::sin(std::min(t_s, 8.0)) + std::cos(8.0) * evenly_s, 0, 0};
+    pose.rotation = ExpSO3({0, 0, 0.3 * std::sin(std::min(t_s, 8.0))});
+    return pose;
+  });
+  robot.Drive(10 * kSecond_ns);
+  robot.DriveBlind(13 * kSecond_ns);
+  const auto motion = robot.odometry().Since(robot.newest_ns());
+  ASSERT_TRUE(motion.has_value());
+  EXPECT_LT(Off_m(*motion, robot.TrueMotion(robot.newest_ns())), 0.2);
+}
+
+TEST(InertialOdometryTest, AGapIsToldAndThenItGoesOn) {
+  Robot robot(FlownPath);
+  robot.Drive(5 * kSecond_ns);
+  robot.LoseSamples(5 * kSecond_ns + 300'000'000);
+  robot.Drive(5 * kSecond_ns + 500'000'000);
+  const auto doubts = robot.odometry().TakeDoubts();
+  ASSERT_THAT(doubts, SizeIs(1));
+  EXPECT_EQ(doubts[0].kind, InertialDoubt::Kind::kGap);
+  EXPECT_THAT(doubts[0].text, HasSubstr("samples of the IMU are missing"));
+  EXPECT_FALSE(robot.odometry().Since(robot.newest_ns() + kFrame_ns).has_value());
+  robot.Drive(9 * kSecond_ns);
+  EXPECT_TRUE(robot.odometry().state().is_ready);
+}
+
+TEST(InertialOdometryTest, AnImuThatSaysNothingIsTold) {
+  Robot robot(FlownPath);
+  robot.LoseSamples(50 * kSecond_ns);
+  robot.Drive(3 * kSecond_ns);
+  const auto doubts = robot.odometry().TakeDoubts();
+  ASSERT_THAT(doubts, SizeIs(1));
+  EXPECT_EQ(doubts[0].kind, InertialDoubt::Kind::kMissing);
+}
+
+// What is wrong, and what must be said of it.
+struct Wrong {
+  const char* name;
+  std::function<ImuSample(ImuSample)> driver;
+  const char* said;
+
+  friend void PrintTo(const Wrong& wrong, std::ostream* out) { *out << wrong.name; }
+};
+
+class WrongImuTest : public ::testing::TestWithParam<Wrong> {};
+
+TEST_P(WrongImuTest, IsToldAndNotUsed) {
+  Robot robot(FlownPath);
+  robot.driver = GetParam().driver;
+  robot.Drive(15 * kSecond_ns);
+  const auto doubts = robot.odometry().TakeDoubts();
+  ASSERT_THAT(doubts, SizeIs(1));
+  EXPECT_EQ(doubts[0].kind, InertialDoubt::Kind::kContradicts);
+  EXPECT_THAT(doubts[0].text, HasSubstr(GetParam().said));
+  EXPECT_FALSE(robot.odometry().Since(robot.newest_ns() + kFrame_ns).has_value());
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Wrongs, WrongImuTest,
+    ::testing::Values(Wrong{"AxesExchanged",
+                            [](ImuSample s) {
+                              std::swap(s.angular_velocity_rps.x(), s.angular_velocity_rps.y());
+                              std::swap(s.specific_force_mps2.x(), s.specific_force_mps2.y());
+                              s.angular_velocity_rps.z() *= -1;
+                              s.specific_force_mps2.z() *= -1;
+                              return s;
+                            },
+                            "axes are turned by 180 degrees"},
+                      Wrong{"Degrees",
+                            [](ImuSample s) {
+                              s.angular_velocity_rps *= 180 / M_PI;
+                              return s;
+                            },
+                            "degrees a second?"},
+                      Wrong{"GyroTheOtherWay",
+                            [](ImuSample s) {
+                              s.angular_velocity_rps *= -1;
+                              return s;
+                            },
+                            "turned by 180 degrees"},
+                      Wrong{"GravityAsUnit",
+                            [](ImuSample s) {
+                              s.specific_force_mps2 /= kGravity_mps2;
+                              return s;
+                            },
+                            "what the IMU feels and what the camera sees contradict"},
+                      Wrong{"AccelTheOtherWay",
+                            [](ImuSample s) {
+                              s.specific_force_mps2 *= -1;
+                              return s;
+                            },
+                            "what the IMU feels and what the camera sees contradict"}),
+    [](const auto& test) { return std::string(test.param.name); });
+
+}  // namespace
+}  // namespace corbslam
