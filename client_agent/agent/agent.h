@@ -24,6 +24,7 @@
 #include "client_agent/upload/feature_selection.h"
 #include "client_agent/upload/upload_queue.h"
 #include "slam/exchange/uplink.h"
+#include "slam/inertial/inertial_odometry.h"
 #include "slam/map/map.h"
 #include "slam/sensor/sensor.h"
 #include "slam/util/bounded_sample.h"
@@ -142,6 +143,10 @@ struct AgentStatus {
   UploadStatus upload;
   // What came back of local maps that had left memory, where there is no map store for that.
   FarMapsStatus far;
+  // Nullopt: the rig has no IMU.
+  std::optional<InertialState> inertial;
+  // How often the map went on where the IMU took the camera to be, since no picture said it.
+  int bridged = 0;
   // What looked wrong in the sensor's input, in the order in which it was seen.
   SourceFindings input_findings;
 };

@@ -152,6 +152,8 @@ SingleAgent::SingleAgent(const AgentOptions& options, std::unique_ptr<Sensor> se
       far_(MakeFarMaps(uplink != nullptr)),
       pictures_(uplink != nullptr ? MakePictureMaker(calibration) : nullptr),
       after_work_(/*threaded=*/!options.deterministic) {
+  const auto imu = std::visit([](const auto& of) { return of.imu; }, calibration);
+  if (imu.has_value()) inertial_.emplace(*imu, recorded_camera.camera_from_recorded);
   if (options_.orders != nullptr) options_.orders->SetCamera(*camera_);
   if (spooled_map.ok()) resuming_ = Resuming{spooled_map->newest_ns(), std::nullopt};
   OpenLocalMap(std::nullopt, spooled_map.ok() ? &*spooled_map : nullptr);
@@ -307,7 +309,9 @@ absl::StatusOr<TrackingResult> SingleAgent::Track(const SensorImages& images) {
   FollowOrders();
   if (resuming_.has_value()) CheckTimeGoesOn(images.timestamp_ns);
   UseAnswer();
+  ExpectByImu(images);
   ASSIGN_OR_RETURN(TrackingResult result, FindPose(images));
+  LearnByImu(result);
   smooth_pose_.Add(result);
   LeaveOutContradicting();
   const bool is_placed = link_->GlobalFromLocal().has_value();

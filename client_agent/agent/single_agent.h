@@ -23,6 +23,7 @@
 #include "client_agent/map/map_history.h"
 #include "client_agent/source_checks/input_watch.h"
 #include "client_agent/upload/spooled_map.h"
+#include "slam/inertial/inertial_odometry.h"
 #include "slam/util/bounded_sample.h"
 
 namespace corbslam::client_agent {
@@ -69,6 +70,9 @@ class SingleAgent : public Agent {
   void Watch(const Features& features);
   // By patches where that is enough, else by the pictures' features.
   absl::StatusOr<TrackingResult> FindPose(const SensorImages& images);
+  // Tells tracking what the IMU says of the frame, and learns from what tracking found.
+  void ExpectByImu(const SensorImages& images);
+  void LearnByImu(const TrackingResult& result);
   // Has a keyframe's picture serve tracking, and people.
   absl::Status KeepPicture(KeyframeId keyframe, const SensorImages& images);
   // Gives up those of others' local maps that contradict the camera from this frame on.
@@ -120,6 +124,7 @@ class SingleAgent : public Agent {
   // A frame that has its pose, told already, and may be worth keeping.
   std::optional<std::pair<SensorImages, TrackingResult>> undescribed_;
   SmoothPose smooth_pose_;
+  std::optional<InertialOdometry> inertial_;  // Nullopt: the rig has no IMU.
   bool warned_of_late_link_ = false;
   uint64_t max_map_bytes_;  // AgentOptions::max_map_bytes, or what orders said since.
   ShareShedder shedder_;

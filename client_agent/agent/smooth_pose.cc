@@ -31,6 +31,10 @@ void SmoothPose::Add(TrackingResult& result) {
   had_pose_ = has_pose;
   result.epoch = epoch_;
   result.odom_from_camera = odom_from_camera_;
+  if (odom_from_camera_.has_value() && result.reckoned.has_value()) {
+    result.odom_from_camera =
+        *odom_from_camera_ * result.reckoned->motion.camera_from_previous.Inverse();
+  }
 }
 
 bool SmoothPose::Jumps(const TrackingResult& result) const {

@@ -19,7 +19,8 @@ class SmoothPose {
   // Sets epoch, drift and odom_from_camera of the next frame's result. The epoch is the number of
   // the jumps so far, from 1 on; odom_from_camera is nullopt before the first pose. Where the
   // camera is found again, a known motion since the last pose is added as one step; in another
-  // local map nobody knows it, and the camera is taken not to have moved.
+  // local map nobody knows it, and the camera is taken not to have moved. Where an IMU says how a
+  // camera moves that is lost, that is added until it is found.
   void Add(TrackingResult& result);
 
   // Notes that the camera goes on in another local map at the pose that it has, which is no jump.

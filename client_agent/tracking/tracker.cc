@@ -20,6 +20,7 @@ Tracker::Tracker(const TrackerOptions& options, std::shared_ptr<const Camera> ca
 TrackingResult Tracker::Track(KeyframePayload seen) {
   seen.camera = camera_;
   Frame frame = MakeFrame(std::move(seen));
+  CheckExpected(frame.payload->timestamp_ns);
   if (last_payload_ != nullptr) {
     rhythm_.Add(frame.payload->timestamp_ns - last_payload_->timestamp_ns);
   }
@@ -37,6 +38,8 @@ TrackingResult Tracker::Track(KeyframePayload seen) {
   }
   const WhyNoPose picture = tracked ? WhyNoPose::kHasOne : JudgePicture(frame);
   const bool unrecognised = !tracked && picture == WhyNoPose::kHasOne;
+  unrecognised_in_a_row_ = unrecognised ? unrecognised_in_a_row_ + 1 : 0;
+  if (unrecognised && Bridge(frame)) return Conclude(std::move(frame), WhyNoPose::kHasOne);
   const WhyNoPose unknown =
       was_anothers_camera_ ? WhyNoPose::kAnotherCamera : WhyNoPose::kNotRecognised;
   return Conclude(std::move(frame), unrecognised ? unknown : picture);
@@ -241,6 +244,7 @@ TrackingResult Tracker::Conclude(Frame frame, WhyNoPose why_no_pose) {
   } else if (state_ != TrackingState::kNotInitialised || options_.localise_only) {
     first_lost_ns_ = first_lost_ns_.value_or(result.timestamp_ns);
     lost_at_start_ns_ = std::abs(result.timestamp_ns - *first_lost_ns_);
+    result.reckoned = Reckon();
     ConcludeLost(why_no_pose);
   }
   result.state = state_;
@@ -259,8 +263,14 @@ void Tracker::ConcludeLost(WhyNoPose why_no_pose) {
 
 void Tracker::ConcludeTracked(Frame frame, TrackingResult& result) {
   // An own map is bent to its robot's camera; in others' map another camera is elsewhere.
-  result.covariance =
-      options_.localise_only ? AnyCamerasCovariance(frame) : FramePoseCovariance(frame);
+  result.was_bridged = frame.keyframe.IsValid() && frame.keyframe == bridge_;
+  if (result.was_bridged) {
+    result.covariance = Reckon()->covariance;
+  } else {
+    result.covariance =
+        options_.localise_only ? AnyCamerasCovariance(frame) : FramePoseCovariance(frame);
+  }
+  previous_covariance_ = result.covariance;
   result.motion = MotionTo(frame);
   DropTemporaryPoints(frame);
   // Its features measure better.

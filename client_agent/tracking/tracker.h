@@ -22,6 +22,7 @@
 #include "client_agent/tracking/patch_sources.h"
 #include "client_agent/tracking/relocalisation.h"
 #include "client_agent/tracking/tracking_result.h"
+#include "slam/inertial/inertial_motion.h"
 #include "slam/vocabulary/vocabulary.h"
 
 namespace corbslam::client_agent {
@@ -102,6 +103,9 @@ class Tracker {
   void SearchNext() { followed_ = options_.most_followed; }
   // Returns the keyframe that the frame became; an invalid id: none.
   KeyframeId Describe(KeyframePayload seen);
+  // Takes what an IMU says that the camera moved from the last frame that had a pose to the next
+  // one; nullopt where nobody says it.
+  void Expect(std::optional<InertialMotion> motion) { expected_ = std::move(motion); }
   // Keeps the picture of the keyframe that the last frame became, for Follow.
   void KeepPicture(const HalvedPicture& picture) { pictures_.Add(last_keyframe_, picture); }
 
@@ -147,6 +151,8 @@ class Tracker {
     InlierCount inliers;
     std::vector<MapPointId> visible;
     uint64_t corrections = 0;
+    // The keyframe that the map goes on with behind a gap is not in it yet.
+    bool waits_for_bridge = false;
   };
   using FirstPose = bool (Tracker::*)(Frame&) const;
 
@@ -169,6 +175,11 @@ class Tracker {
   // How many frames' time has passed since the previous frame, over the same between that and the
   // one before: not 1 after or before a gap in which frames were dropped.
   double TimesOfMotion(int64_t timestamp_ns) const;
+  // Forgets what was expected from another frame on than the previous one.
+  void CheckExpected(int64_t timestamp_ns);
+  bool FollowExpected(Frame& frame) const;
+  // Looks at the map from where the IMU takes a camera to be that was lost.
+  bool ComeBackAsExpected(Frame& frame) const;
   bool FollowMotion(Frame& frame) const;
   bool FollowMotionInTime(Frame& frame) const;
   bool SearchAroundPrevious(Frame& frame) const;
@@ -188,9 +199,17 @@ class Tracker {
   // Returns false for one in others' map that a look-up of the same picture would refuse.
   bool IsSupportedInOthers(const Solution& solution) const;
   bool IsInOthers(const Solution& solution) const;
+  // Returns false for a place that the IMU can't have got to since the camera was lost.
+  bool IsWithinReach(const Solution& solution) const;
   // Returns false for one in others' map that shows another camera than the rig's.
   bool IsOfThisCamera(const Solution& solution);
   void SetReference(Frame& frame) const;
+  // Where the map does not show what the camera sees now, goes on with the map where the IMU takes
+  // the camera to be, if that is known well.
+  bool Bridge(Frame& frame);
+  bool MayBridge() const;
+  // Where the IMU takes the next frame to be.
+  std::optional<ReckonedPose> Reckon() const;
   // Returns all of a frame's evidence but its close points.
   KeyframeEvidence EvidenceOf(const LocalMapView& local_map, int inliers,
                               int64_t timestamp_ns) const;
@@ -217,6 +236,10 @@ class Tracker {
   std::shared_ptr<const KeyframePayload> last_payload_;
   // The motion up to the frame before; none after a start or relocalisation.
   std::optional<CameraMotion> velocity_;
+  std::optional<InertialMotion> expected_;
+  std::optional<Matrix6d> previous_covariance_;  // Of the previous frame's pose, in the map's axes.
+  KeyframeId bridge_;  // The newest keyframe that the map went on with behind a gap.
+  int unrecognised_in_a_row_ = 0;
   FrameRhythm rhythm_;
   // Grows with each gap after which the camera was where the time that passed takes it, and falls
   // with each after which it was as far on as after one frame.

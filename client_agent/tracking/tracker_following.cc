@@ -53,11 +53,13 @@ bool Tracker::MayFollow(int64_t timestamp_ns) const {
   if (state_ != TrackingState::kTracking || !velocity_.has_value()) return false;
   if (options_.localise_only || frames_since_relocalisation_ < kProbation) return false;
   if (timestamp_ns - previous_->payload->timestamp_ns > kLongestApart_ns) return false;
-  return followed_ < options_.most_followed && TimesOfMotion(timestamp_ns) == 1;
+  const bool is_expected = expected_.has_value() || TimesOfMotion(timestamp_ns) == 1;
+  return followed_ < options_.most_followed && is_expected;
 }
 
 std::optional<TrackingResult> Tracker::Follow(const FreshPicture& fresh) {
   guessed_inliers_.reset();
+  CheckExpected(fresh.images->timestamp_ns);
   const LocalMapId own = parts_.map->local_map();
   Solution solution;
   solution.corrections = parts_.map->corrections();
@@ -65,7 +67,9 @@ std::optional<TrackingResult> Tracker::Follow(const FreshPicture& fresh) {
   Rigid3d predicted;
   parts_.map->ReadWithHistory([&](const Map& map, const MapHistory& history) {
     Refresh(map, history, *previous_);
-    predicted = velocity_->camera_from_previous * previous_->camera_from_map;
+    const Rigid3d& motion =
+        expected_.has_value() ? expected_->camera_from_previous : velocity_->camera_from_previous;
+    predicted = motion * previous_->camera_from_map;
     solution.local_map =
         GatherLocalMap(map, own, SeenPoints(*previous_), previous_->reference, *camera_, predicted);
     sources =

@@ -28,7 +28,7 @@ std::optional<Tracker::Solution> Tracker::SolveInOneMap(const Frame& frame) {
       if (previous_.has_value()) Refresh(map, history, *previous_);
     });
     if (state_ != TrackingState::kTracking) {
-      solution = Solve({&Tracker::Relocalise}, frame, std::nullopt);
+      solution = Solve({&Tracker::ComeBackAsExpected, &Tracker::Relocalise}, frame, std::nullopt);
     } else {
       // If the previous frame has just become a keyframe, mapping may not have made its points yet.
       AddTemporaryPoints(*previous_);
@@ -41,8 +41,10 @@ std::optional<Tracker::Solution> Tracker::SolveInOneMap(const Frame& frame) {
 }
 
 std::optional<Tracker::Solution> Tracker::SolveTracking(const Frame& frame) {
+  std::optional<Solution> best = Solve({&Tracker::FollowExpected}, frame, std::nullopt);
+  if (best.has_value() && IsSure(*best)) return best;
   const bool has_gap = velocity_.has_value() && TimesOfMotion(frame.payload->timestamp_ns) != 1;
-  std::optional<Solution> best = Solve({&Tracker::FollowMotion}, frame, std::nullopt);
+  best = Solve({&Tracker::FollowMotion}, frame, std::move(best));
   // Frames were dropped, or the stamps are not when pictures were taken: what looks alike may agree
   // on a pose wherever it is sought, so that both are tried.
   if (has_gap) {
@@ -92,8 +94,8 @@ std::optional<Tracker::Solution> Tracker::Choose(std::optional<Solution> in_time
 }
 
 int Tracker::Support(const Solution& solution) {
-  return solution.local_map.map_keyframes == 0 ? solution.inliers.total()
-                                               : solution.inliers.map_points;
+  const bool has_points = solution.local_map.map_keyframes > 0 && !solution.waits_for_bridge;
+  return has_points ? solution.inliers.map_points : solution.inliers.total();
 }
 
 bool Tracker::IsDoubtful(const Solution& solution) const {
@@ -102,7 +104,7 @@ bool Tracker::IsDoubtful(const Solution& solution) const {
 
 // Without a known motion far points alone may agree on a wrong position.
 bool Tracker::IsSure(const Solution& solution) const {
-  return velocity_.has_value() && !IsDoubtful(solution);
+  return (velocity_.has_value() || expected_.has_value()) && !IsDoubtful(solution);
 }
 
 double Tracker::Evidence(const Solution& solution) {
@@ -132,7 +134,7 @@ bool Tracker::IsOfThisCamera(const Solution& solution) {
 }
 
 bool Tracker::IsBelievable(const Solution& solution) const {
-  if (!IsSupportedInOthers(solution)) return false;
+  if (!IsSupportedInOthers(solution) || !IsWithinReach(solution)) return false;
   if (!IsDoubtful(solution)) return true;
   const double least = options_.min_doubtful_share * static_cast<double>(solution.visible.size());
   return Support(solution) >= options_.min_local_map_inliers_after_relocalisation &&
@@ -199,6 +201,7 @@ bool Tracker::TrackLocalMap(Solution& solution) const {
         GatherLocalMap(map, own, seen, previous_.has_value() ? previous_->reference : KeyframeId(),
                        frame.camera(), frame.camera_from_map);
     if (options_.localise_only) ReferToOthers(map, seen, view);
+    solution.waits_for_bridge = bridge_.IsValid() && map.FindKeyframe(bridge_) == nullptr;
     return view;
   });
   // What is true is what others mapped: temporary points, at the previous pose's errors, would hold

@@ -29,6 +29,15 @@ enum class WhyNoPose {
   kAnotherCamera,  // What others mapped shows this place, to another camera than the rig's.
 };
 
+// Where an IMU takes a frame to be that pictures give no pose of.
+struct ReckonedPose {
+  Rigid3d camera_from_local;
+  // In the local map, in its axes (InMapAxes).
+  Matrix6d covariance = Matrix6d::Identity();
+  // What the camera moved since the last frame that had a pose.
+  CameraMotion motion;
+};
+
 struct TrackingResult {
   int64_t timestamp_ns = 0;
   TrackingState state = TrackingState::kNotInitialised;
@@ -55,6 +64,11 @@ struct TrackingResult {
   bool follows_keyframe = false;
   // True: the picture was not searched for features (Tracker::Follow).
   bool was_followed = false;
+  // True: no picture said how the camera came here since it was lost, but the IMU. The map goes on
+  // here.
+  bool was_bridged = false;
+  // Absent while tracking, and where nobody knows.
+  std::optional<ReckonedPose> reckoned;
   // What SmoothPose adds, whether there is a pose or not.
   uint64_t epoch = 0;
   // The covariance of what the map near the camera has drifted since the epoch began (PoseDrift),

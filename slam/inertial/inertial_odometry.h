@@ -17,17 +17,9 @@
 #include "slam/inertial/imu_axes.h"
 #include "slam/inertial/imu_buffer.h"
 #include "slam/inertial/inertial_filter.h"
+#include "slam/inertial/inertial_motion.h"
 
 namespace corbslam {
-
-// How the camera moved since the last frame that had a pose, as the IMU felt it.
-struct InertialMotion {
-  Rigid3d camera_from_previous;
-  int64_t since_ns = 0;
-  // Of the camera's pose in the previous one's frame: of its position along and its rotation about
-  // the previous camera's axes.
-  Matrix6d covariance = Matrix6d::Identity();
-};
 
 // Where gravity pulls, in the axes of the camera of the last frame that had a pose.
 struct Down {
@@ -78,6 +70,10 @@ class InertialOdometry {
   // known well enough yet or any more, or samples are missing.
   std::optional<InertialMotion> Since(int64_t timestamp_ns) const;
 
+  // Returns the time of the last frame that had a pose; nullopt before the first.
+  std::optional<int64_t> last_ns() const {
+    return last_.has_value() ? std::optional(last_->timestamp_ns) : std::nullopt;
+  }
   InertialState state() const;
   // Returns what is wrong since the last call, each kind once.
   std::vector<InertialDoubt> TakeDoubts() { return std::exchange(doubts_, {}); }

@@ -1,0 +1,63 @@
+// Implements the part of SingleAgent that goes by an IMU, too.
+#include "absl/strings/string_view.h"
+#include "client_agent/agent/single_agent.h"
+
+namespace corbslam::client_agent {
+namespace {
+
+// What a pose is taken to be off by whose points don't say it.
+constexpr double kUnknown_m = 0.02;
+constexpr double kUnknown_rad = 0.01;
+
+absl::string_view CodeOf(InertialDoubt::Kind kind) {
+  switch (kind) {
+    case InertialDoubt::Kind::kMissing:
+      return "imu-missing";
+    case InertialDoubt::Kind::kGap:
+      return "imu-gap";
+    case InertialDoubt::Kind::kContradicts:
+      return "imu-contradicts";
+  }
+  return "imu-contradicts";
+}
+
+// Returns the covariance of the camera's pose along and about its own axes.
+Matrix6d InCameraAxes(const TrackingResult& result) {
+  if (!result.covariance.has_value()) {
+    Matrix6d unknown = Matrix6d::Identity() * (kUnknown_m * kUnknown_m);
+    unknown.bottomRightCorner<3, 3>() *= kUnknown_rad * kUnknown_rad / (kUnknown_m * kUnknown_m);
+    return unknown;
+  }
+  Matrix6d in_camera = Matrix6d::Zero();
+  in_camera.topLeftCorner<3, 3>() = result.camera_from_local.rotation.toRotationMatrix();
+  in_camera.bottomRightCorner<3, 3>() = in_camera.topLeftCorner<3, 3>();
+  return in_camera * *result.covariance * in_camera.transpose();
+}
+
+}  // namespace
+
+void SingleAgent::ExpectByImu(const SensorImages& images) {
+  if (!inertial_.has_value()) return;
+  inertial_->Add(images.imu);
+  current().tracker().Expect(inertial_->Since(images.timestamp_ns));
+}
+
+void SingleAgent::LearnByImu(const TrackingResult& result) {
+  if (!inertial_.has_value()) return;
+  if (result.state == TrackingState::kTracking) {
+    // What the IMU itself said is no news to it.
+    const bool goes_on = !result.was_bridged && result.motion.has_value() &&
+                         inertial_->last_ns() == result.timestamp_ns - result.motion->since_ns;
+    inertial_->Track(result.timestamp_ns,
+                     goes_on ? std::optional(result.motion->camera_from_previous) : std::nullopt,
+                     InCameraAxes(result));
+  }
+  for (const InertialDoubt& doubt : inertial_->TakeDoubts()) {
+    SayFinding({FindingLevel::kWarning, std::string(CodeOf(doubt.kind)), doubt.text});
+  }
+  absl::MutexLock lock(&mutex_);
+  status_.inertial = inertial_->state();
+  status_.bridged += result.was_bridged ? 1 : 0;
+}
+
+}  // namespace corbslam::client_agent

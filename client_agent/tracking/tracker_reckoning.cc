@@ -1,0 +1,100 @@
+// Implements the part of Tracker that goes by what an IMU says.
+#include <cmath>
+
+#include "client_agent/tracking/tracker.h"
+#include "slam/optimisation/pose_covariance.h"
+
+namespace corbslam::client_agent {
+namespace {
+
+// A map goes on where the IMU takes the camera to be: known so well, and not before the map has
+// failed to show so many frames in a row.
+constexpr double kWellKnown_m = 0.3;
+constexpr double kWellKnown_rad = 0.03;
+constexpr int kLeastUnrecognised = 8;
+// What is so many standard deviations away, and this far, can't have been reached.
+constexpr double kOutOfReach = 8;
+constexpr double kOutOfReach_m = 0.3;
+
+double Position_m(const Matrix6d& covariance) {
+  return std::sqrt(covariance.topLeftCorner<3, 3>().trace() / 3);
+}
+
+double Rotation_rad(const Matrix6d& covariance) {
+  return std::sqrt(covariance.bottomRightCorner<3, 3>().trace() / 3);
+}
+
+}  // namespace
+
+void Tracker::CheckExpected(int64_t timestamp_ns) {
+  if (!expected_.has_value()) return;
+  const bool goes_on = previous_.has_value() &&
+                       timestamp_ns - previous_->payload->timestamp_ns == expected_->since_ns;
+  if (!goes_on) expected_.reset();
+}
+
+bool Tracker::FollowExpected(Frame& frame) const {
+  if (!expected_.has_value()) return false;
+  return TrackPreviousFrame(expected_->camera_from_previous * previous_->camera_from_map,
+                            options_.previous_frame_radius_px, frame);
+}
+
+bool Tracker::ComeBackAsExpected(Frame& frame) const {
+  if (!expected_.has_value()) return false;
+  return RelocaliseNear(*parts_.map, expected_->camera_from_previous * previous_->camera_from_map,
+                        frame);
+}
+
+bool Tracker::IsWithinReach(const Solution& solution) const {
+  if (state_ != TrackingState::kLost || !expected_.has_value()) return true;
+  const Rigid3d expected = expected_->camera_from_previous * previous_->camera_from_map;
+  const double off_m =
+      (CameraCentre(expected) - CameraCentre(solution.frame.camera_from_map)).norm();
+  return off_m < kOutOfReach_m + kOutOfReach * Position_m(expected_->covariance);
+}
+
+std::optional<ReckonedPose> Tracker::Reckon() const {
+  if (!expected_.has_value()) return std::nullopt;
+  ReckonedPose reckoned;
+  reckoned.motion = {expected_->camera_from_previous, expected_->since_ns};
+  reckoned.camera_from_local = expected_->camera_from_previous * previous_->camera_from_map;
+  const Rigid3d map_from_previous = previous_->camera_from_map.Inverse();
+  Matrix6d in_map = Matrix6d::Zero();
+  in_map.topLeftCorner<3, 3>() = map_from_previous.rotation.toRotationMatrix();
+  in_map.bottomRightCorner<3, 3>() = in_map.topLeftCorner<3, 3>();
+  reckoned.covariance = in_map * expected_->covariance * in_map.transpose();
+  if (previous_covariance_.has_value()) {
+    reckoned.covariance += OfAttachedFrame(
+        map_from_previous, expected_->camera_from_previous.Inverse(), *previous_covariance_);
+  }
+  return reckoned;
+}
+
+bool Tracker::MayBridge() const {
+  if (mapping_paused_ || options_.localise_only || begins_lost_) return false;
+  if (!expected_.has_value() || !previous_->reference.IsValid()) return false;
+  return unrecognised_in_a_row_ >= kLeastUnrecognised &&
+         Position_m(expected_->covariance) < kWellKnown_m &&
+         Rotation_rad(expected_->covariance) < kWellKnown_rad && parts_.queue->HasRoom();
+}
+
+bool Tracker::Bridge(Frame& frame) {
+  if (!MayBridge()) return false;
+  parts_.map->ReadWithHistory(
+      [&](const Map& map, const MapHistory& history) { Refresh(map, history, *previous_); });
+  frame.associations.assign(frame.keypoints().size(), Association());
+  frame.camera_from_map = expected_->camera_from_previous * previous_->camera_from_map;
+  frame.reference = previous_->reference;
+  frame.camera_from_reference = expected_->camera_from_previous * previous_->camera_from_reference;
+  MakeKeyframe(frame);
+  if (!frame.keyframe.IsValid()) return false;
+  bridge_ = frame.keyframe;
+  corrections_ = parts_.map->corrections();
+  inliers_ = {};
+  points_in_view_ = 0;
+  frames_since_relocalisation_ = 0;
+  velocity_.reset();
+  return true;
+}
+
+}  // namespace corbslam::client_agent

@@ -1,0 +1,23 @@
+// How the camera moved, as an IMU felt it.
+#ifndef CORBSLAM_SLAM_INERTIAL_INERTIAL_MOTION_H_
+#define CORBSLAM_SLAM_INERTIAL_INERTIAL_MOTION_H_
+
+#include <cstdint>
+
+#include "slam/geometry/lie.h"
+#include "slam/geometry/rigid3.h"
+
+namespace corbslam {
+
+// Since the last frame that had a pose by pictures.
+struct InertialMotion {
+  Rigid3d camera_from_previous;
+  int64_t since_ns = 0;
+  // Of the camera's pose in the previous one's frame: of its position along and its rotation about
+  // the previous camera's axes.
+  Matrix6d covariance = Matrix6d::Identity();
+};
+
+}  // namespace corbslam
+
+#endif  // CORBSLAM_SLAM_INERTIAL_INERTIAL_MOTION_H_
