@@ -72,7 +72,7 @@ class SingleAgent : public Agent {
   absl::StatusOr<TrackingResult> FindPose(const SensorImages& images);
   // Tells tracking what the IMU says of the frame, and learns from what tracking found.
   void ExpectByImu(const SensorImages& images);
-  void LearnByImu(const TrackingResult& result);
+  void LearnByImu(TrackingResult& result);
   // Has a keyframe's picture serve tracking, and people.
   absl::Status KeepPicture(KeyframeId keyframe, const SensorImages& images);
   // Gives up those of others' local maps that contradict the camera from this frame on.

@@ -42,7 +42,7 @@ void SingleAgent::ExpectByImu(const SensorImages& images) {
   current().tracker().Expect(inertial_->Since(images.timestamp_ns));
 }
 
-void SingleAgent::LearnByImu(const TrackingResult& result) {
+void SingleAgent::LearnByImu(TrackingResult& result) {
   if (!inertial_.has_value()) return;
   if (result.state == TrackingState::kTracking) {
     // What the IMU itself said is no news to it.
@@ -51,6 +51,7 @@ void SingleAgent::LearnByImu(const TrackingResult& result) {
     inertial_->Track(result.timestamp_ns,
                      goes_on ? std::optional(result.motion->camera_from_previous) : std::nullopt,
                      InCameraAxes(result));
+    result.down = inertial_->state().down;
   }
   for (const InertialDoubt& doubt : inertial_->TakeDoubts()) {
     SayFinding({FindingLevel::kWarning, std::string(CodeOf(doubt.kind)), doubt.text});

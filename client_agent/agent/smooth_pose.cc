@@ -30,11 +30,11 @@ void SmoothPose::Add(TrackingResult& result) {
   }
   had_pose_ = has_pose;
   result.epoch = epoch_;
-  result.odom_from_camera = odom_from_camera_;
+  if (has_pose) told_ = odom_from_camera_;
   if (odom_from_camera_.has_value() && result.reckoned.has_value()) {
-    result.odom_from_camera =
-        *odom_from_camera_ * result.reckoned->motion.camera_from_previous.Inverse();
+    told_ = *odom_from_camera_ * result.reckoned->motion.camera_from_previous.Inverse();
   }
+  result.odom_from_camera = told_;
 }
 
 bool SmoothPose::Jumps(const TrackingResult& result) const {

@@ -34,7 +34,8 @@ class SmoothPose {
   bool Jumps(const TrackingResult& result) const;
 
   uint64_t epoch_ = 0;
-  std::optional<Rigid3d> odom_from_camera_;
+  std::optional<Rigid3d> odom_from_camera_;  // At the last frame that had a pose.
+  std::optional<Rigid3d> told_;              // Of the last frame.
   PoseDrift drift_;
   bool had_pose_ = false;
   LocalMapId local_map_;

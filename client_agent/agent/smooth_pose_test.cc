@@ -50,6 +50,25 @@ TEST_F(SmoothPoseTest, ThereIsNoneBeforeTheFirstPose) {
   EXPECT_EQ(nothing.epoch, 0u);
 }
 
+// What an IMU says `moved` since the last frame that had a pose.
+TrackingResult Reckoned(double moved) {
+  TrackingResult result = Lost();
+  result.reckoned.emplace();
+  result.reckoned->motion = {At(moved).Inverse(), 100'000'000};
+  return result;
+}
+
+TEST_F(SmoothPoseTest, GoesOnByWhatAnImuSaysUntilTheCameraIsFound) {
+  Add(Tracked(3, 0));
+  EXPECT_DOUBLE_EQ(Add(Reckoned(1)), 4);
+  EXPECT_DOUBLE_EQ(Add(Reckoned(2)), 5);
+  // Nobody knows more: it stays.
+  EXPECT_DOUBLE_EQ(Add(Lost()), 5);
+  EXPECT_DOUBLE_EQ(Add(Reckoned(3)), 6);
+  // The IMU was wrong by half a metre.
+  EXPECT_DOUBLE_EQ(Add(Tracked(6.5, 3.5)), 6.5);
+}
+
 TEST_F(SmoothPoseTest, FollowsMotionsInOneEpoch) {
   EXPECT_DOUBLE_EQ(Add(Tracked(3, 0)), 3);
   EXPECT_EQ(epoch_, 1u);

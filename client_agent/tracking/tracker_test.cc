@@ -79,6 +79,34 @@ class TrackerTest : public ::testing::Test {
     return result;
   }
 
+  static Rigid3d TrueMotion(uint32_t from, uint32_t to) {
+    const auto& truth = Scene().true_camera_from_map;
+    return truth.at(Seen(to).id()) * truth.at(Seen(from).id()).Inverse();
+  }
+
+  // Has an IMU say how the camera moved, with a standard deviation of position.
+  void ExpectMotion(uint32_t from, uint32_t to, double sigma_m = 0.02) {
+    InertialMotion motion;
+    motion.camera_from_previous = TrueMotion(from, to);
+    motion.since_ns = (int64_t{to} - from) * 100'000'000;
+    motion.covariance = Matrix6d::Identity() * (sigma_m * sigma_m);
+    motion.covariance.bottomRightCorner<3, 3>() = Eigen::Matrix3d::Identity() * 1e-6;
+    tracker_.Expect(motion);
+  }
+
+  TrackingResult TrackDark(uint32_t index) {
+    return Finish(tracker_.Track(At(index * 100'000'000, Features())));
+  }
+
+  // What the frame shows looks as nothing does that was seen before, but alike from frame to frame.
+  TrackingResult TrackUnknown(uint32_t index) {
+    Features features = Seen(index).payload->features;
+    for (Descriptor& descriptor : features.descriptors) {
+      for (auto& word : descriptor.words) word ^= 0x5a5a5a5a5a5a5a5aull;
+    }
+    return Finish(tracker_.Track(At(index * 100'000'000, features)));
+  }
+
   // Distance of the estimated camera from the truth, in the first camera's frame.
   static double Error(const TrackingResult& result, uint32_t index) {
     const auto& truth = Scene().true_camera_from_map;
@@ -226,6 +254,104 @@ TEST_F(TrackerTest, WhileMappingIsPausedTheMapStaysAsItIs) {
   int keyframes = 0;
   for (uint32_t i = 20; i < 40; ++i) keyframes += Track(i).made_keyframe;
   EXPECT_GT(keyframes, 0);
+}
+
+TEST_F(TrackerTest, WhatAnImuExpectsIsFoundFurtherAwayThanMotionTakesIt) {
+  for (uint32_t i = 0; i < 20; ++i) Track(i);
+  ExpectMotion(19, 24);
+  const TrackingResult result = Track(24);
+  ASSERT_EQ(result.state, TrackingState::kTracking);
+  EXPECT_LT(Error(result, 24), 0.02);
+}
+
+TEST_F(TrackerTest, DarkFramesAreWhereAnImuTakesThem) {
+  for (uint32_t i = 0; i < 20; ++i) Track(i);
+  for (uint32_t i = 20; i < 30; ++i) {
+    ExpectMotion(19, i, 0.01 * (i - 19));
+    TrackingResult result = TrackDark(i);
+    ASSERT_EQ(result.state, TrackingState::kLost);
+    ASSERT_TRUE(result.reckoned.has_value());
+    result.camera_from_local = result.reckoned->camera_from_local;
+    EXPECT_LT(Error(result, i), 0.03);
+    const double sigma_m = std::sqrt(result.reckoned->covariance(0, 0));
+    EXPECT_GE(sigma_m, 0.01 * (i - 19));
+    EXPECT_LT(sigma_m, 0.02 + 0.01 * (i - 19));
+  }
+}
+
+TEST_F(TrackerTest, NobodyKnowsWhereADarkFrameIsWithoutAnImu) {
+  for (uint32_t i = 0; i < 20; ++i) Track(i);
+  EXPECT_FALSE(TrackDark(20).reckoned.has_value());
+  // What is expected from another frame on than the last one that had a pose is of no use.
+  ExpectMotion(15, 21);
+  EXPECT_FALSE(TrackDark(21).reckoned.has_value());
+}
+
+TEST_F(TrackerTest, ComesBackWhereAnImuTakesItWithoutAnyPlaceRecognised) {
+  for (uint32_t i = 0; i < 30; ++i) Track(i);
+  places_.clear();
+  for (uint32_t i = 30; i < 33; ++i) {
+    ExpectMotion(29, i);
+    TrackDark(i);
+  }
+  ExpectMotion(29, 33, 0.05);
+  const TrackingResult result = Track(33);
+  ASSERT_EQ(result.state, TrackingState::kTracking);
+  EXPECT_FALSE(result.was_bridged);
+  EXPECT_LT(Error(result, 33), 0.02);
+}
+
+TEST_F(TrackerTest, GoesOnWithTheMapWhereAnImuTakesItWhenPicturesShowNothingKnown) {
+  for (uint32_t i = 0; i < 20; ++i) Track(i);
+  int bridges = 0;
+  for (uint32_t i = 20; i < 40; ++i) {
+    if (bridges == 0) ExpectMotion(19, i);
+    const TrackingResult result = TrackUnknown(i);
+    tracker_.Expect(std::nullopt);
+    bridges += result.was_bridged ? 1 : 0;
+    EXPECT_EQ(result.state, bridges == 0 ? TrackingState::kLost : TrackingState::kTracking) << i;
+    if (bridges > 0) EXPECT_LT(Error(result, i), 0.05) << i;
+    ASSERT_FALSE(tracker_.IsLostForGood());
+  }
+  EXPECT_EQ(bridges, 1);
+  // All of it is one map, whose keyframes hang on each other.
+  map_.Read([](const Map& map) {
+    int roots = 0;
+    for (const auto& [id, keyframe] : map.keyframes()) roots += keyframe.parent.IsValid() ? 0 : 1;
+    EXPECT_EQ(roots, 1);
+  });
+}
+
+TEST_F(TrackerTest, AMapDoesNotGoOnWhereTheImuHardlyKnows) {
+  for (uint32_t i = 0; i < 20; ++i) Track(i);
+  for (uint32_t i = 20; i < 40; ++i) {
+    ExpectMotion(19, i, 0.5);
+    EXPECT_EQ(TrackUnknown(i).state, TrackingState::kLost) << i;
+  }
+}
+
+TEST_F(TrackerTest, WhileMappingIsPausedNothingIsBridged) {
+  for (uint32_t i = 0; i < 20; ++i) Track(i);
+  tracker_.PauseMapping(true);
+  for (uint32_t i = 20; i < 40; ++i) {
+    ExpectMotion(19, i);
+    EXPECT_EQ(TrackUnknown(i).state, TrackingState::kLost) << i;
+  }
+}
+
+TEST_F(TrackerTest, APlaceThatTheImuCannotHaveReachedIsNotBelieved) {
+  for (uint32_t i = 0; i < 40; ++i) Track(i);
+  Finish(tracker_.Track(At(4'000'000'000, Features())));
+  InertialMotion stands;
+  stands.since_ns = 4'200'000'000 - 3'900'000'000;
+  stands.covariance = Matrix6d::Identity() * 1e-4;
+  tracker_.Expect(stands);
+  // The picture shows what was seen 3 m away.
+  EXPECT_EQ(Finish(tracker_.Track(At(4'200'000'000, Seen(8).payload->features))).state,
+            TrackingState::kLost);
+  tracker_.Expect(std::nullopt);
+  EXPECT_EQ(Finish(tracker_.Track(At(4'300'000'000, Seen(8).payload->features))).state,
+            TrackingState::kTracking);
 }
 
 TEST_F(TrackerTest, APausedRobotBeginsNoMap) {

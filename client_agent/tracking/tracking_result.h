@@ -8,6 +8,7 @@
 #include "client_agent/tracking/camera_motion.h"
 #include "slam/geometry/lie.h"
 #include "slam/geometry/rigid3.h"
+#include "slam/inertial/inertial_motion.h"
 #include "slam/util/ids.h"
 
 namespace corbslam::client_agent {
@@ -69,6 +70,8 @@ struct TrackingResult {
   bool was_bridged = false;
   // Absent while tracking, and where nobody knows.
   std::optional<ReckonedPose> reckoned;
+  // Where gravity pulls, in the camera's axes; nullopt where there is no IMU, or it is not known.
+  std::optional<Down> down;
   // What SmoothPose adds, whether there is a pose or not.
   uint64_t epoch = 0;
   // The covariance of what the map near the camera has drifted since the epoch began (PoseDrift),

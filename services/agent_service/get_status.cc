@@ -64,6 +64,21 @@ void WriteSession(const absl::Status& session, v1::AgentStatus* response) {
   response->set_session_message(std::string(session.message()));
 }
 
+void WriteInertial(const AgentStatus& status, v1::AgentStatus* response) {
+  if (!status.inertial.has_value()) return;
+  const InertialState& state = *status.inertial;
+  v1::InertialStatus& written = *response->mutable_inertial();
+  written.set_ready(state.is_ready);
+  const Eigen::Vector3d& gyro = state.biases.gyro_rps;
+  const Eigen::Vector3d& accel = state.biases.accel_mps2;
+  written.mutable_gyro_bias_rps()->Add(gyro.begin(), gyro.end());
+  written.mutable_accel_bias_mps2()->Add(accel.begin(), accel.end());
+  written.set_late_s(state.late_s);
+  written.set_late_sigma_s(state.late_sigma_s);
+  written.set_noisier(state.noisier);
+  written.set_bridged(Count(status.bridged));
+}
+
 }  // namespace
 
 grpc::ServerUnaryReactor* AgentService::GetStatus(grpc::CallbackServerContext* context,
@@ -96,6 +111,7 @@ grpc::ServerUnaryReactor* AgentService::GetStatus(grpc::CallbackServerContext* c
     WriteActivity(options_, status, response);
     WriteUpload(status.upload, response);
     WriteHeldBack(status.upload.held_back, response);
+    WriteInertial(status, response);
     if (options_.session != nullptr) WriteSession(options_.session(), response);
     if (status.global_from_local) {
       ToProto(*status.global_from_local, response->mutable_global_from_local());

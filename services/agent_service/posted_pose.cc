@@ -14,12 +14,12 @@ using client_agent::WhyNoPose;
 namespace {
 
 // Writes the covariance of the wanted frame, from the camera's; nothing for none.
-void WriteCovariance(const TrackingResult& result, const std::optional<Matrix6d>& of_camera,
+void WriteCovariance(const Rigid3d& camera_from_local, const std::optional<Matrix6d>& of_camera,
                      const Rigid3d& camera_from_wanted,
                      google::protobuf::RepeatedField<double>& written) {
   if (!of_camera.has_value()) return;
   const Matrix6d covariance =
-      OfAttachedFrame(result.camera_from_local.Inverse(), camera_from_wanted, *of_camera);
+      OfAttachedFrame(camera_from_local.Inverse(), camera_from_wanted, *of_camera);
   for (int row = 0; row < 6; ++row) {
     for (int column = 0; column < 6; ++column) written.Add(covariance(row, column));
   }
@@ -35,6 +35,16 @@ void WriteVelocity(const PostedPose& posted, const Rigid3d& camera_from_wanted,
   response.mutable_velocity()->Add(moved.begin(), moved.end());
 }
 
+void WriteDown(const Down& down, const Rigid3d& camera_from_wanted,
+               v1::WatchPoseResponse& response) {
+  const Eigen::Vector3d direction = camera_from_wanted.rotation.conjugate() * down.in_camera;
+  v1::Down& written = *response.mutable_down();
+  written.set_x(direction.x());
+  written.set_y(direction.y());
+  written.set_z(direction.z());
+  written.set_sigma_rad(down.sigma_rad);
+}
+
 void WritePose(const PostedPose& posted, const Rigid3d& camera_from_wanted,
                v1::WatchPoseResponse& response) {
   const TrackingResult& result = posted.result;
@@ -47,9 +57,21 @@ void WritePose(const PostedPose& posted, const Rigid3d& camera_from_wanted,
   response.set_quality(client_agent::PoseQuality(result));
   response.set_points_matched(static_cast<uint32_t>(result.points_matched));
   response.set_points_in_view(static_cast<uint32_t>(result.points_in_view));
-  WriteCovariance(result, result.covariance, camera_from_wanted, *response.mutable_covariance());
-  WriteCovariance(result, result.drift, camera_from_wanted, *response.mutable_drift());
+  WriteCovariance(result.camera_from_local, result.covariance, camera_from_wanted,
+                  *response.mutable_covariance());
+  WriteCovariance(result.camera_from_local, result.drift, camera_from_wanted,
+                  *response.mutable_drift());
   WriteVelocity(posted, camera_from_wanted, response);
+  if (result.down.has_value()) WriteDown(*result.down, camera_from_wanted, response);
+}
+
+void WriteReckoned(const client_agent::ReckonedPose& reckoned, const Rigid3d& camera_from_wanted,
+                   v1::ReckonedPose& written) {
+  ToProto(reckoned.camera_from_local.Inverse() * camera_from_wanted,
+          written.mutable_local_from_camera());
+  WriteCovariance(reckoned.camera_from_local, reckoned.covariance, camera_from_wanted,
+                  *written.mutable_covariance());
+  written.set_since_s(1e-9 * static_cast<double>(reckoned.motion.since_ns));
 }
 
 }  // namespace
@@ -67,6 +89,9 @@ v1::WatchPoseResponse ToProto(const PostedPose& posted, PosesOf poses_of,
   response.set_epoch(result.epoch);
   response.set_global_epoch(posted.global_epoch);
   if (result.state == TrackingState::kTracking) WritePose(posted, wanted, response);
+  if (result.reckoned.has_value()) {
+    WriteReckoned(*result.reckoned, wanted, *response.mutable_reckoned());
+  }
   if (result.odom_from_camera.has_value()) {
     ToProto(*result.odom_from_camera * wanted, response.mutable_odom_from_camera());
   }

@@ -92,6 +92,32 @@ TEST(PostedPoseTest, LostItClaimsNothing) {
   EXPECT_EQ(pose.quality(), 0);
 }
 
+TEST(PostedPoseTest, LostItSaysWhereTheImuTakesItAndThatThisIsNoPose) {
+  TrackingResult result = Lost();
+  result.reckoned.emplace();
+  result.reckoned->camera_from_local.translation = {0, 0, -3};
+  result.reckoned->covariance = Matrix6d(1e-2 * Matrix6d::Identity());
+  result.reckoned->motion.since_ns = 1'500'000'000;
+  const Rigid3d camera_from_body{Eigen::Quaterniond::Identity(), {0, 0, 2}};
+  const auto pose = ToProto({.result = result}, PosesOf::kBody, camera_from_body);
+  EXPECT_FALSE(pose.has_local_from_camera());
+  EXPECT_NEAR(pose.reckoned().local_from_camera().translation(2), 5, 1e-12);
+  EXPECT_NEAR(pose.reckoned().covariance(0), 1e-2 + 4 * 1e-2, 1e-12) << "the body swings";
+  EXPECT_DOUBLE_EQ(pose.reckoned().since_s(), 1.5);
+}
+
+TEST(PostedPoseTest, SaysWhereGravityPullsInTheFrameThatIsWanted) {
+  TrackingResult result = Tracked();
+  result.down = Down{Eigen::Vector3d::UnitY(), 0.01};
+  // The body's z points up: along -y of the camera.
+  const Rigid3d camera_from_body{
+      Eigen::Quaterniond(Eigen::AngleAxisd(std::numbers::pi / 2, Eigen::Vector3d::UnitX())), {}};
+  const auto pose = ToProto({.result = result}, PosesOf::kBody, camera_from_body);
+  EXPECT_NEAR(pose.down().z(), -1, 1e-12);
+  EXPECT_DOUBLE_EQ(pose.down().sigma_rad(), 0.01);
+  EXPECT_FALSE(ToProto({.result = Tracked()}, PosesOf::kBody, camera_from_body).has_down());
+}
+
 TEST(PoseBoardTest, CountsChangesOfTheGlobalFrameAndKnowsWhatFollowsWhat) {
   PoseBoard board;
   std::vector<PostedPose> posted;

@@ -1,7 +1,8 @@
-// How the camera moved, as an IMU felt it.
+// How the camera moved, as an IMU felt it, and which way is down.
 #ifndef CORBSLAM_SLAM_INERTIAL_INERTIAL_MOTION_H_
 #define CORBSLAM_SLAM_INERTIAL_INERTIAL_MOTION_H_
 
+#include <Eigen/Core>
 #include <cstdint>
 
 #include "slam/geometry/lie.h"
@@ -16,6 +17,12 @@ struct InertialMotion {
   // Of the camera's pose in the previous one's frame: of its position along and its rotation about
   // the previous camera's axes.
   Matrix6d covariance = Matrix6d::Identity();
+};
+
+// Where gravity pulls, in the axes of the camera of the last frame that had a pose.
+struct Down {
+  Eigen::Vector3d in_camera = Eigen::Vector3d::UnitY();
+  double sigma_rad = 0;  // Of its direction, any way.
 };
 
 }  // namespace corbslam

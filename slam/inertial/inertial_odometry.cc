@@ -278,6 +278,7 @@ InertialState InertialOdometry::state() const {
   state.velocity_sigma_mps = Sigma(*filter_, InertialFilter::kVelocity);
   state.biases = filter_->biases();
   state.late_s = filter_->late_s();
+  state.noisier = filter_->noisier();
   state.late_sigma_s =
       std::sqrt(filter_->covariance()(InertialFilter::kLate, InertialFilter::kLate));
   return state;

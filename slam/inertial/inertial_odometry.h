@@ -21,12 +21,6 @@
 
 namespace corbslam {
 
-// Where gravity pulls, in the axes of the camera of the last frame that had a pose.
-struct Down {
-  Eigen::Vector3d in_camera = Eigen::Vector3d::UnitY();
-  double sigma_rad = 0;  // Of its direction, any way.
-};
-
 // What is known of the IMU.
 struct InertialState {
   bool is_ready = false;  // It says how the camera moves.
@@ -36,6 +30,7 @@ struct InertialState {
   ImuBiases biases;
   double late_s = 0;  // How much later than its stamps say the IMU measures, by the calibration.
   double late_sigma_s = 0;
+  double noisier = 1;  // InertialFilter::noisier.
 };
 
 // Why an IMU is not used.
