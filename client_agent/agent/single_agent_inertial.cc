@@ -15,6 +15,8 @@ absl::string_view CodeOf(InertialDoubt::Kind kind) {
       return "imu-missing";
     case InertialDoubt::Kind::kGap:
       return "imu-gap";
+    case InertialDoubt::Kind::kLate:
+      return "imu-late";
     case InertialDoubt::Kind::kContradicts:
       return "imu-contradicts";
   }

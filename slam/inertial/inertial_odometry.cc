@@ -28,6 +28,7 @@ constexpr double kMostFar = 0.5;
 constexpr size_t kLeastJudged = 20;
 constexpr double kMostFarWhenReady = 0.2;
 constexpr double kFar = 22.5;
+constexpr int64_t kSameOffset_ns = 3'000'000;
 // Standing still: for so long no sample is further from the mean.
 constexpr int64_t kStill_ns = 400'000'000;
 constexpr double kStill_rps = 0.03;
@@ -46,6 +47,11 @@ double DownSigma_rad(const InertialFilter& filter) {
   return std::sqrt(across / 2) / filter.gravity_mps2().norm();
 }
 
+ImuSamples Shifted(ImuSamples samples, int64_t offset_ns) {
+  for (ImuSample& sample : samples) sample.timestamp_ns += offset_ns;
+  return samples;
+}
+
 Vector3d MeanForce(const std::vector<ImuStep>& steps) {
   Vector3d sum = Vector3d::Zero();
   for (const ImuStep& step : steps) sum += step.mean.specific_force_mps2;
@@ -58,6 +64,11 @@ InertialOdometry::InertialOdometry(const ImuCalibration& calibration,
                                    const Rigid3d& camera_from_recorded)
     : calibration_(calibration),
       imu_from_camera_(calibration.imu_from_camera * camera_from_recorded.Inverse()) {}
+
+void InertialOdometry::Add(const ImuSamples& samples) {
+  clock_.Add(samples);
+  buffer_.Add(Shifted(samples, offset_ns_));
+}
 
 void InertialOdometry::Track(int64_t timestamp_ns,
                              const std::optional<Rigid3d>& camera_from_previous,
@@ -168,7 +179,9 @@ void InertialOdometry::CompareTurns(const Seen& before, const Seen& seen,
     felt_rad += step.duration_s * step.mean.angular_velocity_rps;
     duration_s += step.duration_s;
   }
-  axes_.Add(LogSO3(moved.rotation) / duration_s, felt_rad / duration_s);
+  const Vector3d seen_rps = LogSO3(moved.rotation) / duration_s;
+  axes_.Add(seen_rps, felt_rad / duration_s);
+  clock_.AddTurn(before.timestamp_ns, seen.timestamp_ns, seen_rps);
 }
 
 void InertialOdometry::Judge(double distance) {
@@ -176,6 +189,10 @@ void InertialOdometry::Judge(double distance) {
   if (was_far_.size() < kNewest) return;
   if (was_far_.size() > kNewest) was_far_.pop_front();
   if (ShareFar() <= kMostFar) return;
+  if (CorrectClock()) {
+    Begin(*last_);
+    return;
+  }
   const std::optional<AxesFit> fit = axes_.Fit();
   const auto why = fit.has_value() ? ImuAxes::Describe(*fit) : std::nullopt;
   Doubt(InertialDoubt::Kind::kContradicts,
@@ -184,6 +201,25 @@ void InertialOdometry::Judge(double distance) {
   // Perhaps it was but for a while.
   least_time_s_ *= kMoreTime;
   Begin(*last_);
+}
+
+bool InertialOdometry::CorrectClock() {
+  const std::optional<ClockFit> fit = clock_.Fit();
+  if (!fit.has_value()) return false;
+  // The one that was found before is not in the samples as they came.
+  if (std::abs(fit->offset_ns - offset_ns_) < kSameOffset_ns) return false;
+  offset_ns_ = fit->offset_ns;
+  buffer_ = ImuBuffer();
+  buffer_.Add(Shifted(clock_.samples(), offset_ns_));
+  axes_ = ImuAxes();
+  const double offset_s = 1e-9 * static_cast<double>(offset_ns_);
+  Doubt(InertialDoubt::Kind::kLate,
+        absl::StrFormat("the IMU's stamps are %.3f s %s against the pictures', by when both turn "
+                        "(correlation %.2f for %.2f as stamped). They are taken so from now on: "
+                        "put the time_offset_s of the rig's IMU right by %+.3f",
+                        std::abs(offset_s), offset_s < 0 ? "late" : "early", fit->correlation,
+                        fit->correlation_as_stamped, offset_s));
+  return true;
 }
 
 double InertialOdometry::ShareFar() const {

@@ -16,6 +16,7 @@
 #include "slam/inertial/imu.h"
 #include "slam/inertial/imu_axes.h"
 #include "slam/inertial/imu_buffer.h"
+#include "slam/inertial/imu_clock.h"
 #include "slam/inertial/inertial_filter.h"
 #include "slam/inertial/inertial_motion.h"
 
@@ -33,11 +34,14 @@ struct InertialState {
   double noisier = 1;  // InertialFilter::noisier.
 };
 
-// Why an IMU is not used.
+// Why an IMU is not used, or not as it is.
 struct InertialDoubt {
   enum class Kind {
-    kMissing,      // No samples come, though the rig has an IMU.
-    kGap,          // Samples are missing.
+    kMissing,  // No samples come, though the rig has an IMU.
+    kGap,      // Samples are missing.
+    // Its stamps are off by so much that it could not be used as they are; it goes on with better
+    // ones.
+    kLate,
     kContradicts,  // What it feels and what the camera sees contradict.
   };
   Kind kind = Kind::kMissing;
@@ -53,7 +57,7 @@ class InertialOdometry {
   InertialOdometry(const ImuCalibration& calibration, const Rigid3d& camera_from_recorded);
 
   // Takes the samples that came with a frame, which are stamped by the camera's clock.
-  void Add(const ImuSamples& samples) { buffer_.Add(samples); }
+  void Add(const ImuSamples& samples);
 
   // Takes the pose that pictures gave of a frame: what the camera moved since the last one, and the
   // covariance of its pose in the axes of the present camera (translation, rotation). Nullopt:
@@ -88,6 +92,8 @@ class InertialOdometry {
   std::vector<ImuStep> GoOnTo(int64_t timestamp_ns, InertialFilter& filter) const;
   void CompareTurns(const Seen& before, const Seen& seen, const std::vector<ImuStep>& steps);
   void Judge(double distance);
+  // Puts stamps right by when the camera turned. Returns false where nothing is wrong with them.
+  bool CorrectClock();
   double ShareFar() const;
   bool IsReady() const;
   // Returns whether the IMU seems not to have moved for a while before `until_ns`.
@@ -96,7 +102,9 @@ class InertialOdometry {
 
   const ImuCalibration calibration_;
   const Rigid3d imu_from_camera_;
-  ImuBuffer buffer_;
+  ImuBuffer buffer_;  // With the offset added.
+  ImuClock clock_;    // As the samples came.
+  int64_t offset_ns_ = 0;
   ImuAxes axes_;
   std::optional<InertialFilter> filter_;
   int64_t filter_ns_ = 0;

@@ -237,6 +237,25 @@ TEST(InertialOdometryTest, AnImuThatSaysNothingIsTold) {
   EXPECT_EQ(doubts[0].kind, InertialDoubt::Kind::kMissing);
 }
 
+TEST(InertialOdometryTest, StampsThatAreLateAreToldAndPutRight) {
+  Robot robot(FlownPath);
+  robot.driver = [](ImuSample sample) {
+    sample.timestamp_ns += 120'000'000;
+    return sample;
+  };
+  robot.Drive(15 * kSecond_ns);
+  const auto doubts = robot.odometry().TakeDoubts();
+  ASSERT_THAT(doubts, SizeIs(1));
+  EXPECT_EQ(doubts[0].kind, InertialDoubt::Kind::kLate);
+  EXPECT_THAT(doubts[0].text, HasSubstr("right by -0.120"));
+  EXPECT_TRUE(robot.odometry().state().is_ready);
+  EXPECT_LT(std::abs(robot.odometry().state().late_s), 0.003);
+  robot.DriveBlind(16 * kSecond_ns);
+  const auto motion = robot.odometry().Since(robot.newest_ns());
+  ASSERT_TRUE(motion.has_value());
+  EXPECT_LT(Off_m(*motion, robot.TrueMotion(robot.newest_ns())), 0.1);
+}
+
 // What is wrong, and what must be said of it.
 struct Wrong {
   const char* name;
