@@ -34,8 +34,8 @@ class ImuClock {
 
   // Returns the samples that are kept, as they are stamped.
   ImuSamples samples() const { return {samples_.begin(), samples_.end()}; }
-  // Returns the offset with which both turn alike at the same times, beyond doubt and to about a
-  // millisecond; nullopt where they turned too evenly or about other axes, or where the stamps as
+  // Returns the offset with which both turn alike at the same times, beyond doubt and to some
+  // milliseconds; nullopt where they turned too evenly or about other axes, or where the stamps as
   // they are do nearly as well.
   std::optional<ClockFit> Fit() const;
 
