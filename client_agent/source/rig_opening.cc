@@ -77,6 +77,7 @@ absl::Status TakeRig(const SourceSpec& spec, RigKind kind, ListedSequence& seque
   RETURN_IF_ERROR(CheckSize(spec, rig.cameras[0], sequence.frames));
   ASSIGN_OR_RETURN(SourceFindings findings, JudgeRig(rig, path, spec.opening.trust_calibration));
   ASSIGN_OR_RETURN(sequence.calibration, CalibrationOf(rig));
+  sequence.imu = rig.imu;
   if (SecondTimeOffset_ns(rig) != 0 && !sequence.paired_by_time) {
     findings.push_back({FindingLevel::kWarning, "time-offset-unused",
                         absl::StrCat(path,

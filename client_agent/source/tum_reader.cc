@@ -4,6 +4,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "client_agent/source/frame_reader.h"
+#include "client_agent/source/imu_opening.h"
 #include "client_agent/source/listed_reader.h"
 #include "client_agent/source/lists/rgbd_lists.h"
 #include "client_agent/source/rgbd_opening.h"
@@ -64,6 +65,7 @@ absl::StatusOr<std::unique_ptr<FrameReader>> OpenTum(const SourceSpec& spec) {
   sequence.paired_by_time = true;
   ASSIGN_OR_RETURN(sequence.frames, ListFrames(listed, description.remarks));
   RETURN_IF_ERROR(CalibrateRgbd(spec, sequence));
+  RETURN_IF_ERROR(TakeImu(spec, /*own_list=*/"", sequence));
   description.layout = "TUM RGB-D";
   sequence.times_file = listed.file;
   return MakeListedReader(std::move(sequence));
