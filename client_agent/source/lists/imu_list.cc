@@ -152,7 +152,7 @@ absl::Status PutInOrder(const std::string& from, ImuSamples& samples, SourceFind
   return TakeOnce(from, samples, findings);
 }
 
-absl::StatusOr<ImuSamples> ReadImuList(const std::string& path, SourceRemarks& remarks) {
+absl::StatusOr<ImuSamples> ReadImuLines(const std::string& path) {
   RETURN_IF_ERROR(CheckHeading(path));
   ImuSamples samples;
   RETURN_IF_ERROR(ForEachLine(path, [&](int line, absl::string_view text) -> absl::Status {
@@ -160,6 +160,11 @@ absl::StatusOr<ImuSamples> ReadImuList(const std::string& path, SourceRemarks& r
     if (sample.has_value()) samples.push_back(*sample);
     return absl::OkStatus();
   }));
+  return samples;
+}
+
+absl::StatusOr<ImuSamples> ReadImuList(const std::string& path, SourceRemarks& remarks) {
+  ASSIGN_OR_RETURN(ImuSamples samples, ReadImuLines(path));
   if (samples.size() < 2) {
     return absl::InvalidArgumentError(
         absl::StrCat(path, ": lists ", samples.size(), " samples of an IMU: ", kImuForm));

@@ -19,6 +19,9 @@ namespace corbslam::client_agent {
 // tenth of the times are out of order or repeated.
 absl::StatusOr<ImuSamples> ReadImuList(const std::string& path, SourceRemarks& remarks);
 
+// Does the same without judging times: samples are in the order of the file.
+absl::StatusOr<ImuSamples> ReadImuLines(const std::string& path);
+
 // Puts samples in the order of time and takes each time once, with a warning; `from` names where
 // they are from. INVALID_ARGUMENT where that is more than a tenth of them.
 absl::Status PutInOrder(const std::string& from, ImuSamples& samples, SourceFindings& findings);
