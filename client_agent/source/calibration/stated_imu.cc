@@ -11,8 +11,6 @@ namespace corbslam::client_agent {
 namespace {
 
 constexpr double kMostRate_hz = 20'000;
-// More is another clock, or another unit.
-constexpr double kMostTimeOffset_s = 0.5;
 // Farther apart, the IMU is hardly on the robot's own frame.
 constexpr double kLongLever_m = 2;
 
@@ -35,10 +33,10 @@ absl::Status Validate(const StatedImu& imu) {
   RETURN_IF_ERROR(CheckAbove0("accel_noise", imu.accel_noise, 1000, "m/s2/sqrt(Hz)"));
   RETURN_IF_ERROR(CheckAbove0("gyro_walk", imu.gyro_walk, 1000, "rad/s2/sqrt(Hz)"));
   RETURN_IF_ERROR(CheckAbove0("accel_walk", imu.accel_walk, 1000, "m/s3/sqrt(Hz)"));
-  if (std::abs(imu.time_offset_s) <= kMostTimeOffset_s) return absl::OkStatus();
+  if (std::abs(imu.time_offset_s) <= kMostImuOffset_s) return absl::OkStatus();
   return absl::InvalidArgumentError(
       absl::StrCat("imu.time_offset_s is ", imu.time_offset_s, ", must be at most ",
-                   kMostTimeOffset_s, ": is it in seconds, and have IMU and camera one clock?"));
+                   kMostImuOffset_s, ": is it in seconds, and have IMU and camera one clock?"));
 }
 
 absl::StatusOr<SourceFindings> JudgeImu(const StatedImu& imu, absl::string_view from, bool trust) {

@@ -13,15 +13,18 @@
 
 namespace corbslam::client_agent {
 
+// IMU and camera have one clock to this; more is another clock, or another unit.
+inline constexpr double kMostImuOffset_s = 0.5;
+
 struct StatedImu {
   // x_in_imu = imu_from_camera * x_in_camera, metres; of the first camera as it recorded.
-  Rigid3d imu_from_camera;
-  std::optional<double> rate_hz;
+  Rigid3d imu_from_camera = {};
+  std::optional<double> rate_hz = {};
   // Densities in the units of ImuNoise; absent: its own, of a cheap sensor.
-  std::optional<double> gyro_noise;
-  std::optional<double> accel_noise;
-  std::optional<double> gyro_walk;
-  std::optional<double> accel_walk;
+  std::optional<double> gyro_noise = {};
+  std::optional<double> accel_noise = {};
+  std::optional<double> gyro_walk = {};
+  std::optional<double> accel_walk = {};
   // What is added to its stamps to get times of the first camera's stamps.
   double time_offset_s = 0;
 };
