@@ -61,7 +61,7 @@ TEST(ImuConvertTest, KalibrsCamchainSaysWhereItSitsAndByWhichClock) {
   ASSERT_TRUE(converted.ok()) << converted.status();
   ASSERT_TRUE(converted->rig.imu.has_value());
   const StatedImu& imu = *converted->rig.imu;
-  // A point 0.05 m along the camera's x axis... T_cam_imu: x_cam = -y_imu + 0.05.
+  // T_cam_imu: x_cam = -y_imu + 0.05, y_cam = x_imu - 0.02.
   EXPECT_LT((imu.imu_from_camera * Eigen::Vector3d(0.05, -0.02, 0.01)).norm(), 1e-12);
   EXPECT_LT((imu.imu_from_camera * Eigen::Vector3d(0.05, 0.98, 0.01) - Eigen::Vector3d::UnitX())
                 .norm(),
