@@ -40,7 +40,7 @@ class KeptImu {
   }
 
   ImuSamples samples_;
-  int drive_ = 0;
+  int drive_ = 0;  // Of `samples_`.
 };
 
 }  // namespace corbslam::client_agent
