@@ -82,7 +82,7 @@ class LiveStream : public FrameStream {
   const LiveOptions options_;
   const std::optional<double> rate_hz_;
   SensorCalibration calibration_;  // Without an IMU where the camera gives no samples.
-  const DepthPreparation depth_;  // RGB-D only.
+  const DepthPreparation depth_;   // RGB-D only.
   PicturePairing pairing_;
   RateWatch rate_;
   SourceFindings findings_;

@@ -151,8 +151,7 @@ corbslam_push_status SendImu(corbslam_push& c, const corbslam_push_imu_sample* s
   const size_t bytes = count * sizeof(wire::ImuSample);
   const auto all = static_cast<uint32_t>(sizeof(wire::Imu) + bytes);
   wire::Imu head = {{wire::kImu, all}, count, 0};
-  iovec parts[2] = {{&head, sizeof(head)},
-                    {const_cast<corbslam_push_imu_sample*>(samples), bytes}};
+  iovec parts[2] = {{&head, sizeof(head)}, {const_cast<corbslam_push_imu_sample*>(samples), bytes}};
   msghdr message = {};
   message.msg_iov = parts;
   message.msg_iovlen = 2;

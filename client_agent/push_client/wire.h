@@ -26,7 +26,8 @@ constexpr int64_t kMostAhead_ns = int64_t{60} * 1'000'000'000;
 constexpr uint32_t kMostImuSamples = 256;  // In one message.
 constexpr uint32_t kTakesImu = 1;          // Of Welcome::takes.
 
-// From the driver: kHello once, then kFrame and kImu. From the robot: kWelcome or kRefused, then the rest.
+// From the driver: kHello once, then kFrame and kImu. From the robot: kWelcome or kRefused, then
+// the rest.
 enum Kind : uint32_t {
   kHello = 1,
   kFrame = 2,

@@ -28,18 +28,17 @@ std::string UnstatedNoise(const StatedImu& stated) {
 
 absl::Status NobodyStatesIt(const SourceSpec& spec) {
   const std::string& rig = spec.opening.rig_file;
-  return absl::InvalidArgumentError(absl::StrCat(
-      "?imu=", spec.opening.imu, ": nothing says where the IMU sits: ",
-      rig.empty() ? "give a rig file with a block imu: (?rig=FILE, docs/rig.md)"
-                  : absl::StrCat(rig, " has no block imu: (docs/rig.md)")));
+  return absl::InvalidArgumentError(
+      absl::StrCat("?imu=", spec.opening.imu, ": nothing says where the IMU sits: ",
+                   rig.empty() ? "give a rig file with a block imu: (?rig=FILE, docs/rig.md)"
+                               : absl::StrCat(rig, " has no block imu: (docs/rig.md)")));
 }
 
 ImuExpectation ExpectationOf(const SourceSpec& spec, const std::string& path,
                              const std::vector<ListedFrame>& frames) {
   const auto [first, last] = std::minmax_element(
-      frames.begin(), frames.end(), [](const ListedFrame& a, const ListedFrame& b) {
-        return a.timestamp_ns < b.timestamp_ns;
-      });
+      frames.begin(), frames.end(),
+      [](const ListedFrame& a, const ListedFrame& b) { return a.timestamp_ns < b.timestamp_ns; });
   ImuExpectation expected;
   expected.from = path;
   expected.first_picture_ns = first->timestamp_ns;

@@ -26,9 +26,9 @@ absl::Status TakeSamples(const StatedImu& stated, ImuExpectation expected, ImuSa
 // Puts the samples of ?imu=FILE, or of `own_list` where the recording has one (else it is empty),
 // into `sequence`, whose calibration and frames are there. Without samples, without anybody who
 // states where the IMU sits, or with ?imu=0 the recording has no IMU, and the description says why.
-// INVALID_ARGUMENT names the file: ?imu=FILE without a statement, and as ReadImuList and MeasureImu.
-absl::Status TakeImu(const SourceSpec& spec, const std::string& own_list,
-                     ListedSequence& sequence);
+// INVALID_ARGUMENT names the file: ?imu=FILE without a statement, and as ReadImuList and
+// MeasureImu.
+absl::Status TakeImu(const SourceSpec& spec, const std::string& own_list, ListedSequence& sequence);
 
 }  // namespace corbslam::client_agent
 

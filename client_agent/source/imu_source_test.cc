@@ -177,9 +177,9 @@ TEST(ImuSourceTest, TheRecordingSaysWhereTheImuSits) {
   EXPECT_EQ(imu->noise.accel_walk, 3e-3);
   EXPECT_EQ(imu->rate_hz, 200);
   // The camera looks along the body's x axis, which is the IMU's -y axis.
-  EXPECT_LT((imu->imu_from_camera.rotation * Eigen::Vector3d::UnitZ() + Eigen::Vector3d::UnitY())
-                .norm(),
-            1e-9);
+  EXPECT_LT(
+      (imu->imu_from_camera.rotation * Eigen::Vector3d::UnitZ() + Eigen::Vector3d::UnitY()).norm(),
+      1e-9);
   EXPECT_LT((imu->imu_from_camera.translation - Eigen::Vector3d(0, -0.08, 0)).norm(), 1e-9);
   EXPECT_THAT(reader->description().imu, HasSubstr("200 Hz, 2600 samples from 1403715261.002"));
   EXPECT_THAT(reader->description().imu, HasSubstr("/mav0/imu0/data.csv; no gaps"));
@@ -333,9 +333,9 @@ TEST(ImuSourceTest, OtherLayoutsTakeAListThatIsNamed) {
               HasSubstr("plain.yaml has no block imu: (docs/rig.md)"));
   EXPECT_THAT(MessageOf(absl::StrCat("kitti:", folder, "?imu=", folder, "/imu.csv")),
               HasSubstr("give a rig file with a block imu: (?rig=FILE, docs/rig.md)"));
-  EXPECT_THAT(MessageOf(absl::StrCat("kitti:", folder, "?rig=", folder,
-                                     "/rig.yaml&imu=/nowhere/imu.csv")),
-              HasSubstr("/nowhere/imu.csv"));
+  EXPECT_THAT(
+      MessageOf(absl::StrCat("kitti:", folder, "?rig=", folder, "/rig.yaml&imu=/nowhere/imu.csv")),
+      HasSubstr("/nowhere/imu.csv"));
 }
 
 // A list of times that falls holds two drives; the second one's first frame is not what follows
@@ -377,9 +377,8 @@ TEST(ImuSourceTest, RealRecordingsComeWhole) {
         EXPECT_GE(given.back().timestamp_ns, frame.timestamp_ns);
         EXPECT_LT(given.back().timestamp_ns, frame.timestamp_ns + 6'000'000);
       }
-      const ImuSamples expected =
-          ImuBetween(*all, frames.front().timestamp_ns - 10'000'000'000,
-                     frames.back().timestamp_ns);
+      const ImuSamples expected = ImuBetween(*all, frames.front().timestamp_ns - 10'000'000'000,
+                                             frames.back().timestamp_ns);
       ASSERT_EQ(given.size(), expected.size()) << name << options;
       for (size_t i = 0; i < given.size(); ++i) {
         EXPECT_EQ(given[i].timestamp_ns, expected[i].timestamp_ns);

@@ -71,8 +71,7 @@ TEST(RigOpeningTest, TheRigStandsInForTheRecordingsCalibration) {
 // A robot's recording has the IMU's samples by the camera's clock already.
 TEST(RigOpeningTest, MovesNoImuTwice) {
   const std::string folder = MakeFolder();
-  const std::string imu =
-      "imu: {imu_from_camera: [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]";
+  const std::string imu = "imu: {imu_from_camera: [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]";
   const std::string own = PairOf(kCameras);
   fs::copy_file(own, folder + "/rig.yaml");
   std::ofstream(folder + "/rig.yaml", std::ios::app) << imu << "}\n";

@@ -167,10 +167,9 @@ absl::Status PushCamera::CheckClock(int64_t timestamp_ns) {
   if (timestamp_ns <= now_ns || timestamp_ns - now_ns <= push_wire::kMostAhead_ns) {
     return absl::OkStatus();
   }
-  return absl::InvalidArgumentError(
-      absl::StrCat("timestamp_ns is ", timestamp_ns,
-                   ", which is more than a minute ahead of CLOCK_MONOTONIC, ", now_ns,
-                   ": is it of another clock?"));
+  return absl::InvalidArgumentError(absl::StrCat(
+      "timestamp_ns is ", timestamp_ns, ", which is more than a minute ahead of CLOCK_MONOTONIC, ",
+      now_ns, ": is it of another clock?"));
 }
 
 absl::Status PushCamera::OnImu(const ImuSamples& samples) {

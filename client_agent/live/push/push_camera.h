@@ -74,7 +74,7 @@ class PushCamera : public LiveCamera, private PushHost, private PoseListener {
   std::optional<Rig> rig_;
   bool rig_is_told_ = false;  // A driver's rig that is not used was logged.
   std::optional<Rigid3d> camera_from_recorded_;
-  int64_t newest_ns_ = -1;  // Of the driver; the pairing knows what came of those before.
+  int64_t newest_ns_ = -1;      // Of the driver; the pairing knows what came of those before.
   int64_t newest_imu_ns_ = -1;  // Of the driver.
   PicturePairing* pairing_ = nullptr;
   LiveImu imu_;

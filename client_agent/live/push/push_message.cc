@@ -206,9 +206,9 @@ absl::StatusOr<ImuSamples> ParseImu(absl::string_view packet) {
           absl::StrCat("a sample's timestamp_ns is ", sent.timestamp_ns, ", must be 0 to 2^62"));
     }
     if (!samples.empty() && sent.timestamp_ns <= samples.back().timestamp_ns) {
-      return absl::InvalidArgumentError(absl::StrCat(
-          "a sample's timestamp_ns is ", sent.timestamp_ns, ", the one before has ",
-          samples.back().timestamp_ns, ": times must grow"));
+      return absl::InvalidArgumentError(
+          absl::StrCat("a sample's timestamp_ns is ", sent.timestamp_ns, ", the one before has ",
+                       samples.back().timestamp_ns, ": times must grow"));
     }
     samples.push_back(sample);
   }

@@ -90,7 +90,8 @@ typedef struct corbslam_push_imu_sample {
   int64_t timestamp_ns;           /* On the clock of the frames, or a little off it (the rig's
                                      imu.time_offset_s). */
   double angular_velocity_rps[3]; /* x, y, z, rad/s */
-  double specific_force_mps2[3];  /* x, y, z: acceleration less gravity, m/s2. At rest 9.8 upwards. */
+  double
+      specific_force_mps2[3]; /* x, y, z: acceleration less gravity, m/s2. At rest 9.8 upwards. */
 } corbslam_push_imu_sample;
 
 /* A connection with a robot. */

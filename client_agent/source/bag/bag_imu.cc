@@ -37,10 +37,9 @@ absl::StatusOr<const BagTopic*> ChooseTopic(const BagImuQuery& query,
     for (const BagTopic* const topic : topics) {
       if (topic->name == named) return topic;
     }
-    return absl::InvalidArgumentError(
-        absl::StrCat(query.options.path, ": ?imu=", named,
-                     ": no topic of sensor_msgs/Imu with messages; there are ",
-                     ListTopics(topics, "")));
+    return absl::InvalidArgumentError(absl::StrCat(
+        query.options.path, ": ?imu=", named,
+        ": no topic of sensor_msgs/Imu with messages; there are ", ListTopics(topics, "")));
   }
   if (topics.empty() && query.of_rig.has_value()) {
     remarks.left_out.push_back(
@@ -69,10 +68,9 @@ std::string PlaceImu(const BagImuQuery& query, const BagTopic& topic, StatedImu&
   const std::string why =
       topic.imu_frame_id == query.camera_frame_id
           ? absl::StrCat("its frame is the camera's, '", topic.imu_frame_id, "'")
-      : query.tree.empty()
-          ? std::string("there is no /tf_static")
-          : absl::StrCat("/tf_static has no way from frame '", query.camera_frame_id, "' to '",
-                         topic.imu_frame_id, "'");
+      : query.tree.empty() ? std::string("there is no /tf_static")
+                           : absl::StrCat("/tf_static has no way from frame '",
+                                          query.camera_frame_id, "' to '", topic.imu_frame_id, "'");
   return absl::StrCat("nobody says where it sits (", why,
                       "): give a rig file with a block imu: (?rig=FILE, docs/rig.md)");
 }

@@ -68,8 +68,7 @@ std::string McapTopic(uint16_t id, const std::string& topic, const std::string& 
 
 std::string McapMessage(uint16_t id, int64_t recorded_ns, const std::string& data) {
   const auto time = static_cast<uint64_t>(recorded_ns);
-  return McapRecord(
-      5, LittleBytes().Put(id).Put(uint32_t{0}).Put(time).Put(time).bytes() + data);
+  return McapRecord(5, LittleBytes().Put(id).Put(uint32_t{0}).Put(time).Put(time).bytes() + data);
 }
 
 LittleBytes HeaderOf(int64_t stamp_ns, const std::string& frame) {
@@ -170,9 +169,9 @@ TEST(BagImuTest, FramesHaveWhatWasMeasuredAndTheFixedFramesSayWhere) {
 }
 
 TEST(BagImuTest, SeveralMustBeNamed) {
-  const std::string bag = BagWith(
-      "two_imus.mcap",
-      FixedFrames(kCameraFrame) + ImuTopic(91, "/imu/data") + ImuTopic(92, "/camera/imu"));
+  const std::string bag =
+      BagWith("two_imus.mcap",
+              FixedFrames(kCameraFrame) + ImuTopic(91, "/imu/data") + ImuTopic(92, "/camera/imu"));
   auto reader = OpenSpec(bag);
   ASSERT_TRUE(reader.ok()) << reader.status();
   EXPECT_FALSE(BagsImu(**reader).has_value());
@@ -247,8 +246,7 @@ TEST(BagImuTest, TellsWhatIsNoMeasurement) {
 
 TEST(BagImuTest, TheSummaryNamesIt) {
   BagOptions options;
-  options.path = BagWith("summed_imu.mcap",
-                         FixedFrames(kCameraFrame) + ImuTopic(91, "/imu/data"));
+  options.path = BagWith("summed_imu.mcap", FixedFrames(kCameraFrame) + ImuTopic(91, "/imu/data"));
   const auto summary = SummariseBag(options);
   ASSERT_TRUE(summary.ok()) << summary.status();
   const std::string text = FormatBagSummary(*summary);

@@ -23,8 +23,8 @@ constexpr TopicOption kTopicOptions[] = {{"left", &BagOptions::left},
 std::vector<absl::string_view> BagOptionNames() {
   std::vector<absl::string_view> names;
   for (const TopicOption& option : kTopicOptions) names.push_back(option.name);
-  for (const char* name :
-       {"imu", "rig", "time", "scale", "trust_calibration", "pair_within_ms", "depth_units", "register"}) {
+  for (const char* name : {"imu", "rig", "time", "scale", "trust_calibration", "pair_within_ms",
+                           "depth_units", "register"}) {
     names.emplace_back(name);
   }
   return names;

@@ -73,11 +73,11 @@ absl::StatusOr<EurocImu> ReadEurocImu(const std::string& sensor_yaml_path) {
     }
     const YAML::Node matrix = file["T_BS"];
     if (!matrix.IsDefined()) {
-      return absl::InvalidArgumentError(absl::StrCat(path, ": T_BS is missing: where the IMU sits"));
+      return absl::InvalidArgumentError(
+          absl::StrCat(path, ": T_BS is missing: where the IMU sits"));
     }
-    ASSIGN_OR_RETURN(
-        const std::vector<double> pose,
-        ReadNumbers(matrix.IsMap() ? matrix["data"] : matrix, path, "T_BS", 16, 16));
+    ASSIGN_OR_RETURN(const std::vector<double> pose,
+                     ReadNumbers(matrix.IsMap() ? matrix["data"] : matrix, path, "T_BS", 16, 16));
     ASSIGN_OR_RETURN(imu.body_from_imu, ToRigid(pose, path, "T_BS"));
     ASSIGN_OR_RETURN(imu.stated.rate_hz, ReadIfThere(file, path, "rate_hz"));
     return ReadKalibrNoise(file, path, imu.stated);

@@ -64,7 +64,7 @@ ImuCalibration CalibrationOf(const StatedImu& imu) {
 }
 
 StatedImu StatedOf(const ImuCalibration& imu) {
-  return {imu.imu_from_camera, imu.rate_hz,         imu.noise.gyro,   imu.noise.accel,
+  return {imu.imu_from_camera, imu.rate_hz,          imu.noise.gyro,   imu.noise.accel,
           imu.noise.gyro_walk, imu.noise.accel_walk, imu.time_offset_s};
 }
 

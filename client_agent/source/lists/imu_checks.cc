@@ -125,8 +125,8 @@ absl::Status ImuLook::CheckTimes(const ImuSamples& samples, ImuStatistics& stati
   const double median_s = Median(std::move(intervals_s));
   if (median_s < kShortestImuInterval_s || median_s > kLongestImuInterval_s) {
     const char* const unit = median_s > kLongestImuInterval_s ? "another unit"
-                             : median_s < 1e-7             ? "milliseconds"
-                                                           : "microseconds";
+                             : median_s < 1e-7                ? "milliseconds"
+                                                              : "microseconds";
     return absl::InvalidArgumentError(absl::StrFormat(
         "%s: the median interval between samples of the IMU is %.6g s, must be in [%g, %g]: its "
         "times are in %s, wanted are nanoseconds",
@@ -350,9 +350,9 @@ absl::StatusOr<ImuStatistics> MeasureImu(const ImuSamples& samples, const ImuExp
 }
 
 std::string DescribeImu(const ImuStatistics& statistics, const std::string& from) {
-  std::string text = absl::StrFormat("%.4g Hz, %d samples from %s, from %s", statistics.rate_hz,
-                                     statistics.samples,
-                                     RangeText(statistics.first_ns, statistics.last_ns), from);
+  std::string text =
+      absl::StrFormat("%.4g Hz, %d samples from %s, from %s", statistics.rate_hz,
+                      statistics.samples, RangeText(statistics.first_ns, statistics.last_ns), from);
   if (statistics.gaps == 0) return text + "; no gaps";
   absl::StrAppend(&text, absl::StrFormat("; %d gaps, the longest %.3f s", statistics.gaps,
                                          statistics.longest_gap_s));

@@ -114,8 +114,9 @@ INSTANTIATE_TEST_SUITE_P(
                "",
                "measured from 1403715273.000000000 to 1403715282.995000000 s, the pictures were "
                "taken from 12.000000000 to 22.000000000 s"},
-        OddImu{"InG", [](ImuSamples& samples, ImuExpectation&) { ScaleForce(samples, 1 / 9.80665); },
-               "", "they are in g. Multiply them by 9.80665"},
+        OddImu{"InG",
+               [](ImuSamples& samples, ImuExpectation&) { ScaleForce(samples, 1 / 9.80665); }, "",
+               "they are in g. Multiply them by 9.80665"},
         OddImu{"InMg",
                [](ImuSamples& samples, ImuExpectation&) { ScaleForce(samples, 1000 / 9.80665); },
                "", "they are in mg"},
@@ -155,22 +156,22 @@ INSTANTIATE_TEST_SUITE_P(
                  samples.erase(samples.begin() + 400, samples.begin() + 500);
                  samples.erase(samples.begin() + 1000, samples.begin() + 1010);
                },
-               "imu-gaps", "some 110 samples of the IMU are missing in 2 gaps, the longest of 0.505"},
+               "imu-gaps",
+               "some 110 samples of the IMU are missing in 2 gaps, the longest of 0.505"},
         OddImu{"BeginsLate",
                [](ImuSamples& samples, ImuExpectation&) {
                  samples.erase(samples.begin(), samples.begin() + 400);
                },
                "imu-covers-part", "begins 2.000 s after the first picture and ends 0.000 s before"},
-        OddImu{"EndsEarly",
-               [](ImuSamples& samples, ImuExpectation&) { samples.resize(1500); },
+        OddImu{"EndsEarly", [](ImuSamples& samples, ImuExpectation&) { samples.resize(1500); },
                "imu-covers-part", "ends 2.500 s before the last"},
         OddImu{"Saturated",
                [](ImuSamples& samples, ImuExpectation&) {
                  for (size_t i = 700; i < 720; ++i) samples[i].specific_force_mps2.x() = -19.6;
                },
-               "imu-saturated", "20 samples of the accelerometer's x axis are at its extreme, -19.6"},
-        OddImu{"OtherRate",
-               [](ImuSamples&, ImuExpectation& expected) { expected.rate_hz = 500; },
+               "imu-saturated",
+               "20 samples of the accelerometer's x axis are at its extreme, -19.6"},
+        OddImu{"OtherRate", [](ImuSamples&, ImuExpectation& expected) { expected.rate_hz = 500; },
                "imu-rate-other", "measured 200 times a second, its calibration says 500"},
         OddImu{"ReadTwice",
                [](ImuSamples& samples, ImuExpectation&) {

@@ -44,9 +44,9 @@ absl::Status CheckHeading(const std::string& path) {
   if (fields.size() != kImuFields) return absl::OkStatus();  // Any other comment.
   const std::string heading = absl::AsciiStrToLower(line);
   if (absl::StrContains(heading, "deg")) {
-    return LineError(path, 1,
-                     absl::StrCat("the heading says degrees: angular velocities must be in rad/s; ",
-                                  kImuForm));
+    return LineError(
+        path, 1,
+        absl::StrCat("the heading says degrees: angular velocities must be in rad/s; ", kImuForm));
   }
   const size_t turning = FindFirst(heading, {"w_", "gyr", "ang", "omega"});
   const size_t force = FindFirst(heading, {"a_rs", "acc", "alpha", "lin"});
@@ -63,9 +63,9 @@ absl::Status CheckHeading(const std::string& path) {
 absl::Status NoImuTime(const std::string& path, int line, absl::string_view field) {
   return LineError(
       path, line,
-      absl::StrCat("field 1 is no time in whole nanoseconds: ", field,
-                   absl::StrContains(field, '.') ? ". Is it in seconds? Write all its digits, in ns"
-                                                 : ""));
+      absl::StrCat(
+          "field 1 is no time in whole nanoseconds: ", field,
+          absl::StrContains(field, '.') ? ". Is it in seconds? Write all its digits, in ns" : ""));
 }
 
 // Returns nullopt for a line of headings.
@@ -117,8 +117,8 @@ absl::Status TakeOnce(const std::string& from, ImuSamples& samples, SourceFindin
   if (repeats == 0) return absl::OkStatus();
   const std::string what =
       absl::StrCat(from, ": ", repeats, " of ", samples.size(),
-                   " samples of the IMU have the time of another, the first at ", first_ns,
-                   " ns; ", others, " of them with other values");
+                   " samples of the IMU have the time of another, the first at ", first_ns, " ns; ",
+                   others, " of them with other values");
   if (repeats * kOddImuShare > samples.size()) return TooManyOdd(what);
   findings.push_back({FindingLevel::kWarning, "imu-times-repeat",
                       absl::StrCat(what, ": the first of each time is taken")});

@@ -266,9 +266,9 @@ TEST(RigFileTest, WritesWhatItReads) {
     EXPECT_EQ(again->close_depth_m, rig.close_depth_m);
     ASSERT_EQ(again->imu.has_value(), rig.imu.has_value());
     if (!rig.imu.has_value()) continue;
-    EXPECT_LT(again->imu->imu_from_camera.rotation.angularDistance(
-                  rig.imu->imu_from_camera.rotation),
-              1e-12);
+    EXPECT_LT(
+        again->imu->imu_from_camera.rotation.angularDistance(rig.imu->imu_from_camera.rotation),
+        1e-12);
     EXPECT_EQ(again->imu->imu_from_camera.translation, rig.imu->imu_from_camera.translation);
     EXPECT_EQ(again->imu->rate_hz, rig.imu->rate_hz);
     EXPECT_EQ(again->imu->gyro_noise, rig.imu->gyro_noise);

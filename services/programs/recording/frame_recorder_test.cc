@@ -120,8 +120,7 @@ TEST_F(FrameRecorderTest, StereoFramesComeBackAsTheyWereAndClientAgentPlaysThem)
 
 ImuCalibration SomeImu() {
   ImuCalibration imu;
-  imu.imu_from_camera.rotation =
-      Eigen::AngleAxisd(1.0 / 3, Eigen::Vector3d(1, -2, 3).normalized());
+  imu.imu_from_camera.rotation = Eigen::AngleAxisd(1.0 / 3, Eigen::Vector3d(1, -2, 3).normalized());
   imu.imu_from_camera.translation = {0.06, -0.01, 0.02};
   imu.noise = {1.7e-4, 2e-3, 1.9e-5, 3e-3};
   imu.time_offset_s = 0.01;
@@ -154,7 +153,8 @@ TEST_F(FrameRecorderTest, WhatAnImuMeasuredComesBackWithItsFrames) {
   RgbdCalibration rgbd;
   rgbd.camera = SmallCamera();
   rgbd.imu = SomeImu();
-  for (const SensorCalibration& calibration : {SensorCalibration(stereo), SensorCalibration(rgbd)}) {
+  for (const SensorCalibration& calibration :
+       {SensorCalibration(stereo), SensorCalibration(rgbd)}) {
     std::filesystem::remove_all(folder_);
     const bool is_stereo = std::holds_alternative<StereoCalibration>(calibration);
     Start(calibration);

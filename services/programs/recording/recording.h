@@ -20,7 +20,7 @@ struct RecordedFrame {
   std::optional<OrdersLine> orders = std::nullopt;  // What was ordered before it, if anything.
   // What tracking said of it; nullopt where the robot ended before it had.
   std::optional<client_agent::TrackingResult> result = std::nullopt;
-  uint64_t dropped = 0;  // Frames that had come too fast by then.
+  uint64_t dropped = 0;     // Frames that had come too fast by then.
   size_t first_sample = 0;  // In Recording::imu: of those that came with it.
 };
 

@@ -103,7 +103,8 @@ const PictureMask& MaskOf(const SensorCalibration& calibration) {
 }
 
 const std::optional<ImuCalibration>& ImuOf(const SensorCalibration& calibration) {
-  return std::visit([](const auto& kind) -> const auto& { return kind.imu; }, calibration);
+  return std::visit(
+      [](const auto& kind) -> const auto& { return kind.imu; }, calibration);
 }
 
 // Where the body is that T_BS is of: where a calibration says it, else at the IMU.

@@ -35,7 +35,7 @@ class NotingAgent : public Agent {
  public:
   std::vector<double> told;
   std::vector<size_t> samples;  // How many of an IMU came with each frame.
-  TrackingResult result;  // What Track answers, but for the time.
+  TrackingResult result;        // What Track answers, but for the time.
 
   absl::StatusOr<TrackingResult> Track(const SensorImages& images) override {
     told.push_back(1e-9 * static_cast<double>(images.timestamp_ns));

@@ -92,11 +92,11 @@ absl::StatusOr<std::optional<double>> ReadAxes(const YAML::Node& value, const ch
   return *std::max_element(axes.begin(), axes.end());
 }
 
-absl::Status ReadImu(const YAML::Node& value, const Rigid3d& imu_from_left,
-                     const std::string& path, ConvertedRig& converted) {
+absl::Status ReadImu(const YAML::Node& value, const Rigid3d& imu_from_left, const std::string& path,
+                     ConvertedRig& converted) {
   // Without an IMU its frame is the first camera's.
-  const bool has_imu = value["imu_update_rate"].IsDefined() || value["gyro_noise_std"].IsDefined() ||
-                       value["accel_noise_std"].IsDefined();
+  const bool has_imu = value["imu_update_rate"].IsDefined() ||
+                       value["gyro_noise_std"].IsDefined() || value["accel_noise_std"].IsDefined();
   if (!has_imu) return absl::OkStatus();
   StatedImu& imu = converted.rig.imu.emplace();
   imu.imu_from_camera = imu_from_left;

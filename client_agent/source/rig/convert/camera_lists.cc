@@ -116,13 +116,9 @@ struct ImuNames {
   const char* delay;  // Which says by which rule the clocks differ, is not told.
 };
 const ImuNames& SvosImu() {
-  static const auto& names = *new ImuNames{{"imu_params"},
-                                           "imu_rate",
-                                           "sigma_omega_c",
-                                           "sigma_acc_c",
-                                           "sigma_omega_bias_c",
-                                           "sigma_acc_bias_c",
-                                           "delay_imu_cam"};
+  static const auto& names =
+      *new ImuNames{{"imu_params"},       "imu_rate",         "sigma_omega_c", "sigma_acc_c",
+                    "sigma_omega_bias_c", "sigma_acc_bias_c", "delay_imu_cam"};
   return names;
 }
 const ImuNames& OkvissImu() {

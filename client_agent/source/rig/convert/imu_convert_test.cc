@@ -63,9 +63,9 @@ TEST(ImuConvertTest, KalibrsCamchainSaysWhereItSitsAndByWhichClock) {
   const StatedImu& imu = *converted->rig.imu;
   // T_cam_imu: x_cam = -y_imu + 0.05, y_cam = x_imu - 0.02.
   EXPECT_LT((imu.imu_from_camera * Eigen::Vector3d(0.05, -0.02, 0.01)).norm(), 1e-12);
-  EXPECT_LT((imu.imu_from_camera * Eigen::Vector3d(0.05, 0.98, 0.01) - Eigen::Vector3d::UnitX())
-                .norm(),
-            1e-12);
+  EXPECT_LT(
+      (imu.imu_from_camera * Eigen::Vector3d(0.05, 0.98, 0.01) - Eigen::Vector3d::UnitX()).norm(),
+      1e-12);
   // t_imu = t_cam + shift, and a rig has what is added to the IMU's.
   EXPECT_EQ(imu.time_offset_s, -0.004);
   EXPECT_FALSE(imu.gyro_noise.has_value());
@@ -172,8 +172,8 @@ TEST(ImuConvertTest, ReadsBasalts) {
   EXPECT_NEAR(imu.time_offset_s, -0.0025, 1e-12);
   EXPECT_THAT(converted->notes, ::testing::ElementsAre(HasSubstr("calib_accel_bias is left out")));
   // Older files have one number for all axes.
-  const auto older = Convert(
-      "calibration.json", absl::StrReplaceAll(kBasaltImu, {{"[0.016, 0.015, 0.014]", "0.02"}}));
+  const auto older = Convert("calibration.json",
+                             absl::StrReplaceAll(kBasaltImu, {{"[0.016, 0.015, 0.014]", "0.02"}}));
   ASSERT_TRUE(older.ok()) << older.status();
   EXPECT_EQ(older->rig.imu->accel_noise, 0.02);
 }
@@ -226,8 +226,7 @@ TEST(ImuConvertTest, ReadsOkvis2s) {
   EXPECT_THAT(late->notes, Contains(HasSubstr("image_delay of 0.03 s is left out")));
   const auto broken = Convert(
       "okvis2.yaml", absl::StrReplaceAll(kOkvisImu, {{"sigma_a_c: 8.0e-3", "sigma_a_c: some"}}));
-  EXPECT_THAT(std::string(broken.status().message()),
-              HasSubstr("sigma_a_c is no finite number"));
+  EXPECT_THAT(std::string(broken.status().message()), HasSubstr("sigma_a_c is no finite number"));
 }
 
 TEST(ImuConvertTest, ReadsOrbSlam3s) {
@@ -303,7 +302,8 @@ TEST(ImuConvertTest, ReadsEurocs) {
   for (const char* sensor : {"cam0", "cam1", "imu0"}) {
     std::filesystem::create_directories(absl::StrCat(folder, "/mav0/", sensor));
   }
-  const std::string camera = R"(T_BS: {cols: 4, rows: 4, data: [1, 0, 0, X, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]}
+  const std::string camera =
+      R"(T_BS: {cols: 4, rows: 4, data: [1, 0, 0, X, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]}
 resolution: [752, 480]
 camera_model: pinhole
 intrinsics: [458.6, 457.3, 367.2, 248.4]

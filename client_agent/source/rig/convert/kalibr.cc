@@ -188,10 +188,10 @@ absl::Status Read(const YAML::Node& file, const std::string& path, ConvertedRig&
                    ReadMotion(file["cam1"]["T_cn_cnm1"], path, "cam1.T_cn_cnm1"));
   if (!file["cam0"]["T_cam_imu"].IsDefined()) {
     if (shift_s != 0) {
-      converted.notes.push_back(
-          absl::StrCat("cam0.timeshift_cam_imu of ", shift_s,
-                       " s is left out, but for how much cam1's differs: cam0.T_cam_imu is missing, "
-                       "which would say where the IMU sits"));
+      converted.notes.push_back(absl::StrCat(
+          "cam0.timeshift_cam_imu of ", shift_s,
+          " s is left out, but for how much cam1's differs: cam0.T_cam_imu is missing, "
+          "which would say where the IMU sits"));
     }
     return absl::OkStatus();
   }

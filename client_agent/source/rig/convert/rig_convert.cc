@@ -161,10 +161,10 @@ void LeaveOutUnknown(ConvertedRig& converted) {
     converted.notes.push_back(absl::StrCat("the IMU's ", name, " is 0, which is left out"));
   }
   if (Validate(*imu).ok() || std::abs(imu->time_offset_s) <= kMostImuOffset_s) return;
-  converted.notes.push_back(absl::StrCat(
-      "the IMU is left out: its clock and the camera's are ", std::abs(imu->time_offset_s),
-      " s apart, of which a rig states at most ", kMostImuOffset_s,
-      ": stamp both by one clock, and calibrate again"));
+  converted.notes.push_back(
+      absl::StrCat("the IMU is left out: its clock and the camera's are ",
+                   std::abs(imu->time_offset_s), " s apart, of which a rig states at most ",
+                   kMostImuOffset_s, ": stamp both by one clock, and calibrate again"));
   imu.reset();
 }
 
