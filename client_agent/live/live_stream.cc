@@ -3,6 +3,7 @@
 #include <glog/logging.h>
 
 #include <algorithm>
+#include <cmath>
 #include <opencv2/core.hpp>
 #include <utility>
 #include <variant>
@@ -10,6 +11,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/time/clock.h"
+#include "client_agent/source/imu_opening.h"
 #include "client_agent/source/source_description.h"
 #include "slam/util/status_macros.h"
 
@@ -86,7 +88,23 @@ LiveStream::LiveStream(const Rig& rig, SensorCalibration calibration, DepthPrepa
       pairing_(/*both=*/true, options.pair_within_ns, UsedOffset_ns(rig, options)),
       rate_(rig.rate_hz),
       findings_(FindUnusedOffset(rig, options)),
-      camera_(std::move(camera)) {}
+      camera_(std::move(camera)) {
+  UseImu(rig);
+}
+
+void LiveStream::UseImu(const Rig& rig) {
+  if (!rig.imu.has_value()) return;
+  if (LiveImu* const imu = camera_->imu(); imu != nullptr) {
+    imu->SetOffset(std::llround(1e9 * rig.imu->time_offset_s));
+    return;
+  }
+  SetImu(std::nullopt, calibration_);
+  findings_.push_back({FindingLevel::kWarning, "imu-unused",
+                       absl::StrCat(options_.name,
+                                    ": the rig's IMU is not used: this camera gives no samples of "
+                                    "it, as a driver behind push: can (docs/push.md)")});
+  LOG(WARNING) << findings_.back().text << " [" << findings_.back().code << "]";
+}
 
 LiveStream::~LiveStream() { camera_->Stop(); }
 
@@ -137,6 +155,9 @@ absl::StatusOr<StreamFrame> LiveStream::FrameOf(const LivePair& pair) const {
   frame.came = pair.came;
   frame.images.timestamp_ns = pair.first.timestamp_ns;
   frame.images.grey = pair.first.image;
+  if (LiveImu* const imu = camera_->imu(); imu != nullptr) {
+    frame.images.imu = imu->Take(frame.images.timestamp_ns);
+  }
   if (IsStereo(calibration_)) {
     frame.images.right = pair.second.image;
   } else {

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "absl/status/status.h"
+#include "client_agent/live/live_imu.h"
 #include "client_agent/live/picture_pairing.h"
 #include "client_agent/live/rate_watch.h"
 #include "client_agent/source/frame_stream.h"
@@ -26,6 +27,8 @@ class LiveCamera {
   virtual void Stop() = 0;
   // As FrameStream's.
   virtual PoseListener* pose_listener() { return nullptr; }
+  // Returns what its IMU measures, which lives as long as the camera; null: it gives no samples.
+  virtual LiveImu* imu() { return nullptr; }
 };
 
 struct LiveOptions {
@@ -64,6 +67,7 @@ class LiveStream : public FrameStream {
  private:
   LiveStream(const Rig& rig, SensorCalibration calibration, DepthPreparation depth,
              std::unique_ptr<LiveCamera> camera, const LiveOptions& options);
+  void UseImu(const Rig& rig);
   absl::Status CheckPictures(const LivePair& pair) const;
   // Returns a checked pair as a frame, its depth prepared.
   absl::StatusOr<StreamFrame> FrameOf(const LivePair& pair) const;
@@ -77,8 +81,8 @@ class LiveStream : public FrameStream {
 
   const LiveOptions options_;
   const std::optional<double> rate_hz_;
-  const SensorCalibration calibration_;
-  const DepthPreparation depth_;  // RGB-D only.
+  SensorCalibration calibration_;  // Without an IMU where the camera gives no samples.
+  const DepthPreparation depth_;   // RGB-D only.
   PicturePairing pairing_;
   RateWatch rate_;
   SourceFindings findings_;

@@ -81,6 +81,17 @@ TEST_F(LiveStreamTest, GivesFramesAsTheyCome) {
   EXPECT_TRUE(stopped_);
 }
 
+// Of a camera that gives pictures alone, nobody may wait for samples.
+TEST_F(LiveStreamTest, SaysThatARigsImuIsNotUsed) {
+  Rig rig = RectifiedPair();
+  rig.imu.emplace();
+  Open(rig);
+  EXPECT_FALSE(std::get<StereoCalibration>(stream_->calibration()).imu.has_value());
+  ASSERT_EQ(stream_->findings().size(), 1u);
+  EXPECT_EQ(stream_->findings()[0].code, "imu-unused");
+  EXPECT_THAT(stream_->findings()[0].text, HasSubstr("gst:test: the rig's IMU is not used"));
+}
+
 TEST_F(LiveStreamTest, SaysHowManyFramesARobotMissed) {
   Open(RectifiedPair());
   for (int i = 1; i <= 6; ++i) Push(i, Grey(i), Grey(i));

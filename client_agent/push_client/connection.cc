@@ -1,9 +1,12 @@
 #include "client_agent/push_client/connection.h"
 
 #include <errno.h>
+#include <linux/sockios.h>
 #include <poll.h>
 #include <string.h>
+#include <sys/ioctl.h>
 #include <sys/socket.h>
+#include <sys/uio.h>
 #include <time.h>
 
 namespace corbslam::push_client {
@@ -42,6 +45,7 @@ void Hear(corbslam_push& c, const Message& message, size_t bytes) {
   const uint32_t kind = message.header.kind;
   if (kind == wire::kWelcome && bytes == sizeof(wire::Welcome)) {
     c.welcome = true;
+    c.robot_takes = message.welcome.takes;
   } else if (kind == wire::kSlotsFree && bytes == sizeof(wire::SlotsFree)) {
     c.free_slots |= message.slots_free.slots & AllSlots(c.hello.slots) & ~c.taken_slots;
   } else if (kind == wire::kPose && bytes == sizeof(wire::Pose)) {
@@ -122,6 +126,42 @@ corbslam_push_status SendFrame(corbslam_push& c, uint32_t slot, int64_t timestam
     ReadWaiting(c);  // Says why the robot ended it, where it did.
     if (c.ended != CORBSLAM_PUSH_OK) return c.ended;
     return c.ended = Fail(c.error, CORBSLAM_PUSH_GONE, "can't send a frame: %s", strerror(why));
+  }
+  return CORBSLAM_PUSH_OK;
+}
+
+namespace {
+
+// Half of the socket is the frames'.
+bool HasRoomForImu(int socket) {
+  int queued = 0;
+  int most = 0;
+  socklen_t bytes = sizeof(most);
+  if (ioctl(socket, SIOCOUTQ, &queued) < 0) return true;
+  if (getsockopt(socket, SOL_SOCKET, SO_SNDBUF, &most, &bytes) < 0) return true;
+  return queued < most / 2;
+}
+
+}  // namespace
+
+corbslam_push_status SendImu(corbslam_push& c, const corbslam_push_imu_sample* samples,
+                             uint32_t count) {
+  static_assert(sizeof(corbslam_push_imu_sample) == sizeof(wire::ImuSample));
+  if (!HasRoomForImu(c.socket)) return CORBSLAM_PUSH_TIMEOUT;
+  const size_t bytes = count * sizeof(wire::ImuSample);
+  const auto all = static_cast<uint32_t>(sizeof(wire::Imu) + bytes);
+  wire::Imu head = {{wire::kImu, all}, count, 0};
+  iovec parts[2] = {{&head, sizeof(head)}, {const_cast<corbslam_push_imu_sample*>(samples), bytes}};
+  msghdr message = {};
+  message.msg_iov = parts;
+  message.msg_iovlen = 2;
+  while (sendmsg(c.socket, &message, MSG_NOSIGNAL | MSG_DONTWAIT) < 0) {
+    if (errno == EINTR) continue;
+    if (errno == EAGAIN || errno == EWOULDBLOCK) return CORBSLAM_PUSH_TIMEOUT;
+    const int why = errno;
+    ReadWaiting(c);  // Says why the robot ended it, where it did.
+    if (c.ended != CORBSLAM_PUSH_OK) return c.ended;
+    return c.ended = Fail(c.error, CORBSLAM_PUSH_GONE, "can't send samples: %s", strerror(why));
   }
   return CORBSLAM_PUSH_OK;
 }

@@ -25,9 +25,11 @@ struct corbslam_push {
   // read.
   bool someone_reads;
   bool welcome;
+  uint32_t robot_takes;  // As Welcome::takes.
   uint64_t free_slots;
   uint64_t taken_slots;  // By the caller. What is neither is the robot's.
   int64_t newest_ns;
+  int64_t newest_imu_ns;
   corbslam_push_pose poses[corbslam::push_client::kPosesKept];
   uint64_t poses_came;
   uint64_t poses_read;
@@ -62,6 +64,11 @@ corbslam_push_status Await(corbslam_push& c, int64_t deadline_ns, IsThere is_the
 
 // Sends a frame's message. An error ends the connection.
 corbslam_push_status SendFrame(corbslam_push& c, uint32_t slot, int64_t timestamp_ns);
+
+// Sends what an IMU measured. TIMEOUT, without a word, where the socket holds so much already that
+// frames could lack room.
+corbslam_push_status SendImu(corbslam_push& c, const corbslam_push_imu_sample* samples,
+                             uint32_t count);
 
 }  // namespace corbslam::push_client
 

@@ -21,6 +21,7 @@ using corbslam::push_client::MakeMemory;
 using corbslam::push_client::Now_ns;
 using corbslam::push_client::SendFrame;
 using corbslam::push_client::SendHello;
+using corbslam::push_client::SendImu;
 namespace wire = corbslam::push_wire;
 
 namespace {
@@ -41,6 +42,7 @@ corbslam_push* Make() {
   made->socket = -1;
   made->memory.file = -1;
   made->newest_ns = -1;
+  made->newest_imu_ns = -1;
   pthread_mutex_init(&made->mutex, nullptr);
   pthread_condattr_t attributes;
   pthread_condattr_init(&attributes);
@@ -48,6 +50,32 @@ corbslam_push* Make() {
   pthread_cond_init(&made->changed, &attributes);
   pthread_condattr_destroy(&attributes);
   return made;
+}
+
+// Says where a sample is not above the one before, is of another clock, or no measurement.
+corbslam_push_status CheckSample(corbslam_push& c, const corbslam_push_imu_sample& sample,
+                                 int64_t before_ns) {
+  for (int axis = 0; axis < 3; ++axis) {
+    // Neither is true of what is no number, nor of infinity.
+    const double turning = sample.angular_velocity_rps[axis];
+    const double force = sample.specific_force_mps2[axis];
+    if (turning - turning == 0 && force - force == 0) continue;
+    return Fail(c.error, CORBSLAM_PUSH_INVALID, "a sample's value is no finite number");
+  }
+  if (sample.timestamp_ns <= before_ns || sample.timestamp_ns > kMostTime_ns) {
+    return Fail(c.error, CORBSLAM_PUSH_INVALID,
+                "timestamp_ns of a sample is %lld, the one before has %lld: times must grow, up to "
+                "2^62",
+                static_cast<long long>(sample.timestamp_ns), static_cast<long long>(before_ns));
+  }
+  const int64_t now_ns = Now_ns();
+  if (sample.timestamp_ns <= now_ns || sample.timestamp_ns - now_ns <= wire::kMostAhead_ns) {
+    return CORBSLAM_PUSH_OK;
+  }
+  return Fail(c.error, CORBSLAM_PUSH_INVALID,
+              "timestamp_ns of a sample is %lld, which is more than a minute ahead of "
+              "CLOCK_MONOTONIC, %lld: is it of another clock?",
+              static_cast<long long>(sample.timestamp_ns), static_cast<long long>(now_ns));
 }
 
 corbslam_push_status Connect(const corbslam_push_options& options, corbslam_push& c) {
@@ -176,6 +204,34 @@ corbslam_push_status corbslam_push_frame(corbslam_push* connection, const void* 
   CopyRows(hello.second, second, second_stride_bytes, static_cast<uint8_t*>(slot.second));
   status = corbslam_push_commit(connection, slot.index, timestamp_ns);
   if (status != CORBSLAM_PUSH_OK) corbslam_push_cancel(connection, slot.index);
+  return status;
+}
+
+corbslam_push_status corbslam_push_imu(corbslam_push* connection,
+                                       const corbslam_push_imu_sample* samples, uint32_t count) {
+  corbslam_push& c = *connection;
+  const Lock lock(c);
+  if (c.ended != CORBSLAM_PUSH_OK) return c.ended;
+  if ((c.robot_takes & wire::kTakesImu) == 0) {
+    return Fail(c.error, CORBSLAM_PUSH_INVALID,
+                "the robot takes no samples of an IMU: its rig has no block imu: (docs/rig.md), or "
+                "it is older than that");
+  }
+  if (count < 1 || count > wire::kMostImuSamples) {
+    return Fail(c.error, CORBSLAM_PUSH_INVALID, "count is %u, must be 1 to %u", count,
+                wire::kMostImuSamples);
+  }
+  int64_t newest_ns = c.newest_imu_ns;
+  for (uint32_t i = 0; i < count; ++i) {
+    const corbslam_push_status status = CheckSample(c, samples[i], newest_ns);
+    if (status != CORBSLAM_PUSH_OK) return status;
+    newest_ns = samples[i].timestamp_ns;
+  }
+  const corbslam_push_status status = SendImu(c, samples, count);
+  if (status == CORBSLAM_PUSH_TIMEOUT) {
+    return Fail(c.error, status, "the robot takes nothing at the moment; no sample was sent");
+  }
+  if (status == CORBSLAM_PUSH_OK) c.newest_imu_ns = newest_ns;
   return status;
 }
 

@@ -23,10 +23,15 @@ constexpr uint32_t kNameBytes = 64;
 // A frame's time is at most so far ahead of CLOCK_MONOTONIC: beyond, another clock made it.
 constexpr int64_t kMostAhead_ns = int64_t{60} * 1'000'000'000;
 
-// From the driver: kHello once, then kFrame. From the robot: kWelcome or kRefused, then the rest.
+constexpr uint32_t kMostImuSamples = 256;  // In one message.
+constexpr uint32_t kTakesImu = 1;          // Of Welcome::takes.
+
+// From the driver: kHello once, then kFrame and kImu. From the robot: kWelcome or kRefused, then
+// the rest.
 enum Kind : uint32_t {
   kHello = 1,
   kFrame = 2,
+  kImu = 3,
   kWelcome = 101,
   kSlotsFree = 102,
   kPose = 103,
@@ -67,10 +72,23 @@ struct Frame {
   int64_t timestamp_ns;
 };
 
+struct ImuSample {
+  int64_t timestamp_ns;
+  double angular_velocity_rps[3];
+  double specific_force_mps2[3];
+};
+
+// `samples` times an ImuSample follows.
+struct Imu {
+  Header header;
+  uint32_t samples;
+  uint32_t reserved;  // 0.
+};
+
 struct Welcome {
   Header header;
   uint32_t version;
-  uint32_t reserved;
+  uint32_t takes;  // Bits: what it takes beside frames. 0 from older robots.
 };
 
 struct SlotsFree {
@@ -96,6 +114,7 @@ struct Refused {
 
 static_assert(sizeof(Header) == 8 && sizeof(Picture) == 24 && sizeof(Hello) == 152);
 static_assert(sizeof(Frame) == 24 && sizeof(Welcome) == 16 && sizeof(SlotsFree) == 16);
+static_assert(sizeof(ImuSample) == 56 && sizeof(Imu) == 16);
 static_assert(sizeof(Pose) == 96 && sizeof(Refused) == 8);
 static_assert(std::is_trivially_copyable_v<Hello> && std::is_trivially_copyable_v<Pose>);
 

@@ -1,11 +1,14 @@
 #include <filesystem>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "client_agent/source/calibration/euroc_calibration.h"
 #include "client_agent/source/calibration/plausibility.h"
+#include "client_agent/source/calibration/stated_imu.h"
 #include "client_agent/source/frame_reader.h"
+#include "client_agent/source/imu_opening.h"
 #include "client_agent/source/listed_reader.h"
 #include "client_agent/source/lists/camera_list.h"
 #include "client_agent/source/rig_opening.h"
@@ -83,6 +86,26 @@ absl::StatusOr<std::vector<ListedFrame>> ListFrames(const std::string& root, int
   return frames;
 }
 
+// Takes imu0 where it is there: where it sits is said by the rig, else by its sensor.yaml.
+absl::Status TakeEurocImu(const SourceSpec& spec, const std::string& root,
+                          ListedSequence& sequence) {
+  std::error_code ignored;
+  std::string list = root + "/imu0/data.csv";
+  if (!std::filesystem::exists(list, ignored)) list.clear();
+  const std::string sensor = root + "/imu0/sensor.yaml";
+  const bool is_wanted = spec.opening.imu != "0" && !(list.empty() && spec.opening.imu.empty());
+  if (is_wanted && spec.opening.rig_file.empty() && std::filesystem::exists(sensor, ignored)) {
+    ASSIGN_OR_RETURN(EurocImu imu, ReadEurocImu(sensor));
+    const auto& stereo = std::get<StereoCalibration>(sequence.calibration);
+    imu.stated.imu_from_camera = imu.body_from_imu.Inverse() * *stereo.body_from_raw_left;
+    ASSIGN_OR_RETURN(SourceFindings findings,
+                     JudgeImu(imu.stated, sensor, spec.opening.trust_calibration));
+    sequence.description.remarks.Add(std::move(findings));
+    sequence.imu = imu.stated;
+  }
+  return TakeImu(spec, list, sequence);
+}
+
 }  // namespace
 
 absl::StatusOr<std::unique_ptr<FrameReader>> OpenEuroc(const SourceSpec& spec) {
@@ -102,6 +125,7 @@ absl::StatusOr<std::unique_ptr<FrameReader>> OpenEuroc(const SourceSpec& spec) {
   description.layout = "EuRoC (ASL), cam0 and cam1";
   description.intrinsics_from = root + "/cam0/sensor.yaml, cam1/sensor.yaml";
   if (has_rig) RETURN_IF_ERROR(TakeRig(spec, RigKind::kStereo, sequence));
+  RETURN_IF_ERROR(TakeEurocImu(spec, root, sequence));
   sequence.times_file = root + "/cam0/data.csv";
   return MakeListedReader(std::move(sequence));
 }

@@ -7,6 +7,7 @@
 #include "client_agent/source/layout_hints.h"
 #include "client_agent/source/perturb.h"
 #include "client_agent/source/scaled_reader.h"
+#include "client_agent/source/without_imu.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::client_agent {
@@ -37,12 +38,23 @@ absl::StatusOr<SensorImages> ReadPerturbed(const FrameReader& reader, size_t fra
   return images;
 }
 
-absl::StatusOr<std::unique_ptr<FrameReader>> OpenReader(const SourceSpec& spec) {
+namespace {
+
+absl::StatusOr<std::unique_ptr<FrameReader>> OpenAnyReader(const SourceSpec& spec) {
   if (spec.settings != nullptr) return spec.settings->Open();
   absl::StatusOr<std::unique_ptr<FrameReader>> reader = OpenLayout(spec);
   if (!reader.ok()) return WithLayoutHint(reader.status(), spec);
   if (spec.opening.scale == 1) return reader;
   return ScaleReader(*std::move(reader), spec.opening.scale);
+}
+
+}  // namespace
+
+absl::StatusOr<std::unique_ptr<FrameReader>> OpenReader(const SourceSpec& spec) {
+  ASSIGN_OR_RETURN(std::unique_ptr<FrameReader> reader, OpenAnyReader(spec));
+  if (!spec.selection.reverse) return reader;
+  return WithoutImu(std::move(reader),
+                    "the frames are played backwards (reverse), an IMU's samples can't be");
 }
 
 }  // namespace corbslam::client_agent

@@ -28,6 +28,10 @@ class FrameReader {
   // Returns NOT_FOUND or INVALID_ARGUMENT, naming the file: one that is not there, can't be read,
   // is cut short or has another size than the calibration.
   virtual absl::StatusOr<SensorImages> Read(size_t frame) const = 0;
+  // Returns what the IMU measured later than `after_ns`, up to the first sample at or after
+  // `until_ns` (ImuBetween), by the clock of timestamp_ns: what is played need not be all frames,
+  // and each sample comes with one. Read gives none then. Empty where there is no IMU.
+  virtual ImuSamples Imu(int64_t /*after_ns*/, int64_t /*until_ns*/) const { return {}; }
 };
 
 // Each of these opens `spec.directory`; docs/sources.md lists the files of each layout and the

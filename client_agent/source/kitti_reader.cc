@@ -8,6 +8,7 @@
 #include "absl/strings/str_format.h"
 #include "client_agent/source/calibration/kitti_calibration.h"
 #include "client_agent/source/frame_reader.h"
+#include "client_agent/source/imu_opening.h"
 #include "client_agent/source/kitti_folders.h"
 #include "client_agent/source/listed_reader.h"
 #include "client_agent/source/lists/frame_rate.h"
@@ -123,6 +124,7 @@ absl::StatusOr<std::unique_ptr<FrameReader>> OpenKitti(const SourceSpec& spec) {
   if (!has_rig) RETURN_IF_ERROR(TakeCalibration(spec, folders, pictures, sequence));
   ASSIGN_OR_RETURN(sequence.frames, ListFrames(spec, folders, pictures, sequence.description));
   if (has_rig) RETURN_IF_ERROR(TakeRig(spec, RigKind::kStereo, sequence));
+  RETURN_IF_ERROR(TakeImu(spec, /*own_list=*/"", sequence));
   sequence.times_file = folders.times;
   sequence.description.layout = folders.layout;
   return MakeListedReader(std::move(sequence));

@@ -6,6 +6,7 @@
 #include <variant>
 
 #include "absl/strings/str_cat.h"
+#include "client_agent/source/lists/imu_list.h"
 #include "client_agent/source/pictures/grey_depth.h"
 #include "client_agent/source/pictures/image_file.h"
 #include "slam/util/status_macros.h"
@@ -22,6 +23,7 @@ class ListedReader : public FrameReader {
       : calibration_(std::move(sequence.calibration)),
         depth_(std::move(sequence.depth)),
         frames_(std::move(sequence.frames)),
+        imu_(std::move(sequence.imu_samples)),
         description_(std::move(sequence.description)),
         is_stereo_(std::holds_alternative<StereoCalibration>(calibration_)),
         white_(white) {}
@@ -42,6 +44,9 @@ class ListedReader : public FrameReader {
     }
     ASSIGN_OR_RETURN(images.depth, ReadDepth(files.second));
     return images;
+  }
+  ImuSamples Imu(int64_t after_ns, int64_t until_ns) const override {
+    return ImuBetween(imu_, after_ns, until_ns);
   }
 
  private:
@@ -72,6 +77,7 @@ class ListedReader : public FrameReader {
   const SensorCalibration calibration_;
   const DepthPreparation depth_;
   const std::vector<ListedFrame> frames_;
+  const ImuSamples imu_;
   const SourceDescription description_;
   const bool is_stereo_;
   const int white_;  // Of grey pictures of 16 bits.

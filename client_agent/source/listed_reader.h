@@ -4,10 +4,12 @@
 #define CORBSLAM_CLIENT_AGENT_SOURCE_LISTED_READER_H_
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "client_agent/source/calibration/stated_imu.h"
 #include "client_agent/source/frame_reader.h"
 #include "client_agent/source/rig/rig_depth.h"
 
@@ -25,6 +27,8 @@ struct ListedSequence {
   SensorCalibration calibration;
   DepthPreparation depth;  // RGB-D only.
   std::vector<ListedFrame> frames;
+  std::optional<StatedImu> imu;  // As a rig or the recording's own file states it.
+  ImuSamples imu_samples;        // By the clock of the frames.
   // Which two pictures are a frame was found out by their times.
   bool paired_by_time = false;
   std::string times_file;  // Named in messages about times.

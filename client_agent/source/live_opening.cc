@@ -1,5 +1,7 @@
 #include "client_agent/source/live_opening.h"
 
+#include <variant>
+
 #include "absl/strings/str_cat.h"
 #include "slam/util/status_macros.h"
 
@@ -42,6 +44,9 @@ absl::StatusOr<LiveSource> OpenLiveSource(const SourceSpec& spec, const absl::No
   opened.description.depth_units_from = "its rig";
   opened.description.times_from = "the camera's own, as its frames come";
   DescribeCamera(opened.stream->calibration(), opened.description);
+  const bool has_imu = std::visit([](const auto& kind) { return kind.imu.has_value(); },
+                                  opened.stream->calibration());
+  if (has_imu) opened.description.imu = "as its samples come, by its rig";
   return opened;
 }
 

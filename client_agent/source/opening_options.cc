@@ -11,13 +11,14 @@ namespace corbslam::client_agent {
 std::vector<absl::string_view> OpeningOptionNames(SourceLayout layout) {
   switch (layout) {
     case SourceLayout::kKitti:
-      return {"rig", "scale", "trust_calibration", "fps", "images"};
+      return {"rig", "scale", "trust_calibration", "fps", "images", "imu"};
     case SourceLayout::kEuroc:
-      return {"rig", "scale", "trust_calibration", "pair_within_ms"};
+      return {"rig", "scale", "trust_calibration", "pair_within_ms", "imu"};
     case SourceLayout::kTum:
-      return {"rig", "scale", "camera", "calibration", "trust_calibration", "register"};
+      return {"rig", "scale", "camera", "calibration", "trust_calibration", "register", "imu"};
     case SourceLayout::kSevenScenes:
-      return {"rig", "scale", "camera", "calibration", "trust_calibration", "register", "fps"};
+      return {"rig",      "scale", "camera", "calibration", "trust_calibration",
+              "register", "fps",   "imu"};
     case SourceLayout::kRegistered:
       break;
   }
@@ -55,6 +56,9 @@ absl::Status ApplyOpeningOption(absl::string_view key, absl::string_view value,
     opening.images = std::string(value);
   } else if (key == "pair_within_ms") {
     return ParseReal(key, value, 0, 1000, opening.pair_within_ms);
+  } else if (key == "imu") {
+    if (value.empty() || value == "1") return BadOption(key, value, "a file, or 0 for none");
+    opening.imu = std::string(value);
   } else {
     return BadOption(key, value, "another name");
   }
@@ -78,6 +82,7 @@ std::vector<std::pair<std::string, std::string>> FormatOpening(const SourceOpeni
   if (opening.pair_within_ms != plain.pair_within_ms) {
     add_word("pair_within_ms", FormatReal(opening.pair_within_ms));
   }
+  add_word("imu", opening.imu);
   return options;
 }
 

@@ -7,6 +7,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "client_agent/source/frame_reader.h"
+#include "client_agent/source/kept_imu.h"
 #include "client_agent/source/read_ahead.h"
 #include "slam/util/median.h"
 #include "slam/util/status_macros.h"
@@ -42,14 +43,30 @@ class ReadSequence : public RecordedSequence {
     return StreamFrame{frame(i), std::move(images)};
   }
 
+  void AddImu(StreamFrame& frame);
+
   const std::unique_ptr<FrameReader> reader_;
   const std::vector<size_t> frames_;
   const Perturbation perturbation_;
+  std::optional<int> imu_drive_;  // The drive of the frame that was given last.
+  int64_t imu_until_ns_ = 0;      // The sample that was given last.
   bool has_failed_ = false;
   size_t unreadable_in_a_row_ = 0;
   LeftOutFrames left_out_;
   ReadAhead read_ahead_;  // The last member: its thread uses the others.
 };
+
+// Called for the frames that are given, so that what was measured before one that can't be read
+// comes with the next.
+void ReadSequence::AddImu(StreamFrame& frame) {
+  if (!frame.images.imu.empty()) return;
+  if (imu_drive_ != frame.frame.drive) {
+    imu_drive_ = frame.frame.drive;
+    imu_until_ns_ = frame.frame.timestamp_ns - kLongestKeptImu_ns;
+  }
+  frame.images.imu = reader_->Imu(imu_until_ns_, frame.frame.timestamp_ns);
+  if (!frame.images.imu.empty()) imu_until_ns_ = frame.images.imu.back().timestamp_ns;
+}
 
 absl::StatusOr<NextFrame> ReadSequence::Next(absl::Time /*deadline*/) {
   while (!has_failed_) {
@@ -57,6 +74,7 @@ absl::StatusOr<NextFrame> ReadSequence::Next(absl::Time /*deadline*/) {
     if (frame.ok() && !frame->has_value()) break;
     if (frame.ok()) {
       unreadable_in_a_row_ = 0;
+      AddImu(**frame);
       return **std::move(frame);
     }
     ++left_out_.count;

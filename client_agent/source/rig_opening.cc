@@ -31,12 +31,14 @@ absl::Status CheckSize(const SourceSpec& spec, const RigCamera& camera,
 struct Alignment {
   int64_t second_offset_ns = 0;
   bool registers_depth = false;
+  double imu_offset_s = 0;
   bool operator==(const Alignment&) const = default;
 };
 
 Alignment AlignmentOf(const Rig& rig, std::optional<bool> registers) {
   const bool has_camera = rig.kind == RigKind::kRgbd && rig.depth.camera.has_value();
-  return {SecondTimeOffset_ns(rig), has_camera && registers.value_or(true)};
+  return {SecondTimeOffset_ns(rig), has_camera && registers.value_or(true),
+          rig.imu.has_value() ? rig.imu->time_offset_s : 0};
 }
 
 // A robot's recording (docs/recording.md) has frames as they were tracked: with aligned stamps and
@@ -48,7 +50,11 @@ absl::Status CheckNotDoneTwice(const SourceSpec& spec, const Rig& rig) {
   const std::string own_file = (folder / "rig.yaml").string();
   const absl::StatusOr<Rig> own = ReadRigFile(own_file);
   const Alignment done = own.ok() ? AlignmentOf(*own, spec.opening.registers) : Alignment();
-  if (AlignmentOf(rig, spec.opening.registers) == done) return absl::OkStatus();
+  Alignment wanted = AlignmentOf(rig, spec.opening.registers);
+  // Another list, or none, is by the IMU's own clock.
+  const bool takes_own_imu = own.ok() && own->imu.has_value() && spec.opening.imu.empty();
+  if (!takes_own_imu) wanted.imu_offset_s = done.imu_offset_s;
+  if (wanted == done) return absl::OkStatus();
   return absl::InvalidArgumentError(absl::StrCat(
       spec.opening.rig_file, ": has another time_offset_s or depth.camera than ", own_file,
       ", and ", spec.directory,
@@ -77,6 +83,7 @@ absl::Status TakeRig(const SourceSpec& spec, RigKind kind, ListedSequence& seque
   RETURN_IF_ERROR(CheckSize(spec, rig.cameras[0], sequence.frames));
   ASSIGN_OR_RETURN(SourceFindings findings, JudgeRig(rig, path, spec.opening.trust_calibration));
   ASSIGN_OR_RETURN(sequence.calibration, CalibrationOf(rig));
+  sequence.imu = rig.imu;
   if (SecondTimeOffset_ns(rig) != 0 && !sequence.paired_by_time) {
     findings.push_back({FindingLevel::kWarning, "time-offset-unused",
                         absl::StrCat(path,

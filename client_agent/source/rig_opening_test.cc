@@ -68,6 +68,22 @@ TEST(RigOpeningTest, TheRigStandsInForTheRecordingsCalibration) {
   EXPECT_THAT((*reader)->description().intrinsics_from, HasSubstr("opening_rig.yaml"));
 }
 
+// A robot's recording has the IMU's samples by the camera's clock already.
+TEST(RigOpeningTest, MovesNoImuTwice) {
+  const std::string folder = MakeFolder();
+  const std::string imu = "imu: {imu_from_camera: [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]";
+  const std::string own = PairOf(kCameras);
+  fs::copy_file(own, folder + "/rig.yaml");
+  std::ofstream(folder + "/rig.yaml", std::ios::app) << imu << "}\n";
+  std::ofstream(folder + "/recording.json") << "{}";
+  std::ofstream(own, std::ios::app) << imu << ", time_offset_s: 0.01}\n";
+  const auto open = [&](const std::string& options) {
+    return OpenReader(*ParseSourceSpec(absl::StrCat("kitti:", folder, "?rig=", own, options)));
+  };
+  EXPECT_THAT(std::string(open("").status().message()), HasSubstr("has another time_offset_s"));
+  EXPECT_TRUE(open("&imu=0").ok());
+}
+
 TEST(RigOpeningTest, RefusesARigOfOtherPictures) {
   const std::string other_size =
       "cameras:\n  - {size_px: [320, 120], focal_px: [100, 100], principal_px: [161, 60]}\n";

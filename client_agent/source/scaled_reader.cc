@@ -88,7 +88,11 @@ class ScaledReader : public FrameReader {
     images.grey = Smooth(read.grey);
     images.right = Smooth(read.right);
     images.depth = Nearest(scaling_, read.depth);
+    images.imu = read.imu;
     return images;
+  }
+  ImuSamples Imu(int64_t after_ns, int64_t until_ns) const override {
+    return reader_->Imu(after_ns, until_ns);
   }
 
  private:

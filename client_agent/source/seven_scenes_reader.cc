@@ -5,6 +5,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "client_agent/source/frame_reader.h"
+#include "client_agent/source/imu_opening.h"
 #include "client_agent/source/listed_reader.h"
 #include "client_agent/source/lists/frame_rate.h"
 #include "client_agent/source/lists/numbered_pictures.h"
@@ -42,6 +43,7 @@ absl::StatusOr<std::unique_ptr<FrameReader>> OpenSevenScenes(const SourceSpec& s
   ListedSequence sequence;
   ASSIGN_OR_RETURN(sequence.frames, ListFrames(spec));
   RETURN_IF_ERROR(CalibrateRgbd(spec, sequence));
+  RETURN_IF_ERROR(TakeImu(spec, /*own_list=*/"", sequence));
   sequence.description.layout = "7-Scenes";
   sequence.description.times_from = absl::StrCat("?fps=", *spec.opening.fps);
   sequence.times_file = spec.directory;

@@ -98,6 +98,7 @@ std::vector<std::pair<std::string, std::string>> DescribeInLines(
     lines.push_back(
         {"mask", absl::StrFormat("leaves out %.1f %% of the picture", description.masked_percent)});
   }
+  if (!description.imu.empty()) lines.push_back({"imu", description.imu});
   if (description.is_live) {
     lines.push_back({"times", description.times_from});
     return lines;

@@ -27,6 +27,7 @@ struct SourceDescription {
   std::string depth_units_from;
   std::string depth_registration;  // What is done to depth, for people. Empty: it is registered.
   double masked_percent = 0;       // Of the (first) picture, where the rig has a mask.
+  std::string imu;       // How often and when its IMU measured, for people. Empty: it has none.
   bool is_live = false;  // A camera: how many frames there will be, and when, nobody knows.
   // Number of all frames of the sequence, selected or not.
   size_t frames = 0;

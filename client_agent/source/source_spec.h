@@ -55,6 +55,9 @@ struct SourceOpening {
   std::string images;
   // pair-within-ms=T, EuRoC: how far the times of a pair's two pictures may be apart.
   double pair_within_ms = 2;
+  // imu=FILE: what the IMU measured, in EuRoC's form, instead of the recording's own list. "0": it
+  // is played without. Empty: the recording's own list, where it has one.
+  std::string imu;
 };
 
 struct SourceSpec {

@@ -4,6 +4,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "client_agent/source/frame_reader.h"
+#include "client_agent/source/imu_opening.h"
 #include "client_agent/source/listed_reader.h"
 #include "client_agent/source/lists/rgbd_lists.h"
 #include "client_agent/source/rgbd_opening.h"
@@ -53,6 +54,13 @@ absl::StatusOr<std::vector<ListedFrame>> ListFrames(const Listed& listed, Source
   return frames;
 }
 
+// Returns the list that a robot's recording has; empty where there is none.
+std::string FindImuList(const std::string& directory) {
+  std::error_code ignored;
+  const std::string list = directory + "/imu0/data.csv";
+  return std::filesystem::exists(list, ignored) ? list : "";
+}
+
 }  // namespace
 
 absl::StatusOr<std::unique_ptr<FrameReader>> OpenTum(const SourceSpec& spec) {
@@ -64,6 +72,7 @@ absl::StatusOr<std::unique_ptr<FrameReader>> OpenTum(const SourceSpec& spec) {
   sequence.paired_by_time = true;
   ASSIGN_OR_RETURN(sequence.frames, ListFrames(listed, description.remarks));
   RETURN_IF_ERROR(CalibrateRgbd(spec, sequence));
+  RETURN_IF_ERROR(TakeImu(spec, FindImuList(directory), sequence));
   description.layout = "TUM RGB-D";
   sequence.times_file = listed.file;
   return MakeListedReader(std::move(sequence));

@@ -10,6 +10,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
+#include "client_agent/source/kept_imu.h"
 #include "client_agent/source_checks/source_checks.h"
 #include "slam/util/named_thread.h"
 #include "slam/util/status_macros.h"
@@ -21,6 +22,16 @@ namespace {
 bool IsHopeless(const SourceFinding& finding) {
   const bool is_same = finding.code == "pair-same-picture" && finding.level == FindingLevel::kError;
   return is_same || finding.code == "pair-exchanged" || finding.code == "pair-late";
+}
+
+// What an IMU measured before a frame that is passed over comes with the newer one.
+StreamFrame InPlaceOf(std::optional<StreamFrame> passed_over, StreamFrame newer) {
+  KeptImu kept;
+  if (passed_over.has_value()) {
+    kept.Keep(passed_over->frame.drive, std::move(passed_over->images.imu));
+  }
+  kept.GiveTo(newer.frame.drive, newer.images.imu);
+  return newer;
 }
 
 }  // namespace
@@ -95,7 +106,7 @@ absl::StatusOr<NextFrame> JudgedStream::Hold(absl::StatusOr<NextFrame> next, abs
     if (waiting_until_ == absl::InfiniteFuture()) waiting_until_ = now + kMaxWait;
     sample_.push_back({frame->frame.number, frame->images});
     if (waiting_.has_value()) ++skipped_;
-    waiting_ = std::move(*frame);
+    waiting_ = InPlaceOf(std::move(waiting_), std::move(*frame));
     if (sample_.size() == wanted_) {
       if (absl::Status wrong = Judge(); !wrong.ok()) {
         ended_ = true;
@@ -150,7 +161,7 @@ absl::StatusOr<NextFrame> JudgedStream::Release() {
     behind_ = std::move(newest);
   } else if (auto* const newer = std::get_if<StreamFrame>(&*newest)) {
     ++skipped_;
-    return std::move(*newer);
+    return InPlaceOf(std::move(frame), std::move(*newer));
   }
   return frame;
 }

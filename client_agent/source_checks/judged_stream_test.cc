@@ -46,6 +46,7 @@ class SceneCamera : public FrameStream {
     auto images = read_(next_);
     if (!images.ok()) return images.status();
     frame.images = *std::move(images);
+    frame.images.imu = {{frame.frame.timestamp_ns, {}, {}}};
     ++next_;
     return frame;
   }
@@ -84,6 +85,21 @@ TEST(JudgedStreamTest, ARightPairIsTakenFromItsThirdFrameOn) {
   EXPECT_TRUE(end.ok()) << end;
   EXPECT_EQ(stream.overtaken(), 2u);
   EXPECT_THAT(stream.findings(), IsEmpty());
+}
+
+TEST(JudgedStreamTest, WhatWasMeasuredBeforeItIsNotLost) {
+  JudgedStream stream(Scene(""), {});
+  while (true) {
+    const auto next = stream.Next(absl::InfiniteFuture());
+    ASSERT_TRUE(next.ok()) << next.status();
+    const auto* const frame = std::get_if<StreamFrame>(&*next);
+    if (frame == nullptr) continue;
+    ASSERT_EQ(frame->frame.number, 2u);
+    ASSERT_EQ(frame->images.imu.size(), 3u);
+    EXPECT_EQ(frame->images.imu[0].timestamp_ns, 0);
+    EXPECT_EQ(frame->images.imu[2].timestamp_ns, 100'000'000);
+    break;
+  }
 }
 
 TEST(JudgedStreamTest, AnExchangedPairGivesNoFrame) {

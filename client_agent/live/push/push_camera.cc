@@ -106,6 +106,8 @@ void PushCamera::Step() {
                    << served.message() << "; waiting for one at " << options_.path;
       driver_.reset();
       newest_ns_ = -1;
+      newest_imu_ns_ = -1;
+      imu_.Clear();
     }
   }
   if (waiting[1].revents != 0) AcceptOne();
@@ -160,19 +162,40 @@ absl::Status PushCamera::UseDriversRig(const PushHello& hello) {
   return UseRig(rig);
 }
 
+absl::Status PushCamera::CheckClock(int64_t timestamp_ns) {
+  const int64_t now_ns = Now_ns();
+  if (timestamp_ns <= now_ns || timestamp_ns - now_ns <= push_wire::kMostAhead_ns) {
+    return absl::OkStatus();
+  }
+  return absl::InvalidArgumentError(absl::StrCat(
+      "timestamp_ns is ", timestamp_ns, ", which is more than a minute ahead of CLOCK_MONOTONIC, ",
+      now_ns, ": is it of another clock?"));
+}
+
+absl::Status PushCamera::OnImu(const ImuSamples& samples) {
+  if (!takes_imu()) {
+    return absl::InvalidArgumentError(
+        "samples of an IMU came, and the rig has no block imu: that says where it sits "
+        "(docs/rig.md)");
+  }
+  if (samples.front().timestamp_ns <= newest_imu_ns_) {
+    return absl::InvalidArgumentError(absl::StrCat(
+        "a sample's timestamp_ns is ", samples.front().timestamp_ns, ", the one before has ",
+        newest_imu_ns_, ": times must grow (CLOCK_MONOTONIC)"));
+  }
+  RETURN_IF_ERROR(CheckClock(samples.back().timestamp_ns));
+  newest_imu_ns_ = samples.back().timestamp_ns;
+  imu_.Add(samples);
+  return absl::OkStatus();
+}
+
 absl::Status PushCamera::OnFrame(int64_t timestamp_ns, cv::Mat first, cv::Mat second) {
   if (timestamp_ns <= newest_ns_) {
     return absl::InvalidArgumentError(absl::StrCat("timestamp_ns is ", timestamp_ns,
                                                    ", the frame before has ", newest_ns_,
                                                    ": times must grow (CLOCK_MONOTONIC)"));
   }
-  if (const int64_t now_ns = Now_ns();
-      timestamp_ns > now_ns && timestamp_ns - now_ns > push_wire::kMostAhead_ns) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("timestamp_ns is ", timestamp_ns,
-                     ", which is more than a minute ahead of CLOCK_MONOTONIC, ", now_ns,
-                     ": is it of another clock?"));
-  }
+  RETURN_IF_ERROR(CheckClock(timestamp_ns));
   newest_ns_ = timestamp_ns;
   // A driver that said the rig and went before the robot began.
   if (pairing_ == nullptr) return absl::OkStatus();

@@ -43,6 +43,7 @@ class PushCamera : public LiveCamera, private PushHost, private PoseListener {
   absl::Status Start(PicturePairing& pairing) override;
   void Stop() override;
   PoseListener* pose_listener() override { return this; }
+  LiveImu* imu() override { return &imu_; }
 
  private:
   PushCamera(const PushCameraOptions& options, UnixListener listener, UniqueFd wake)
@@ -50,6 +51,8 @@ class PushCamera : public LiveCamera, private PushHost, private PoseListener {
 
   absl::Status OnHello(const PushHello& hello) override;
   absl::Status OnFrame(int64_t timestamp_ns, cv::Mat first, cv::Mat second) override;
+  bool takes_imu() const override { return rig_.has_value() && rig_->imu.has_value(); }
+  absl::Status OnImu(const ImuSamples& samples) override;
   void OnPose(const FramePose& pose) override ABSL_LOCKS_EXCLUDED(mutex_);
 
   // Checks a rig and takes it.
@@ -57,6 +60,8 @@ class PushCamera : public LiveCamera, private PushHost, private PoseListener {
   absl::Status UseDriversRig(const PushHello& hello);
   // Waits for anything to do, at most a moment, and does one thing of each kind.
   void Step();
+  // INVALID_ARGUMENT where another clock than CLOCK_MONOTONIC must have made the time.
+  static absl::Status CheckClock(int64_t timestamp_ns);
   // Reads one message, or all that are left of a driver that went.
   absl::Status ServeDriver(bool readable, bool went);
   void AcceptOne();
@@ -69,8 +74,10 @@ class PushCamera : public LiveCamera, private PushHost, private PoseListener {
   std::optional<Rig> rig_;
   bool rig_is_told_ = false;  // A driver's rig that is not used was logged.
   std::optional<Rigid3d> camera_from_recorded_;
-  int64_t newest_ns_ = -1;  // Of the driver; the pairing knows what came of those before.
+  int64_t newest_ns_ = -1;      // Of the driver; the pairing knows what came of those before.
+  int64_t newest_imu_ns_ = -1;  // Of the driver.
   PicturePairing* pairing_ = nullptr;
+  LiveImu imu_;
   absl::Notification stop_;
   std::thread thread_;
 

@@ -119,8 +119,8 @@ class PushCameraTest : public ::testing::Test {
     EXPECT_FALSE(std::filesystem::exists(path_));
     std::filesystem::remove_all(folder_);
   }
-  void Start() {
-    auto opened = PushCamera::Open({.path = path_, .rig = *ReadRigText(kSmallRig, "rig")});
+  void Start(const std::string& rig = kSmallRig) {
+    auto opened = PushCamera::Open({.path = path_, .rig = *ReadRigText(rig, "rig")});
     ASSERT_TRUE(opened.ok()) << opened.status();
     camera_ = *std::move(opened);
     ASSERT_TRUE(camera_->Start(pairing_).ok());
@@ -218,6 +218,38 @@ TEST_F(PushCameraTest, RefusesFramesByTheirField) {
     EXPECT_THAT(driver.Refusal(), HasSubstr(says));
   }
   EXPECT_EQ(pairing_.counts().frames, 4u);
+}
+
+TEST_F(PushCameraTest, TakesWhatAnImuMeasuredAndRefusesItByItsField) {
+  Start(SmallRigWithImu());
+  const std::vector<std::pair<std::string, std::string>> table = {
+      {ImuPacket({{10, {}, {}}}), "a sample's timestamp_ns is 10, the one before has 10"},
+      {ImuPacket({{int64_t{1} << 61, {}, {}}}), "more than a minute ahead of CLOCK_MONOTONIC"},
+      {ImuPacket({{20, {}, {}}, {15, {}, {}}}), "is 15, the one before has 20"},
+      {ImuPacket({}), "samples is 0"}};
+  for (const auto& [packet, says] : table) {
+    RawDriver driver(path_);
+    driver.SendHello(GoodHello(), Memory(16384, F_SEAL_SHRINK));
+    ASSERT_TRUE(driver.IsWelcome());
+    driver.Send(ImuPacket({{5, {0.1, 0, 0}, {}}, {10, {0.2, 0, 0}, {}}}));
+    // It is read before what follows.
+    driver.Send(Bytes(GoodFrame(0, 7)));
+    ASSERT_EQ(driver.FreedSlots(), 1u);
+    const ImuSamples samples = camera_->imu()->Take(7);
+    ASSERT_EQ(samples.size(), 2u);
+    EXPECT_EQ(samples[1].angular_velocity_rps.x(), 0.2);
+    driver.Send(packet);
+    EXPECT_THAT(driver.Refusal(), HasSubstr(says));
+  }
+}
+
+TEST_F(PushCameraTest, ARigWithoutAnImuTakesNoSamples) {
+  Start();
+  RawDriver driver(path_);
+  driver.SendHello(GoodHello(), Memory(16384, F_SEAL_SHRINK));
+  ASSERT_TRUE(driver.IsWelcome());
+  driver.Send(ImuPacket({{5, {}, {}}}));
+  EXPECT_THAT(driver.Refusal(), HasSubstr("the rig has no block imu:"));
 }
 
 // Its times are of a clock that begins anew, as a camera's own may.

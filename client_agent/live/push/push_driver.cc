@@ -39,7 +39,8 @@ absl::Status PushDriver::Take(Packet packet) {
     return absl::InvalidArgumentError(
         absl::StrCat("bytes: a message has at most ", kMostPacketBytes, ", and carries one file"));
   }
-  return is_welcome() ? TakeFrame(packet) : TakeHello(packet);
+  if (!is_welcome()) return TakeHello(packet);
+  return IsImu(packet.bytes) ? TakeImu(packet) : TakeFrame(packet);
 }
 
 absl::Status PushDriver::TakeHello(const Packet& packet) {
@@ -56,7 +57,7 @@ absl::Status PushDriver::TakeHello(const Packet& packet) {
   ring_ = std::move(ring);
   LOG(INFO) << "the driver " << who_ << " is connected";
   // Nothing was sent before: the socket has room for it. Whether the driver went is read later.
-  SendPacket(fd(), FormatWelcome()).status().IgnoreError();
+  SendPacket(fd(), FormatWelcome(host_.takes_imu())).status().IgnoreError();
   return absl::OkStatus();
 }
 
@@ -76,6 +77,14 @@ absl::Status PushDriver::TakeFrame(const Packet& packet) {
   RETURN_IF_ERROR(host_.OnFrame(frame.timestamp_ns, first, second));
   free_slots_ |= bit;
   return absl::OkStatus();
+}
+
+absl::Status PushDriver::TakeImu(const Packet& packet) {
+  ASSIGN_OR_RETURN(const ImuSamples samples, ParseImu(packet.bytes));
+  if (!packet.files.empty()) {
+    return absl::InvalidArgumentError("memory: samples carry no file, only the hello does");
+  }
+  return host_.OnImu(samples);
 }
 
 absl::Status PushDriver::Refuse(absl::Status why) {

@@ -23,6 +23,9 @@ class PushHost {
   virtual ~PushHost() = default;
   virtual absl::Status OnHello(const PushHello& hello) = 0;
   virtual absl::Status OnFrame(int64_t timestamp_ns, cv::Mat first, cv::Mat second) = 0;
+  // Called only behind OnHello.
+  virtual bool takes_imu() const = 0;
+  virtual absl::Status OnImu(const ImuSamples& samples) = 0;
 };
 
 // One connection, used by one thread. It never waits.
@@ -49,6 +52,7 @@ class PushDriver {
   absl::Status Take(Packet packet);
   absl::Status TakeHello(const Packet& packet);
   absl::Status TakeFrame(const Packet& packet);
+  absl::Status TakeImu(const Packet& packet);
   // Tells the driver why it is refused, and returns that.
   absl::Status Refuse(absl::Status why);
 

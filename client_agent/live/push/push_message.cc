@@ -173,6 +173,48 @@ absl::StatusOr<PushFrame> ParseFrame(absl::string_view packet, const PushLayout&
   return PushFrame{frame.slot, frame.timestamp_ns};
 }
 
+bool IsImu(absl::string_view packet) {
+  push_wire::Header header = {};
+  if (packet.size() < sizeof(header)) return false;
+  std::memcpy(&header, packet.data(), sizeof(header));
+  return header.kind == push_wire::kImu;
+}
+
+absl::StatusOr<ImuSamples> ParseImu(absl::string_view packet) {
+  ASSIGN_OR_RETURN(const auto head, Front<push_wire::Imu>(packet, push_wire::kImu, "imu"));
+  if (head.samples < 1 || head.samples > push_wire::kMostImuSamples) {
+    return Bad("samples", head.samples, absl::StrCat("1 to ", push_wire::kMostImuSamples));
+  }
+  if (packet.size() != sizeof(head) + head.samples * sizeof(push_wire::ImuSample)) {
+    return Bad("bytes", packet.size(),
+               absl::StrCat(sizeof(head) + head.samples * sizeof(push_wire::ImuSample), " with ",
+                            head.samples, " samples"));
+  }
+  if (head.reserved != 0) return Bad("reserved", head.reserved, "0");
+  ImuSamples samples;
+  for (uint32_t i = 0; i < head.samples; ++i) {
+    push_wire::ImuSample sent;
+    std::memcpy(&sent, packet.data() + sizeof(head) + i * sizeof(sent), sizeof(sent));
+    const ImuSample sample = {sent.timestamp_ns, Eigen::Vector3d(sent.angular_velocity_rps),
+                              Eigen::Vector3d(sent.specific_force_mps2)};
+    if (!sample.angular_velocity_rps.allFinite() || !sample.specific_force_mps2.allFinite()) {
+      return absl::InvalidArgumentError(
+          absl::StrCat("the sample of ", sent.timestamp_ns, " ns has a value that is not finite"));
+    }
+    if (sent.timestamp_ns < 0 || sent.timestamp_ns > kMostTime_ns) {
+      return absl::InvalidArgumentError(
+          absl::StrCat("a sample's timestamp_ns is ", sent.timestamp_ns, ", must be 0 to 2^62"));
+    }
+    if (!samples.empty() && sent.timestamp_ns <= samples.back().timestamp_ns) {
+      return absl::InvalidArgumentError(
+          absl::StrCat("a sample's timestamp_ns is ", sent.timestamp_ns, ", the one before has ",
+                       samples.back().timestamp_ns, ": times must grow"));
+    }
+    samples.push_back(sample);
+  }
+  return samples;
+}
+
 absl::Status CheckPictures(const PushLayout& layout, const Rig& rig) {
   const bool rgbd = rig.kind == RigKind::kRgbd;
   RETURN_IF_ERROR(CheckFormat("first", layout.first.format, false));
@@ -181,9 +223,10 @@ absl::Status CheckPictures(const PushLayout& layout, const Rig& rig) {
   return CheckSize("second", layout.second, rig.cameras.back());
 }
 
-std::string FormatWelcome() {
-  return ToBytes(push_wire::Welcome{
-      {push_wire::kWelcome, sizeof(push_wire::Welcome)}, push_wire::kVersion, 0});
+std::string FormatWelcome(bool takes_imu) {
+  return ToBytes(push_wire::Welcome{{push_wire::kWelcome, sizeof(push_wire::Welcome)},
+                                    push_wire::kVersion,
+                                    takes_imu ? push_wire::kTakesImu : 0});
 }
 
 std::string FormatSlotsFree(uint64_t slots) {

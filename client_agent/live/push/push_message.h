@@ -11,6 +11,7 @@
 #include "client_agent/push_client/wire.h"
 #include "client_agent/source/pose_listener.h"
 #include "client_agent/source/rig/rig.h"
+#include "slam/inertial/imu.h"
 
 namespace corbslam::client_agent {
 
@@ -38,11 +39,15 @@ struct PushFrame {
 // returned lies within `memory_bytes`; whether the memory has so many is not known here.
 absl::StatusOr<PushHello> ParseHello(absl::string_view packet);
 absl::StatusOr<PushFrame> ParseFrame(absl::string_view packet, const PushLayout& layout);
+// Samples are in the order of time, from 0 to 2^62 ns, and finite.
+absl::StatusOr<ImuSamples> ParseImu(absl::string_view packet);
+// Returns whether a packet is to be parsed as an IMU's; any other is a frame's.
+bool IsImu(absl::string_view packet);
 
 // INVALID_ARGUMENT where these pictures can't be that rig's.
 absl::Status CheckPictures(const PushLayout& layout, const Rig& rig);
 
-std::string FormatWelcome();
+std::string FormatWelcome(bool takes_imu);
 std::string FormatSlotsFree(uint64_t slots);
 // `pose` is taken as it is: the caller says of which camera it is to be.
 std::string FormatPose(const FramePose& pose);

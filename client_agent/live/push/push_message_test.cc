@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <functional>
 #include <random>
 #include <string>
@@ -106,6 +107,35 @@ TEST(PushMessageTest, RefusesFramesByTheirField) {
   EXPECT_THAT(says(frame), HasSubstr("kind is 1, must be 2 (frame)"));
   EXPECT_FALSE(ParseFrame(Bytes(GoodFrame(1, 5)) + "x", layout).ok());
   EXPECT_FALSE(ParseFrame("", layout).ok());
+}
+
+TEST(PushMessageTest, ReadsAnImusSamplesAndRefusesThemByTheirField) {
+  const push_wire::ImuSample first = {5, {0.1, 0.2, 0.3}, {0, 0, 9.8}};
+  const push_wire::ImuSample second = {10, {0.4, 0.5, 0.6}, {1, 2, 3}};
+  const std::string good = ImuPacket({first, second});
+  EXPECT_TRUE(IsImu(good));
+  EXPECT_FALSE(IsImu(Bytes(GoodFrame(0, 5))));
+  EXPECT_FALSE(IsImu(""));
+  const auto samples = ParseImu(good);
+  ASSERT_TRUE(samples.ok()) << samples.status();
+  ASSERT_EQ(samples->size(), 2u);
+  EXPECT_EQ((*samples)[0].timestamp_ns, 5);
+  EXPECT_EQ((*samples)[1].angular_velocity_rps, Eigen::Vector3d(0.4, 0.5, 0.6));
+  EXPECT_EQ((*samples)[1].specific_force_mps2, Eigen::Vector3d(1, 2, 3));
+  for (size_t bytes = 0; bytes < good.size(); ++bytes) {
+    EXPECT_FALSE(ParseImu(good.substr(0, bytes)).ok()) << bytes;
+  }
+  const auto says = [](const std::string& packet) {
+    return std::string(ParseImu(packet).status().message());
+  };
+  EXPECT_THAT(says(ImuPacket({})), HasSubstr("samples is 0, must be 1 to 256"));
+  EXPECT_THAT(says(ImuPacket(std::vector<push_wire::ImuSample>(257, first))),
+              HasSubstr("samples is 257"));
+  EXPECT_THAT(says(ImuPacket({second, first})), HasSubstr("is 5, the one before has 10"));
+  EXPECT_THAT(says(ImuPacket({{-1, {}, {}}})), HasSubstr("timestamp_ns is -1, must be 0 to 2^62"));
+  push_wire::ImuSample odd = first;
+  odd.specific_force_mps2[2] = std::nan("");
+  EXPECT_THAT(says(ImuPacket({odd})), HasSubstr("the sample of 5 ns has a value that is not"));
 }
 
 TEST(PushMessageTest, PicturesMustBeTheRigs) {

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <atomic>
+#include <cmath>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
@@ -111,6 +112,81 @@ TEST_F(PushStreamTest, ARigsTimeOffsetDoesNotStarveIt) {
   EXPECT_EQ(Next().frame.timestamp_ns, 1000);
   ASSERT_EQ(stream_->findings().size(), 1u);
   EXPECT_EQ(stream_->findings()[0].code, "time-offset-unused");
+}
+
+std::vector<int64_t> MeasuredAt(const StreamFrame& frame) {
+  std::vector<int64_t> times_ns;
+  for (const ImuSample& sample : frame.images.imu) times_ns.push_back(sample.timestamp_ns);
+  return times_ns;
+}
+
+// The rig says that its stamps are 2 ns too early.
+TEST_F(PushStreamTest, FramesComeWithWhatAnImuMeasured) {
+  auto opening = std::async(std::launch::async, [this] { return Open(); });
+  const std::string rig = SmallRigWithImu();
+  PushConnection driver(Options(rig.c_str()));
+  auto opened = opening.get();
+  ASSERT_TRUE(opened.ok()) << opened.status();
+  stream_ = *std::move(opened);
+  EXPECT_TRUE(std::get<StereoCalibration>(stream_->calibration()).imu.has_value());
+  const corbslam_push_imu_sample two[] = {{990, {0.1, 0.2, 0.3}, {0, 0, 9.8}},
+                                          {1000, {0.4, 0.5, 0.6}, {0, 0, 9.7}}};
+  EXPECT_TRUE(driver.PushImu(two, 2));
+  Push(driver, 40, 1001);
+  const StreamFrame first = Next();
+  EXPECT_EQ(MeasuredAt(first), (std::vector<int64_t>{992, 1002}));
+  EXPECT_EQ(first.images.imu[1].angular_velocity_rps, Eigen::Vector3d(0.4, 0.5, 0.6));
+  EXPECT_EQ(first.images.imu[1].specific_force_mps2, Eigen::Vector3d(0, 0, 9.7));
+  // A frame that a newer one replaces loses no samples.
+  EXPECT_TRUE(driver.PushImu({1010, {}, {0, 0, 9.8}}));
+  Push(driver, 50, 1012);
+  EXPECT_TRUE(driver.PushImu({1020, {}, {0, 0, 9.8}}));
+  Push(driver, 60, 1022);
+  // The robot has read all, as it has given back both slots.
+  for (int i = 0; i < 2; ++i) ASSERT_TRUE(driver.Begin(kPatience_ms).has_value());
+  const StreamFrame second = Next();
+  EXPECT_EQ(second.frame.timestamp_ns, 1022);
+  EXPECT_EQ(MeasuredAt(second), (std::vector<int64_t>{1012, 1022}));
+}
+
+TEST_F(PushStreamTest, TheLibraryFindsWrongSamplesBeforeItSendsThem) {
+  auto opening = std::async(std::launch::async, [this] { return Open(); });
+  const std::string rig = SmallRigWithImu();
+  PushConnection driver(Options(rig.c_str()));
+  auto opened = opening.get();
+  ASSERT_TRUE(opened.ok()) << opened.status();
+  stream_ = *std::move(opened);
+  const auto says = [&](const corbslam_push_imu_sample& sample) {
+    try {
+      driver.PushImu(sample);
+    } catch (const PushError& error) {
+      return absl::StrCat(corbslam_push_status_name(error.status()), ": ", error.what());
+    }
+    return std::string("sent");
+  };
+  EXPECT_EQ(says({100, {}, {}}), "sent");
+  EXPECT_THAT(says({100, {}, {}}), HasSubstr("invalid: timestamp_ns of a sample is 100, the one"));
+  EXPECT_THAT(says({int64_t{1} << 61, {}, {}}), HasSubstr("more than a minute ahead"));
+  EXPECT_THAT(says({200, {std::nan(""), 0, 0}, {}}), HasSubstr("no finite number"));
+  EXPECT_THAT(says({200, {}, {0, 0, HUGE_VAL}}), HasSubstr("no finite number"));
+  EXPECT_EQ(says({200, {}, {}}), "sent") << "the connection stands";
+  Push(driver, 40, 200);
+  EXPECT_EQ(MeasuredAt(Next()), (std::vector<int64_t>{102, 202}));
+}
+
+TEST_F(PushStreamTest, ADriverHearsThatTheRobotTakesNoSamples) {
+  OpenWithRig();
+  PushConnection driver(Options());
+  try {
+    driver.PushImu({100, {}, {}});
+    FAIL() << "samples were taken";
+  } catch (const PushError& error) {
+    EXPECT_EQ(error.status(), CORBSLAM_PUSH_INVALID);
+    EXPECT_THAT(error.what(), HasSubstr("its rig has no block imu:"));
+  }
+  // Frames are.
+  Push(driver, 40, 1000);
+  EXPECT_EQ(Next().frame.timestamp_ns, 1000);
 }
 
 TEST_F(PushStreamTest, PlaysADriverThatSaysItsRigAndTellsItPoses) {

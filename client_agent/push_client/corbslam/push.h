@@ -85,6 +85,15 @@ typedef struct corbslam_push_pose {
   double rotation[4];    /* x right, y down, of the (left) camera as it records. x, y, z, w. */
 } corbslam_push_pose;
 
+/* What an IMU measured at one time, in its own right-handed axes. */
+typedef struct corbslam_push_imu_sample {
+  int64_t timestamp_ns;           /* On the clock of the frames, or a little off it (the rig's
+                                     imu.time_offset_s). */
+  double angular_velocity_rps[3]; /* x, y, z, rad/s */
+  double
+      specific_force_mps2[3]; /* x, y, z: acceleration less gravity, m/s2. At rest 9.8 upwards. */
+} corbslam_push_imu_sample;
+
 /* A connection with a robot. */
 typedef struct corbslam_push corbslam_push;
 
@@ -118,6 +127,16 @@ CORBSLAM_PUSH_API corbslam_push_status corbslam_push_cancel(corbslam_push* conne
 CORBSLAM_PUSH_API corbslam_push_status corbslam_push_frame(
     corbslam_push* connection, const void* first, size_t first_stride_bytes, const void* second,
     size_t second_stride_bytes, int64_t timestamp_ns, int32_t timeout_ms);
+
+/* Gives the robot what an IMU measured, at most 256 samples in the order of time, each later than
+ * those before. Whatever is given before a frame is committed comes with it at the latest: frames
+ * that a newer one replaced lose no samples. TIMEOUT where the robot takes nothing at the moment:
+ * nothing was sent. INVALID, and nothing was sent: a value is not finite, a time is not above the
+ * one before or more than a minute ahead of CLOCK_MONOTONIC; or the robot takes no samples, since
+ * its rig has no block imu: (docs/rig.md), or since it is older than this function. */
+CORBSLAM_PUSH_API corbslam_push_status corbslam_push_imu(corbslam_push* connection,
+                                                         const corbslam_push_imu_sample* samples,
+                                                         uint32_t count);
 
 /* Waits for the next pose that was not read yet. The newest 256 are kept. */
 CORBSLAM_PUSH_API corbslam_push_status corbslam_push_next_pose(corbslam_push* connection,

@@ -52,6 +52,12 @@ class PushConnection {
   bool Push(const void* first, const void* second, int64_t timestamp_ns, int32_t timeout_ms) {
     return Succeeds(corbslam_push_frame(get(), first, 0, second, 0, timestamp_ns, timeout_ms));
   }
+  // Gives the robot what an IMU measured (corbslam_push_imu). Returns false where it takes nothing at
+  // the moment. Throws PushError where it takes no samples at all.
+  bool PushImu(const corbslam_push_imu_sample* samples, uint32_t count) {
+    return Succeeds(corbslam_push_imu(get(), samples, count));
+  }
+  bool PushImu(const corbslam_push_imu_sample& sample) { return PushImu(&sample, 1); }
   // Returns nullopt where none came in time.
   std::optional<corbslam_push_pose> NextPose(int32_t timeout_ms) {
     corbslam_push_pose pose = {};

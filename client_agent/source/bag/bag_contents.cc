@@ -33,6 +33,7 @@ class ContentsReader {
     Extend(message.recorded_ns, contents_.messages, contents_.first_ns, contents_.last_ns);
     const RecordedPlace place{file, message.place};
     if (topic.HasPictures()) TakePicture(message, place, topic);
+    if (topic.IsImu()) TakeMeasured(message, topic);
     // Of CameraInfo the first, second, fourth and so on: a calibration that changes is seen.
     const bool is_kept = topic.IsFixedTransforms() ||
                          (topic.IsCameraInfo() && std::has_single_bit(topic.messages + 1));
@@ -76,6 +77,22 @@ class ContentsReader {
     ++known.messages;
     topic.pictures.push_back({header->stamp_ns, message.recorded_ns, place, publisher});
   }
+  static void TakeMeasured(const ScannedMessage& message, BagTopic& topic) {
+    const absl::StatusOr<RosImu> imu = ReadRosImu(topic.encoding, message.head);
+    if (!imu.ok() || !imu->angular_velocity_rps.allFinite() ||
+        !imu->linear_acceleration_mps2.allFinite()) {
+      ++topic.unreadable;
+      return;
+    }
+    if (topic.measured.empty()) topic.imu_frame_id = imu->header.frame_id;
+    if (topic.imu_frame_id != imu->header.frame_id) {
+      ++topic.of_other_frames;
+      return;
+    }
+    topic.measured.push_back(
+        {{imu->header.stamp_ns, imu->angular_velocity_rps, imu->linear_acceleration_mps2},
+         message.recorded_ns});
+  }
   uint32_t PublisherOf(size_t channel, const std::string& frame_id, BagTopic& topic) {
     std::vector<BagPublisher>& all = topic.publishers;
     for (uint32_t i = 0; i < all.size(); ++i) {
@@ -101,6 +118,8 @@ class ContentsReader {
 bool BagTopic::HasPictures() const { return type == kImageType || type == kCompressedImageType; }
 
 bool BagTopic::IsCameraInfo() const { return type == kCameraInfoType; }
+
+bool BagTopic::IsImu() const { return type == kImuType; }
 
 bool BagTopic::IsFixedTransforms() const {
   return (type == kTransformsType || type == kOldTransformsType) &&

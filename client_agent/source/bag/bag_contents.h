@@ -9,6 +9,7 @@
 
 #include "absl/status/statusor.h"
 #include "client_agent/source/bag/files/bag_recording.h"
+#include "slam/inertial/imu.h"
 
 namespace corbslam::client_agent {
 
@@ -29,6 +30,11 @@ struct BagPublisher {
   int64_t last_ns = 0;
 };
 
+struct ImuMessage {
+  ImuSample sample;  // Stamped by its header.
+  int64_t recorded_ns = 0;
+};
+
 struct BagTopic {
   std::string name;
   std::string type;
@@ -41,12 +47,17 @@ struct BagTopic {
   // Of pictures alone, in the order of the file.
   std::vector<PictureMessage> pictures;
   std::vector<BagPublisher> publishers;
-  uint64_t unreadable = 0;  // Pictures whose header can't be read.
+  uint64_t unreadable = 0;  // Pictures whose header can't be read, measurements that are none.
+  // Of an IMU's alone, in the order of the file: those in the frame of the first.
+  std::vector<ImuMessage> measured;
+  std::string imu_frame_id;
+  uint64_t of_other_frames = 0;
   // Of CameraInfo the first, and a few on the way; of fixed transforms up to a thousand.
   std::vector<RecordedPlace> kept;
 
   bool HasPictures() const;
   bool IsCameraInfo() const;
+  bool IsImu() const;
   bool IsFixedTransforms() const;
 };
 

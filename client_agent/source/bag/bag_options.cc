@@ -23,8 +23,8 @@ constexpr TopicOption kTopicOptions[] = {{"left", &BagOptions::left},
 std::vector<absl::string_view> BagOptionNames() {
   std::vector<absl::string_view> names;
   for (const TopicOption& option : kTopicOptions) names.push_back(option.name);
-  for (const char* name :
-       {"rig", "time", "scale", "trust_calibration", "pair_within_ms", "depth_units", "register"}) {
+  for (const char* name : {"imu", "rig", "time", "scale", "trust_calibration", "pair_within_ms",
+                           "depth_units", "register"}) {
     names.emplace_back(name);
   }
   return names;
@@ -35,6 +35,11 @@ absl::Status ApplyBagOption(absl::string_view key, absl::string_view value, BagO
     if (key != option.name) continue;
     if (value.empty()) return BadOption(key, value, "a topic");
     options.*option.topic = absl::StrCat(value[0] == '/' ? "" : "/", value);
+    return absl::OkStatus();
+  }
+  if (key == "imu") {
+    if (value.empty() || value == "1") return BadOption(key, value, "a topic, or 0 for none");
+    options.imu = value == "0" ? "0" : absl::StrCat(value[0] == '/' ? "" : "/", value);
     return absl::OkStatus();
   }
   if (key == "rig") {
@@ -77,6 +82,7 @@ std::vector<std::pair<std::string, std::string>> FormatBagOptions(const BagOptio
     if (!topic.empty()) formatted.emplace_back(option.name, topic);
   }
   const BagOptions plain;
+  if (!options.imu.empty()) formatted.emplace_back("imu", options.imu);
   if (!options.rig_file.empty()) formatted.emplace_back("rig", options.rig_file);
   if (options.by_recording_time) formatted.emplace_back("time", "recording");
   if (options.scale != plain.scale) formatted.emplace_back("scale", FormatReal(options.scale));

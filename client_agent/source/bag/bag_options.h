@@ -23,6 +23,8 @@ struct BagOptions {
   std::string left_info;
   std::string right_info;
   std::string depth_info;
+  // imu=TOPIC: what an IMU measured. "0": it is played without. Empty: found out.
+  std::string imu;
   std::string rig_file;  // rig=FILE: instead of any CameraInfo. Empty: none.
   // time=recording: times are the recorder's; time=header: the messages' own.
   bool by_recording_time = false;

@@ -8,9 +8,12 @@
 
 #include "absl/strings/str_cat.h"
 #include "client_agent/source/bag/bag_frames.h"
+#include "client_agent/source/bag/bag_imu.h"
 #include "client_agent/source/bag/camera_info_rig.h"
 #include "client_agent/source/bag/picture_topic.h"
 #include "client_agent/source/bag/rig_choice.h"
+#include "client_agent/source/imu_opening.h"
+#include "client_agent/source/lists/imu_list.h"
 #include "client_agent/source/pictures/grey_depth.h"
 #include "client_agent/source/rig/rig_depth.h"
 #include "client_agent/source/rig/rig_file.h"
@@ -33,6 +36,8 @@ struct BagParts {
   SensorCalibration calibration;
   DepthPreparation depth;
   std::vector<BagFrame> frames;
+  bool by_recording_time = false;
+  ImuSamples imu;  // By the clock of the frames.
   SourceDescription description;
   int white = 256;  // Of grey pictures of 16 bits.
 };
@@ -58,6 +63,9 @@ class BagReader : public FrameReader {
     }
     ASSIGN_OR_RETURN(images.depth, ReadDepth(frame));
     return images;
+  }
+  ImuSamples Imu(int64_t after_ns, int64_t until_ns) const override {
+    return ImuBetween(parts_.imu, after_ns, until_ns);
   }
 
  private:
@@ -149,6 +157,7 @@ absl::Status ListBagFrames(const BagOptions& options, BagParts& parts) {
                    MakeBagFrames(*parts.choice.first.topic, *parts.choice.second.topic, pairing,
                                  description.remarks));
   parts.frames = std::move(made.frames);
+  parts.by_recording_time = made.by_recording_time;
   std::vector<int64_t> times_ns;
   for (const BagFrame& frame : parts.frames) times_ns.push_back(frame.timestamp_ns);
   ASSIGN_OR_RETURN(description.times,
@@ -157,6 +166,26 @@ absl::Status ListBagFrames(const BagOptions& options, BagParts& parts) {
   description.times_from = absl::StrCat(
       made.by_recording_time ? "the recorder, of " : "the headers of ", parts.choice.first.name());
   return absl::OkStatus();
+}
+
+absl::Status TakeBagImu(const BagOptions& options, const TransformTree& tree, BagParts& parts) {
+  SetImu(std::nullopt, parts.calibration);
+  const BagImuQuery query{options,
+                          tree,
+                          parts.rig.imu,
+                          parts.choice.first.frame_id,
+                          parts.by_recording_time,
+                          parts.frames.back().drive > 0};
+  SourceRemarks& remarks = parts.description.remarks;
+  ASSIGN_OR_RETURN(std::optional<BagImu> imu, FindBagImu(*parts.contents, query, remarks));
+  if (!imu.has_value()) return absl::OkStatus();
+  ImuExpectation expected;
+  expected.from = imu->from;
+  expected.first_picture_ns = parts.frames.front().timestamp_ns;
+  expected.last_picture_ns = parts.frames.back().timestamp_ns;
+  expected.trust = options.trust_calibration;
+  parts.imu = std::move(imu->samples);
+  return TakeSamples(imu->stated, expected, parts.imu, parts.calibration, parts.description);
 }
 
 // Looks at pictures of 16 bits for how many of them the camera uses.
@@ -206,6 +235,7 @@ absl::StatusOr<std::unique_ptr<FrameReader>> OpenBagContents(
   RETURN_IF_ERROR(UseNamedInfo(options, parts));
   RETURN_IF_ERROR(TakeRig(options, std::move(given), tree, parts));
   RETURN_IF_ERROR(ListBagFrames(options, parts));
+  RETURN_IF_ERROR(TakeBagImu(options, tree, parts));
   LookAtGrey(parts);
   Describe(options, parts);
   std::unique_ptr<FrameReader> reader = std::make_unique<BagReader>(std::move(parts));

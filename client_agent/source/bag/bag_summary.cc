@@ -30,6 +30,7 @@ std::string NoteOf(const BagTopic& topic, const std::vector<PictureTopic>& pictu
                                : "no CameraInfo");
   }
   if (topic.IsCameraInfo()) return "calibration";
+  if (topic.IsImu()) return absl::StrCat("an IMU's, frame '", topic.imu_frame_id, "'");
   if (topic.IsFixedTransforms()) return "where the cameras sit";
   return "not used";
 }

@@ -7,6 +7,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
+#include "client_agent/source/calibration/imu_noise_fields.h"
 #include "client_agent/source/calibration/lens_names.h"
 #include "client_agent/source/calibration/yaml_fields.h"
 #include "client_agent/source/calibration/yaml_numbers.h"
@@ -61,6 +62,29 @@ absl::StatusOr<EurocCamera> ReadEurocCamera(const std::string& sensor_yaml_path)
     return absl::OkStatus();
   }));
   return camera;
+}
+
+absl::StatusOr<EurocImu> ReadEurocImu(const std::string& sensor_yaml_path) {
+  EurocImu imu;
+  const std::string& path = sensor_yaml_path;
+  RETURN_IF_ERROR(UseYamlFields(path, [&](const YAML::Node& file) -> absl::Status {
+    if (file["sensor_type"].IsDefined()) {
+      RETURN_IF_ERROR(ExpectWord(file, path, "sensor_type", {"imu"}));
+    }
+    const YAML::Node matrix = file["T_BS"];
+    if (!matrix.IsDefined()) {
+      return absl::InvalidArgumentError(
+          absl::StrCat(path, ": T_BS is missing: where the IMU sits"));
+    }
+    ASSIGN_OR_RETURN(const std::vector<double> pose,
+                     ReadNumbers(matrix.IsMap() ? matrix["data"] : matrix, path, "T_BS", 16, 16));
+    ASSIGN_OR_RETURN(imu.body_from_imu, ToRigid(pose, path, "T_BS"));
+    ASSIGN_OR_RETURN(imu.stated.rate_hz, ReadIfThere(file, path, "rate_hz"));
+    return ReadKalibrNoise(file, path, imu.stated);
+  }));
+  const absl::Status possible = Validate(imu.stated);
+  if (possible.ok()) return imu;
+  return absl::InvalidArgumentError(absl::StrCat(path, ": ", possible.message()));
 }
 
 std::string EurocRoot(const std::string& directory) {

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "absl/status/statusor.h"
+#include "client_agent/source/calibration/stated_imu.h"
 #include "slam/camera/rectification.h"
 #include "slam/geometry/rigid3.h"
 
@@ -19,6 +20,14 @@ struct EurocCamera {
   int width_px = 0;
   int height_px = 0;
 };
+
+struct EurocImu {
+  Rigid3d body_from_imu;  // The file's T_BS.
+  StatedImu stated;       // Without where the camera sits.
+};
+
+// Reads imu0/sensor.yaml; its rate and noise may be left out. Errors name the file and the field.
+absl::StatusOr<EurocImu> ReadEurocImu(const std::string& sensor_yaml_path);
 
 // Reads a camera with radial-tangential or equidistant distortion. Errors name the file and the
 // field.

@@ -20,6 +20,8 @@ struct Judged {
 constexpr absl::string_view kOtherSize =
     "are these numbers of pictures of another size, or in another order?";
 constexpr absl::string_view kOtherUnit = "is it in metres?";
+constexpr absl::string_view kOtherNoise =
+    "is it a density, for rad/s and m/s2 and the square root of 1 Hz, and no other field's?";
 
 // Judges a principal point by shares of a side. Pictures at half or twice the size of their
 // calibration are at 1 and 0.25, those at three quarters at 0.67; of the public recordings the
@@ -87,6 +89,24 @@ absl::StatusOr<SourceFindings> CheckBaseline(double baseline_m, absl::string_vie
   return Judge({{absl::StrCat("a baseline of ", baseline_m, " m"), baseline_m, 0.005, 0.02, 2, 5,
                  kOtherUnit, !(baseline_m > 0) || !std::isfinite(baseline_m)}},
                from, trust);
+}
+
+absl::StatusOr<SourceFindings> CheckImuNumbers(const StatedImu& imu, absl::string_view from,
+                                               bool trust) {
+  std::vector<Judged> numbers;
+  const auto add = [&](absl::string_view what, std::optional<double> value, double least,
+                       double low, double high, double most, absl::string_view advice) {
+    if (!value.has_value()) return;
+    numbers.push_back({absl::StrCat("imu: ", what, " of ", *value), *value, least, low, high, most,
+                       advice, !(*value > 0) || !std::isfinite(*value)});
+  };
+  add("a rate_hz", imu.rate_hz, 1, 50, 2500, 20'000, "is it in Hz, and the IMU's?");
+  // From a fibre-optic gyroscope to the noise that estimators of cheap ones are tuned to.
+  add("a gyro_noise", imu.gyro_noise, 1e-9, 1e-7, 0.06, 1, kOtherNoise);
+  add("an accel_noise", imu.accel_noise, 1e-8, 1e-6, 0.6, 10, kOtherNoise);
+  add("a gyro_walk", imu.gyro_walk, 1e-14, 1e-10, 1e-2, 1, kOtherNoise);
+  add("an accel_walk", imu.accel_walk, 1e-13, 1e-9, 0.2, 10, kOtherNoise);
+  return Judge(numbers, from, trust);
 }
 
 }  // namespace corbslam::client_agent

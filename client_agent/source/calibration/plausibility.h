@@ -6,6 +6,7 @@
 
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
+#include "client_agent/source/calibration/stated_imu.h"
 #include "client_agent/source/source_finding.h"
 
 namespace corbslam::client_agent {
@@ -30,6 +31,10 @@ absl::StatusOr<SourceFindings> CheckIntrinsics(const Intrinsics& intrinsics, abs
 
 // Does the same for the distance between the cameras of a stereo pair.
 absl::StatusOr<SourceFindings> CheckBaseline(double baseline_m, absl::string_view from, bool trust);
+
+// Does the same for an IMU's rate and noise, where they are stated.
+absl::StatusOr<SourceFindings> CheckImuNumbers(const StatedImu& imu, absl::string_view from,
+                                               bool trust);
 
 }  // namespace corbslam::client_agent
 

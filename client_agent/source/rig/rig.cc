@@ -180,6 +180,7 @@ absl::Status Validate(const Rig& rig) {
     RETURN_IF_ERROR(CheckRange("close_depth_m", *rig.close_depth_m, 0, 1000));
   }
   if (rig.rate_hz.has_value()) RETURN_IF_ERROR(CheckRange("rate_hz", *rig.rate_hz, 0, 1000));
+  if (rig.imu.has_value()) RETURN_IF_ERROR(Validate(*rig.imu));
   RETURN_IF_ERROR(rig.kind == RigKind::kStereo ? ValidateStereo(rig) : ValidateRgbd(rig));
   return ValidateTimeOffset(rig);
 }
@@ -205,6 +206,10 @@ absl::StatusOr<SourceFindings> JudgeRig(const Rig& rig, absl::string_view from, 
                                      from, trust));
     findings.insert(findings.end(), more.begin(), more.end());
   }
+  if (rig.imu.has_value()) {
+    ASSIGN_OR_RETURN(const SourceFindings more, JudgeImu(*rig.imu, from, trust));
+    findings.insert(findings.end(), more.begin(), more.end());
+  }
   if (rig.kind == RigKind::kRgbd) return findings;
   ASSIGN_OR_RETURN(const SourceFindings more, CheckBaseline(Baseline_m(rig), from, trust));
   findings.insert(findings.end(), more.begin(), more.end());
@@ -217,10 +222,12 @@ absl::StatusOr<SensorCalibration> CalibrationOf(const Rig& rig) {
   if (rig.kind == RigKind::kStereo) {
     StereoCalibration stereo = StereoOf(rig);
     stereo.mask = mask;
+    if (rig.imu.has_value()) stereo.imu = CalibrationOf(*rig.imu);
     return stereo;
   }
   RgbdCalibration rgbd = RgbdOf(rig);
   rgbd.mask = mask;
+  if (rig.imu.has_value()) rgbd.imu = CalibrationOf(*rig.imu);
   return rgbd;
 }
 

@@ -11,6 +11,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
+#include "client_agent/source/calibration/stated_imu.h"
 #include "client_agent/source/source_finding.h"
 #include "slam/camera/lens.h"
 #include "slam/geometry/rigid3.h"
@@ -59,6 +60,7 @@ struct Rig {
   RigDepth depth;  // RGB-D only.
   // Where the first camera sits on the robot, where anybody said so.
   std::optional<Rigid3d> body_from_camera;
+  std::optional<StatedImu> imu;
   // Points nearer than this are made from one view. Absent: 40 baselines.
   std::optional<double> close_depth_m;
   std::optional<double> rate_hz;  // Frames a second, where that is known.

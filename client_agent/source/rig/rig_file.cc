@@ -110,10 +110,25 @@ absl::Status ReadDepth(const Part& top, Rig& rig) {
   return ReadDepthCamera(part, rig.depth);
 }
 
+absl::Status ReadImu(const Part& top, Rig& rig) {
+  if (!top.Has("imu")) return absl::OkStatus();
+  const Part part(top.path(), "imu.", top["imu"]);
+  RETURN_IF_ERROR(part.CheckFields({"imu_from_camera", "rate_hz", "gyro_noise", "accel_noise",
+                                    "gyro_walk", "accel_walk", "time_offset_s"}));
+  StatedImu& imu = rig.imu.emplace();
+  ASSIGN_OR_RETURN(imu.imu_from_camera, part.Motion("imu_from_camera"));
+  RETURN_IF_ERROR(part.Set("rate_hz", imu.rate_hz));
+  RETURN_IF_ERROR(part.Set("gyro_noise", imu.gyro_noise));
+  RETURN_IF_ERROR(part.Set("accel_noise", imu.accel_noise));
+  RETURN_IF_ERROR(part.Set("gyro_walk", imu.gyro_walk));
+  RETURN_IF_ERROR(part.Set("accel_walk", imu.accel_walk));
+  return part.Set("time_offset_s", imu.time_offset_s);
+}
+
 absl::Status ReadKind(const Part& top, Rig& rig) {
   ASSIGN_OR_RETURN(const std::string kind, top.Word("kind"));
   std::set<std::string> known = {"rig",           "kind",    "cameras", "body_from_camera",
-                                 "close_depth_m", "rate_hz", "mask"};
+                                 "close_depth_m", "rate_hz", "mask",    "imu"};
   if (kind == "stereo") {
     known.insert({"rectified", "baseline_m", "right_from_left", "widest_field_deg"});
   } else if (kind == "rgbd") {
@@ -152,6 +167,7 @@ absl::Status ReadAll(const Part& top, Rig& rig) {
   RETURN_IF_ERROR(top.Set("close_depth_m", rig.close_depth_m));
   RETURN_IF_ERROR(top.Set("rate_hz", rig.rate_hz));
   RETURN_IF_ERROR(ReadMaskPath(top, rig));
+  RETURN_IF_ERROR(ReadImu(top, rig));
   const absl::Status possible = Validate(rig);
   return possible.ok() ? possible : top.Bad(possible.message());
 }

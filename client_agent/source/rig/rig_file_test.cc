@@ -70,6 +70,19 @@ depth:
 close_depth_m: 3
 )";
 
+constexpr char kImu[] = R"(imu:
+  imu_from_camera: [[0.0148655429818, 0.999557249008, -0.0257744366974, 0.06],
+                    [-0.999880929698, 0.0149672133247, 0.00375618835797, 0.01],
+                    [0.00414029679422, 0.0257155299480, 0.999660727178, -0.02],
+                    [0, 0, 0, 1]]
+  rate_hz: 200
+  gyro_noise: 1.6968e-04
+  accel_noise: 2.0e-3
+  gyro_walk: 1.9393e-05
+  accel_walk: 3.0e-3
+  time_offset_s: -0.0021
+)";
+
 std::string WriteText(const std::string& name, const std::string& text) {
   const std::string path = ::testing::TempDir() + "/" + name;
   std::ofstream(path) << text;
@@ -136,6 +149,71 @@ TEST(RigFileTest, ReadsACameraOfDepth) {
   EXPECT_EQ(SecondTimeOffset_ns(*rig), 12'000'000);
 }
 
+TEST(RigFileTest, ReadsAnImu) {
+  for (const char* text : {kStereo, kRgbd}) {
+    const auto rig = Read(absl::StrCat(text, kImu));
+    ASSERT_TRUE(rig.ok()) << rig.status();
+    const auto calibration = CalibrationOf(*rig);
+    ASSERT_TRUE(calibration.ok()) << calibration.status();
+    const auto imu = std::visit([](const auto& kind) { return kind.imu; }, *calibration);
+    ASSERT_TRUE(imu.has_value());
+    EXPECT_EQ(imu->noise.gyro, 1.6968e-04);
+    EXPECT_EQ(imu->noise.accel, 2e-3);
+    EXPECT_EQ(imu->noise.gyro_walk, 1.9393e-05);
+    EXPECT_EQ(imu->noise.accel_walk, 3e-3);
+    EXPECT_EQ(imu->rate_hz, 200);
+    EXPECT_EQ(imu->time_offset_s, -0.0021);
+    EXPECT_EQ(imu->imu_from_camera.translation, Eigen::Vector3d(0.06, 0.01, -0.02));
+    // The camera's x axis is the IMU's -y axis.
+    EXPECT_LT((imu->imu_from_camera.rotation * Eigen::Vector3d::UnitX() + Eigen::Vector3d::UnitY())
+                  .norm(),
+              0.02);
+    EXPECT_TRUE(JudgeRig(*rig, "rig.yaml", false)->empty());
+  }
+  EXPECT_FALSE(std::get<RgbdCalibration>(CalibrationOf(*Read(kRgbd)).value()).imu.has_value());
+}
+
+TEST(RigFileTest, AnImusNumbersMayBeLeftOut) {
+  const auto rig = Read(absl::StrCat(
+      kStereo, "imu: {imu_from_camera: [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]}\n"));
+  ASSERT_TRUE(rig.ok()) << rig.status();
+  EXPECT_FALSE(rig->imu->gyro_noise.has_value());
+  const auto imu = std::get<StereoCalibration>(CalibrationOf(*rig).value()).imu;
+  EXPECT_EQ(imu->noise.gyro, ImuNoise().gyro);
+  EXPECT_EQ(imu->rate_hz, ImuCalibration().rate_hz);
+  EXPECT_EQ(imu->time_offset_s, 0);
+}
+
+TEST(RigFileTest, TellsOfAnImuThatIsImprobable) {
+  const struct {
+    std::string from, to, says;
+  } cases[] = {
+      {"rate_hz: 200", "rate_hz: 10", "imu: a rate_hz of 10 is improbable"},
+      {"gyro_noise: 1.6968e-04", "gyro_noise: 0.3", "imu: a gyro_noise of 0.3 is improbable"},
+      {"accel_noise: 2.0e-3", "accel_noise: 2", "imu: an accel_noise of 2 is improbable"},
+      {"gyro_walk: 1.9393e-05", "gyro_walk: 0.05", "imu: a gyro_walk of 0.05 is improbable"},
+      {"accel_walk: 3.0e-3", "accel_walk: 1e-11", "imu: an accel_walk of 1e-11 is improbable"},
+      {"0.00375618835797, 0.01", "0.00375618835797, 9", "the IMU is 9.0"}};
+  for (const auto& [from, to, says] : cases) {
+    const std::string text = absl::StrReplaceAll(kImu, {{from, to}});
+    ASSERT_NE(text, kImu) << from;
+    const auto rig = Read(absl::StrCat(kStereo, text));
+    ASSERT_TRUE(rig.ok()) << rig.status();
+    const auto findings = JudgeRig(*rig, "rig.yaml", false);
+    ASSERT_TRUE(findings.ok()) << findings.status();
+    ASSERT_EQ(findings->size(), 1u) << to;
+    EXPECT_EQ(findings->front().code, "calibration-improbable");
+    EXPECT_THAT(findings->front().text, HasSubstr("rig.yaml: "));
+    EXPECT_THAT(findings->front().text, HasSubstr(says));
+  }
+  // 200 mg/s/sqrt(Hz) are no IMU's; with trust they are taken.
+  Rig rig = Read(absl::StrCat(kStereo, kImu)).value();
+  rig.imu->accel_noise = 200;
+  EXPECT_THAT(std::string(JudgeRig(rig, "rig.yaml", false).status().message()),
+              HasSubstr("an accel_noise of 200 can't be"));
+  EXPECT_EQ(JudgeRig(rig, "rig.yaml", true)->size(), 1u);
+}
+
 TEST(RigFileTest, AMaskIsBesideTheFileAndOfThePicturesSize) {
   const std::string folder = ::testing::TempDir() + "/with_mask";
   std::filesystem::create_directories(folder);
@@ -157,7 +235,8 @@ TEST(RigFileTest, AMaskIsBesideTheFileAndOfThePicturesSize) {
 }
 
 TEST(RigFileTest, WritesWhatItReads) {
-  for (const char* text : {kStereo, kRectified, kRgbd, kDepthCamera}) {
+  const std::string with_imu = absl::StrCat(kStereo, kImu);
+  for (const char* text : {kStereo, kRectified, kRgbd, kDepthCamera, with_imu.c_str()}) {
     Rig rig = Read(text).value();
     rig.body_from_camera =
         Rigid3d{Eigen::Quaterniond(Eigen::AngleAxisd(0.3, Eigen::Vector3d(1, 2, 3).normalized())),
@@ -185,6 +264,18 @@ TEST(RigFileTest, WritesWhatItReads) {
     EXPECT_EQ(SecondTimeOffset_ns(*again), SecondTimeOffset_ns(rig));
     EXPECT_EQ(again->rate_hz, rig.rate_hz);
     EXPECT_EQ(again->close_depth_m, rig.close_depth_m);
+    ASSERT_EQ(again->imu.has_value(), rig.imu.has_value());
+    if (!rig.imu.has_value()) continue;
+    EXPECT_LT(
+        again->imu->imu_from_camera.rotation.angularDistance(rig.imu->imu_from_camera.rotation),
+        1e-12);
+    EXPECT_EQ(again->imu->imu_from_camera.translation, rig.imu->imu_from_camera.translation);
+    EXPECT_EQ(again->imu->rate_hz, rig.imu->rate_hz);
+    EXPECT_EQ(again->imu->gyro_noise, rig.imu->gyro_noise);
+    EXPECT_EQ(again->imu->accel_noise, rig.imu->accel_noise);
+    EXPECT_EQ(again->imu->gyro_walk, rig.imu->gyro_walk);
+    EXPECT_EQ(again->imu->accel_walk, rig.imu->accel_walk);
+    EXPECT_EQ(again->imu->time_offset_s, rig.imu->time_offset_s);
   }
 }
 
@@ -239,6 +330,38 @@ TEST(RigFileTest, RefusesByNameWhatNoRigHas) {
     EXPECT_THAT(std::string(status.message()), HasSubstr("rig.yaml"));
   }
   EXPECT_TRUE(absl::IsNotFound(ReadRigFile("/nowhere/rig.yaml").status()));
+}
+
+TEST(RigFileTest, RefusesByNameWhatNoImuHas) {
+  const struct {
+    std::string from, to, says;
+  } cases[] = {
+      {"imu_from_camera", "T_cam_imu", "unknown field T_cam_imu: known are"},
+      {"0.999557249008", "0.5", "imu.imu_from_camera is no motion: its first three columns"},
+      {"-0.999880929698", "0.999880929698", "imu.imu_from_camera is no motion"},
+      {"[0, 0, 0, 1]", "[0, 0, 0]", "imu.imu_from_camera is no list of 16"},
+      {"[0, 0, 0, 1]", "[0, 0, 0, 2]", "instead of 0 0 0 1"},
+      {"-0.0257744366974, 0.06", "-0.0257744366974, 60", "is it in metres?"},
+      {"rate_hz: 200", "rate_hz: 0", "imu.rate_hz is 0"},
+      {"rate_hz: 200", "rate_hz: fast", "imu.rate_hz is no finite number"},
+      {"rate_hz: 200", "rate: 200", "unknown field rate"},
+      {"gyro_noise: 1.6968e-04", "gyro_noise: 0", "imu.gyro_noise is 0, must be above 0"},
+      {"accel_noise: 2.0e-3", "accel_noise: -1", "imu.accel_noise is -1"},
+      {"accel_walk: 3.0e-3", "accel_walk: .nan", "imu.accel_walk is no finite number"},
+      {"gyro_walk", "gyro_noise", "gyro_noise is there twice"},
+      {"-0.0021", "-2.1", "imu.time_offset_s is -2.1, must be at most 0.5"}};
+  for (const auto& [from, to, says] : cases) {
+    const std::string text = absl::StrReplaceAll(kImu, {{from, to}});
+    ASSERT_NE(text, kImu) << from;
+    const absl::Status status = Read(absl::StrCat(kStereo, text)).status();
+    EXPECT_TRUE(absl::IsInvalidArgument(status)) << to << ": " << status;
+    EXPECT_THAT(std::string(status.message()), HasSubstr(says));
+    EXPECT_THAT(std::string(status.message()), HasSubstr("rig.yaml"));
+  }
+  EXPECT_THAT(std::string(Read(absl::StrCat(kStereo, "imu:\n")).status().message()),
+              HasSubstr("imu holds no fields"));
+  EXPECT_THAT(std::string(Read(absl::StrCat(kStereo, "imu: {rate_hz: 200}\n")).status().message()),
+              HasSubstr("imu.imu_from_camera is missing"));
 }
 
 }  // namespace

@@ -62,6 +62,19 @@ void AppendDepth(const RigDepth& depth, std::string& text) {
   absl::StrAppend(&text, "  colour_from_depth: ", Listed(depth.colour_from_depth), "\n");
 }
 
+void AppendImu(const StatedImu& imu, std::string& text) {
+  absl::StrAppend(&text, "imu:\n  imu_from_camera: ", Listed(imu.imu_from_camera), "\n");
+  const auto add = [&](absl::string_view field, std::optional<double> number) {
+    if (number.has_value()) absl::StrAppend(&text, "  ", field, ": ", FormatReal(*number), "\n");
+  };
+  add("rate_hz", imu.rate_hz);
+  add("gyro_noise", imu.gyro_noise);
+  add("accel_noise", imu.accel_noise);
+  add("gyro_walk", imu.gyro_walk);
+  add("accel_walk", imu.accel_walk);
+  if (imu.time_offset_s != 0) add("time_offset_s", imu.time_offset_s);
+}
+
 void AppendKind(const Rig& rig, std::string& text) {
   if (rig.kind == RigKind::kRgbd) return AppendDepth(rig.depth, text);
   absl::StrAppend(&text, "rectified: ", rig.rectified ? "true" : "false", "\n");
@@ -93,6 +106,7 @@ std::string FormatRig(const Rig& rig, const std::string& origin) {
     absl::StrAppend(&text, "close_depth_m: ", FormatReal(*rig.close_depth_m), "\n");
   }
   if (rig.rate_hz.has_value()) absl::StrAppend(&text, "rate_hz: ", FormatReal(*rig.rate_hz), "\n");
+  if (rig.imu.has_value()) AppendImu(*rig.imu, text);
   if (!rig.mask_file.empty()) absl::StrAppend(&text, "mask: ", rig.mask_file, "\n");
   return text;
 }

@@ -14,6 +14,7 @@
 #include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
+#include "absl/strings/strip.h"
 #include "client_agent/source/calibration/yaml_fields.h"
 #include "client_agent/source/calibration/yaml_numbers.h"
 #include "slam/util/status_macros.h"
@@ -31,7 +32,10 @@ class Part {
       : path_(std::move(path)), name_(std::move(name)), node_(node) {}
 
   absl::Status CheckFields(const std::set<std::string>& known) const {
-    if (!node_.IsMap()) return Bad("holds no fields");
+    if (!node_.IsMap()) {
+      return Bad(name_.empty() ? "holds no fields"
+                               : absl::StrCat(absl::StripSuffix(name_, "."), " holds no fields"));
+    }
     std::set<std::string> seen;
     for (const auto& entry : node_) {
       const std::string key = entry.first.Scalar();

@@ -43,10 +43,22 @@ Json ToJson(const std::optional<Rigid3d>& motion) {
   return motion.has_value() ? services::ToJson(*motion) : Json(nullptr);
 }
 
+Json ToJson(const std::optional<ImuCalibration>& imu) {
+  if (!imu.has_value()) return nullptr;
+  return {{"imu_from_camera", services::ToJson(imu->imu_from_camera)},
+          {"rate_hz", imu->rate_hz},
+          {"time_offset_s", imu->time_offset_s},
+          {"gyro_noise", imu->noise.gyro},
+          {"accel_noise", imu->noise.accel},
+          {"gyro_walk", imu->noise.gyro_walk},
+          {"accel_walk", imu->noise.accel_walk}};
+}
+
 Json ToJson(const StereoCalibration& stereo) {
   Json json = {{"camera", ToJson(stereo.camera)},
                {"right_cx_offset_px", stereo.right_cx_offset_px},
                {"body_from_raw_left", ToJson(stereo.body_from_raw_left)},
+               {"imu", ToJson(stereo.imu)},
                {"raw", nullptr}};
   if (!stereo.raw.has_value()) return json;
   const RawStereo& raw = *stereo.raw;
@@ -63,7 +75,8 @@ Json ToJson(const RgbdCalibration& rgbd) {
   return {{"camera", ToJson(rgbd.camera)},
           {"lens", ToJson(rgbd.lens)},
           {"depth_units_per_m", rgbd.depth_units_per_m},
-          {"body_from_raw", ToJson(rgbd.body_from_raw)}};
+          {"body_from_raw", ToJson(rgbd.body_from_raw)},
+          {"imu", ToJson(rgbd.imu)}};
 }
 
 Camera CameraOf(const Json& json) {
@@ -105,11 +118,25 @@ absl::StatusOr<RawStereo> RawPairOf(const Json& json) {
   return raw;
 }
 
+// Older recordings do not have it.
+absl::StatusOr<std::optional<ImuCalibration>> ImuOf(const Json& calibration) {
+  if (!calibration.contains("imu") || calibration.at("imu").is_null()) return std::nullopt;
+  const Json& json = calibration.at("imu");
+  ImuCalibration imu;
+  ASSIGN_OR_RETURN(imu.imu_from_camera, RigidFromJson(json.at("imu_from_camera")));
+  imu.rate_hz = json.at("rate_hz");
+  imu.time_offset_s = json.at("time_offset_s");
+  imu.noise = {json.at("gyro_noise"), json.at("accel_noise"), json.at("gyro_walk"),
+               json.at("accel_walk")};
+  return imu;
+}
+
 absl::StatusOr<SensorCalibration> StereoOf(const Json& json) {
   StereoCalibration stereo;
   stereo.camera = CameraOf(json.at("camera"));
   stereo.right_cx_offset_px = json.at("right_cx_offset_px");
   ASSIGN_OR_RETURN(stereo.body_from_raw_left, MotionOf(json.at("body_from_raw_left")));
+  ASSIGN_OR_RETURN(stereo.imu, ImuOf(json));
   if (!json.at("raw").is_null()) {
     ASSIGN_OR_RETURN(stereo.raw, RawPairOf(json.at("raw")));
   }
@@ -122,12 +149,21 @@ absl::StatusOr<SensorCalibration> RgbdOf(const Json& json) {
   ASSIGN_OR_RETURN(rgbd.lens, LensOf(json.at("lens")));
   rgbd.depth_units_per_m = json.at("depth_units_per_m");
   ASSIGN_OR_RETURN(rgbd.body_from_raw, MotionOf(json.at("body_from_raw")));
+  ASSIGN_OR_RETURN(rgbd.imu, ImuOf(json));
   return rgbd;
 }
 
 client_agent::RigCamera RigCameraOf(const Camera& camera, double cx_px, const LensModel& lens) {
   return {
       {camera.fx_px, camera.fy_px, cx_px, camera.cy_px, lens}, camera.width_px, camera.height_px};
+}
+
+// Frames' samples are by the camera's clock already.
+std::optional<client_agent::StatedImu> AlignedImu(const std::optional<ImuCalibration>& imu) {
+  if (!imu.has_value()) return std::nullopt;
+  client_agent::StatedImu stated = client_agent::StatedOf(*imu);
+  stated.time_offset_s = 0;
+  return stated;
 }
 
 Rig StereoRig(const StereoCalibration& stereo) {
@@ -147,6 +183,7 @@ Rig StereoRig(const StereoCalibration& stereo) {
   }
   if (camera.close_depth_m > 0) rig.close_depth_m = camera.close_depth_m;
   rig.body_from_camera = stereo.body_from_raw_left;
+  rig.imu = AlignedImu(stereo.imu);
   return rig;
 }
 
@@ -158,6 +195,7 @@ Rig RgbdRig(const RgbdCalibration& rgbd) {
   rig.depth.virtual_baseline_m = rgbd.camera.baseline_m;
   if (rgbd.camera.close_depth_m > 0) rig.close_depth_m = rgbd.camera.close_depth_m;
   rig.body_from_camera = rgbd.body_from_raw;
+  rig.imu = AlignedImu(rgbd.imu);
   return rig;
 }
 

@@ -46,6 +46,7 @@ absl::StatusOr<std::unique_ptr<FrameRecorder>> FrameRecorder::Start(
 FrameRecorder::FrameRecorder(RecordingHead head, std::unique_ptr<RecordingFiles> files,
                              const RecorderOptions& options)
     : options_(options),
+      has_imu_(std::visit([](const auto& kind) { return kind.imu.has_value(); }, head.calibration)),
       files_(std::move(files)),
       head_(std::move(head)),
       thread_(StartThread("recorder", [this] { Run(); })) {}
@@ -72,9 +73,12 @@ void FrameRecorder::OnFrame(const SensorImages& images) {
     ++head_.counts.left_out;
     return;
   }
+  if (has_imu_) line.imu_samples = images.imu.size();
   Item item{line, std::nullopt, 0};
+  if (has_imu_) item.imu = images.imu;
   if (HasRoom()) {
     item.images = images;
+    item.images->imu.clear();
     item.bytes = BytesOf(images);
     waiting_bytes_ += item.bytes;
   } else {
@@ -151,6 +155,7 @@ absl::Status FrameRecorder::Write(const Item& item) {
   if (const auto* const orders = std::get_if<OrdersLine>(&item.line)) {
     return files_->WriteOrders(*orders, item.mask);
   }
+  RETURN_IF_ERROR(files_->WriteImu(item.imu));
   if (!item.images.has_value()) return files_->WriteLine(item.line);
   return files_->WriteFrame(*item.images, options_.least_free_bytes,
                             std::get<FrameLine>(item.line));

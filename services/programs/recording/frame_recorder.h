@@ -76,6 +76,7 @@ class FrameRecorder {
     std::optional<SensorImages> images;
     uint64_t bytes = 0;
     PictureMask mask = {};  // Of an OrdersLine.
+    ImuSamples imu = {};    // Of a FrameLine: also where its pictures are left out.
   };
   FrameRecorder(RecordingHead head, std::unique_ptr<RecordingFiles> files,
                 const RecorderOptions& options);
@@ -94,6 +95,7 @@ class FrameRecorder {
   }
 
   const RecorderOptions options_;
+  const bool has_imu_;
   const std::unique_ptr<RecordingFiles> files_;  // Of the thread alone, until it has ended.
   bool begins_local_map_ = false;                // Of the tracking thread, as the next one.
   uint64_t frame_ = 0;                           // Number of the frame that is tracked.

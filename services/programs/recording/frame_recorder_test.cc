@@ -6,6 +6,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <cmath>
 #include <filesystem>
 #include <limits>
 #include <opencv2/core.hpp>
@@ -115,6 +116,103 @@ TEST_F(FrameRecorderTest, StereoFramesComeBackAsTheyWereAndClientAgentPlaysThem)
       EXPECT_TRUE(AreSame(back->grey, given.grey) && AreSame(back->right, given.right));
     }
   }
+}
+
+ImuCalibration SomeImu() {
+  ImuCalibration imu;
+  imu.imu_from_camera.rotation = Eigen::AngleAxisd(1.0 / 3, Eigen::Vector3d(1, -2, 3).normalized());
+  imu.imu_from_camera.translation = {0.06, -0.01, 0.02};
+  imu.noise = {1.7e-4, 2e-3, 1.9e-5, 3e-3};
+  imu.time_offset_s = 0.01;
+  return imu;
+}
+
+// Ten samples up to the time of the frame.
+ImuSamples MeasuredBefore(int64_t time_ns) {
+  ImuSamples samples;
+  for (int k = 9; k >= 0; --k) {
+    const double value = std::sin(static_cast<double>(time_ns % 1'000'000'007) + k) / 3;
+    samples.push_back({time_ns - k * 5'000'000, {value, -value / 7, 0.1}, {value, 9.8, -0.3}});
+  }
+  return samples;
+}
+
+void ExpectEqual(const ImuSamples& a, const ImuSamples& b) {
+  ASSERT_EQ(a.size(), b.size());
+  for (size_t i = 0; i < a.size(); ++i) {
+    EXPECT_EQ(a[i].timestamp_ns, b[i].timestamp_ns);
+    EXPECT_EQ(a[i].angular_velocity_rps, b[i].angular_velocity_rps);
+    EXPECT_EQ(a[i].specific_force_mps2, b[i].specific_force_mps2);
+  }
+}
+
+TEST_F(FrameRecorderTest, WhatAnImuMeasuredComesBackWithItsFrames) {
+  StereoCalibration stereo;
+  stereo.camera = SmallCamera();
+  stereo.imu = SomeImu();
+  RgbdCalibration rgbd;
+  rgbd.camera = SmallCamera();
+  rgbd.imu = SomeImu();
+  for (const SensorCalibration& calibration :
+       {SensorCalibration(stereo), SensorCalibration(rgbd)}) {
+    std::filesystem::remove_all(folder_);
+    const bool is_stereo = std::holds_alternative<StereoCalibration>(calibration);
+    Start(calibration);
+    std::vector<SensorImages> frames;
+    for (int i = 0; i < 3; ++i) {
+      SensorImages images = StereoFrame(i);
+      images.timestamp_ns = kFirst_ns + i * 50'000'000ll;
+      images.imu = MeasuredBefore(images.timestamp_ns);
+      if (!is_stereo) {
+        images.right = cv::Mat();
+        images.depth = Noise(CV_16UC1, 65536, i + 1);
+      }
+      frames.push_back(images);
+      Track(images);
+    }
+    ASSERT_TRUE(recorder_->Finish().ok());
+    const Recording recording = Read();
+    const auto played = OpenSource(SourceOfRecording(folder_, is_stereo));
+    ASSERT_TRUE(played.ok()) << played.status();
+    for (size_t i = 0; i < 3; ++i) {
+      ExpectEqual(ImuOf(recording, recording.frames[i]), frames[i].imu);
+      const auto from_source = (*played)->NextImages();
+      ASSERT_TRUE(from_source.ok() && from_source->has_value()) << from_source.status();
+      ExpectEqual((*from_source)->imu, frames[i].imu);
+    }
+    // Samples are by the camera's clock already: the rig does not move them once more.
+    const auto imu_of = [](const SensorCalibration& of) {
+      return std::visit([](const auto& kind) { return kind.imu; }, of);
+    };
+    EXPECT_EQ(imu_of(recording.head.calibration)->time_offset_s, 0.01);
+    EXPECT_EQ(imu_of(recording.head.calibration)->imu_from_camera.rotation.coeffs(),
+              SomeImu().imu_from_camera.rotation.coeffs());
+    EXPECT_EQ(imu_of((*played)->calibration())->time_offset_s, 0);
+    EXPECT_EQ(imu_of((*played)->calibration())->noise.gyro_walk, 1.9e-5);
+    recorder_.reset();
+  }
+}
+
+TEST_F(FrameRecorderTest, FramesThatAreLeftOutLoseNoSamples) {
+  options_.waits = false;
+  options_.max_waiting_bytes = 0;
+  StereoCalibration calibration;
+  calibration.camera = SmallCamera();
+  calibration.imu = SomeImu();
+  Start(calibration);
+  SensorImages images = StereoFrame(0);
+  images.imu = MeasuredBefore(images.timestamp_ns);
+  Track(images);
+  ASSERT_TRUE(recorder_->Finish().ok());
+  const Recording recording = Read();
+  ASSERT_EQ(recording.frames.size(), 1u);
+  EXPECT_TRUE(recording.frames[0].line.pictures.empty());
+  ExpectEqual(ImuOf(recording, recording.frames[0]), images.imu);
+  // A list that lost its end is told.
+  std::filesystem::resize_file(ImuListPath(folder_, true), 400);
+  const auto cut = ReadRecording(folder_);
+  EXPECT_FALSE(cut.ok());
+  EXPECT_THAT(std::string(cut.status().message()), HasSubstr("imu0/data.csv"));
 }
 
 TEST_F(FrameRecorderTest, DepthKeepsItsSixteenBitsAndTimesTheirNanoseconds) {

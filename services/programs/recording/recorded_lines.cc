@@ -25,6 +25,7 @@ Json ToJson(const FrameLine& line) {
                {"begins_local_map", line.begins_local_map},
                {"pictures", line.pictures}};
   if (!line.checksums.empty()) json["checksums"] = line.checksums;
+  if (line.imu_samples > 0) json["imu_samples"] = line.imu_samples;
   return json;
 }
 
@@ -58,6 +59,7 @@ FrameLine FrameOf(const Json& json) {
   if (json.contains("checksums")) {
     line.checksums = json.at("checksums").get<std::vector<uint32_t>>();
   }
+  line.imu_samples = json.value("imu_samples", uint64_t{0});
   return line;
 }
 

@@ -23,6 +23,8 @@ struct FrameLine {
   std::string pictures;
   // Of their pixels (PictureChecksum), in the same order; empty in older recordings.
   std::vector<uint32_t> checksums = {};
+  // How many of the IMU's samples, in the order of its list, came with it.
+  uint64_t imu_samples = 0;
 
   bool operator==(const FrameLine&) const = default;
 };

@@ -10,6 +10,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "client_agent/source/lists/imu_list.h"
 #include "client_agent/source/pictures/image_file.h"
 #include "services/programs/recording/recording_files.h"
 #include "slam/util/status_macros.h"
@@ -97,6 +98,22 @@ absl::Status ReadMask(const std::string& folder, RecordingHead& head) {
   return absl::OkStatus();
 }
 
+// Reads the IMU's list, whose samples frames take in its order.
+absl::Status ReadImu(Recording& recording) {
+  size_t samples = 0;
+  for (RecordedFrame& frame : recording.frames) {
+    frame.first_sample = samples;
+    samples += frame.line.imu_samples;
+  }
+  if (samples == 0) return absl::OkStatus();
+  const std::string path = ImuListPath(recording.folder, recording.is_stereo());
+  ASSIGN_OR_RETURN(recording.imu, client_agent::ReadImuLines(path));
+  if (recording.imu.size() >= samples) return absl::OkStatus();
+  return absl::DataLossError(absl::StrCat(path, ": holds ", recording.imu.size(),
+                                          " samples, frames.jsonl counts ", samples,
+                                          ". Take the recording as it was"));
+}
+
 // Returns what the lines say, which is less than a finished run's head does.
 RecordedCounts CountLines(const std::vector<RecordedFrame>& frames) {
   RecordedCounts counts;
@@ -128,6 +145,7 @@ absl::StatusOr<Recording> ReadRecording(const std::string& folder) {
   recording.head = *std::move(head);
   if (recording.head.has_mask) RETURN_IF_ERROR(ReadMask(folder, recording.head));
   RETURN_IF_ERROR(ReadLines(recording));
+  RETURN_IF_ERROR(ReadImu(recording));
   if (!recording.head.finished) {
     recording.head.counts = CountLines(recording.frames);
     recording.notes.emplace_back(
@@ -138,6 +156,11 @@ absl::StatusOr<Recording> ReadRecording(const std::string& folder) {
     recording.notes.push_back("the recording ended before the run: " + recording.head.ended);
   }
   return recording;
+}
+
+ImuSamples ImuOf(const Recording& recording, const RecordedFrame& frame) {
+  const auto first = recording.imu.begin() + static_cast<std::ptrdiff_t>(frame.first_sample);
+  return {first, first + static_cast<std::ptrdiff_t>(frame.line.imu_samples)};
 }
 
 absl::StatusOr<PictureMask> ReadOrderedMask(const Recording& recording, const OrdersLine& orders) {

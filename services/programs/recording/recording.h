@@ -20,7 +20,8 @@ struct RecordedFrame {
   std::optional<OrdersLine> orders = std::nullopt;  // What was ordered before it, if anything.
   // What tracking said of it; nullopt where the robot ended before it had.
   std::optional<client_agent::TrackingResult> result = std::nullopt;
-  uint64_t dropped = 0;  // Frames that had come too fast by then.
+  uint64_t dropped = 0;     // Frames that had come too fast by then.
+  size_t first_sample = 0;  // In Recording::imu: of those that came with it.
 };
 
 struct Recording {
@@ -28,6 +29,7 @@ struct Recording {
   // With the mask. Counts of a run that has no end are those of its lines.
   RecordingHead head;
   std::vector<RecordedFrame> frames;
+  ImuSamples imu;  // In the order in which they came.
   // What is odd: a last line that is cut short, a run that has no end.
   std::vector<std::string> notes;
 
@@ -37,10 +39,14 @@ struct Recording {
 // NOT_FOUND where the folder holds no recording; DATA_LOSS names the file and the line.
 absl::StatusOr<Recording> ReadRecording(const std::string& folder);
 
+// Returns what an IMU measured before a frame, whether its pictures are there or not.
+ImuSamples ImuOf(const Recording& recording, const RecordedFrame& frame);
+
 // Returns the mask that was ordered before a frame, empty for none any more. Errors name the file.
 absl::StatusOr<PictureMask> ReadOrderedMask(const Recording& recording, const OrdersLine& orders);
 
-// Returns the pictures of a frame that has some, as they were given to tracking. Errors name the
+// Returns the pictures of a frame that has some, as they were given to tracking, without what an
+// IMU measured. Errors name the
 // file: DATA_LOSS, too, where it holds another picture than was recorded.
 absl::StatusOr<SensorImages> ReadPictures(const Recording& recording, const FrameLine& frame);
 

@@ -9,6 +9,8 @@
 #include <variant>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
+#include "client_agent/source/lists/imu_list.h"
 #include "client_agent/source/rig/rig_file.h"
 #include "services/programs/recording/calibration_json.h"
 #include "slam/util/checksum.h"
@@ -100,6 +102,40 @@ const PictureMask& MaskOf(const SensorCalibration& calibration) {
   return std::visit([](const auto& kind) -> const PictureMask& { return kind.mask; }, calibration);
 }
 
+const std::optional<ImuCalibration>& ImuOf(const SensorCalibration& calibration) {
+  return std::visit(
+      [](const auto& kind) -> const auto& { return kind.imu; }, calibration);
+}
+
+// Where the body is that T_BS is of: where a calibration says it, else at the IMU.
+Rigid3d BodyFromImu(const SensorCalibration& calibration) {
+  const auto* const stereo = std::get_if<StereoCalibration>(&calibration);
+  const std::optional<Rigid3d>& body_from_camera =
+      stereo != nullptr ? stereo->body_from_raw_left
+                        : std::get<RgbdCalibration>(calibration).body_from_raw;
+  if (!body_from_camera.has_value()) return {};
+  return *body_from_camera * ImuOf(calibration)->imu_from_camera.Inverse();
+}
+
+// Returns imu0/sensor.yaml in EuRoC's form.
+std::string FormatImuSensor(const SensorCalibration& calibration) {
+  const ImuCalibration& imu = *ImuOf(calibration);
+  const Rigid3d pose = BodyFromImu(calibration);
+  const Eigen::Matrix3d r = pose.rotation.toRotationMatrix();
+  std::string rows;
+  for (int i = 0; i < 3; ++i) {
+    for (int k = 0; k < 3; ++k) absl::StrAppend(&rows, FormatReal(r(i, k)), ", ");
+    absl::StrAppend(&rows, FormatReal(pose.translation(i)), ", ");
+  }
+  return absl::StrCat("# What a robot recorded; rig.yaml says where the camera sits.\n",
+                      "sensor_type: imu\nT_BS:\n  cols: 4\n  rows: 4\n  data: [", rows,
+                      "0, 0, 0, 1]\nrate_hz: ", FormatReal(imu.rate_hz),
+                      "\ngyroscope_noise_density: ", FormatReal(imu.noise.gyro),
+                      "\ngyroscope_random_walk: ", FormatReal(imu.noise.gyro_walk),
+                      "\naccelerometer_noise_density: ", FormatReal(imu.noise.accel),
+                      "\naccelerometer_random_walk: ", FormatReal(imu.noise.accel_walk), "\n");
+}
+
 absl::Status AppendTo(const std::string& path, std::ofstream& file, const std::string& line) {
   errno = 0;
   file << line << "\n" << std::flush;
@@ -122,6 +158,10 @@ std::vector<std::string> PicturePaths(const std::string& folder, bool is_stereo,
     paths.push_back(absl::StrCat(of_camera, "/", pictures));
   }
   return paths;
+}
+
+std::string ImuListPath(const std::string& folder, bool is_stereo) {
+  return absl::StrCat(folder, is_stereo ? "/mav0" : "", "/imu0/data.csv");
 }
 
 uint32_t PictureChecksum(const cv::Mat& picture) {
@@ -162,6 +202,7 @@ absl::StatusOr<std::unique_ptr<RecordingFiles>> RecordingFiles::Create(
   }
   RETURN_IF_ERROR(files->WriteRig(head, rate_hz));
   RETURN_IF_ERROR(files->MakeLists());
+  RETURN_IF_ERROR(files->MakeImuFiles(head.calibration));
   RETURN_IF_ERROR(files->WriteHead(head));
   return files;
 }
@@ -175,6 +216,25 @@ absl::Status RecordingFiles::MakeLists() {
     if (!heading.empty()) RETURN_IF_ERROR(AppendTo(path, list.file, heading));
   }
   return absl::OkStatus();
+}
+
+absl::Status RecordingFiles::MakeImuFiles(const SensorCalibration& calibration) {
+  if (!ImuOf(calibration).has_value()) return absl::OkStatus();
+  const std::string path = ImuListPath(folder_, is_stereo_);
+  const std::string of_imu = fs::path(path).parent_path().string();
+  RETURN_IF_ERROR(MakeFolder(of_imu));
+  const std::string sensor = FormatImuSensor(calibration);
+  RETURN_IF_ERROR(WriteBytes(of_imu + "/sensor.yaml", sensor.data(), sensor.size()));
+  imu_list_.emplace(List{path, std::ofstream(path, std::ios::trunc)});
+  if (!imu_list_->file) return CantWrite(path);
+  return AppendTo(path, imu_list_->file, client_agent::kImuHeading);
+}
+
+absl::Status RecordingFiles::WriteImu(const ImuSamples& samples) {
+  if (!imu_list_.has_value() || samples.empty()) return absl::OkStatus();
+  std::vector<std::string> lines;
+  for (const ImuSample& sample : samples) lines.push_back(client_agent::FormatImuLine(sample));
+  return AppendTo(imu_list_->path, imu_list_->file, absl::StrJoin(lines, "\n"));
 }
 
 absl::Status RecordingFiles::WriteRig(const RecordingHead& head, std::optional<double> rate_hz) {

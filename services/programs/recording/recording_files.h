@@ -27,6 +27,8 @@ std::string MaskPath(const std::string& folder, uint64_t frame);
 // Returns the paths of a frame's two pictures: left and right, or grey and depth.
 std::vector<std::string> PicturePaths(const std::string& folder, bool is_stereo,
                                       const std::string& pictures);
+// Returns the path of the list of what an IMU measured, which a recording with one has.
+std::string ImuListPath(const std::string& folder, bool is_stereo);
 // Returns a number of a picture's size, type and pixels, whichever file holds them (CRC-32C).
 uint32_t PictureChecksum(const cv::Mat& picture);
 // Returns how client_agent names the recording as a source: "euroc:DIR?rig=DIR/rig.yaml".
@@ -50,6 +52,8 @@ class RecordingFiles {
   // RESOURCE_EXHAUSTED where less than `least_free_bytes` would stay free on the disk.
   absl::Status WriteFrame(const SensorImages& images, uint64_t least_free_bytes, FrameLine line);
   absl::Status WriteLine(const RecordedLine& line);
+  // Writes what came with the next frame; does nothing where the calibration has no IMU.
+  absl::Status WriteImu(const ImuSamples& samples);
   // Writes the mask, if there is one, and then the line, whose `mask_checksum` it fills in.
   absl::Status WriteOrders(OrdersLine line, const PictureMask& mask);
   // Puts `head` in the place of recording.json as a whole, with the mask's checksum.
@@ -63,6 +67,7 @@ class RecordingFiles {
   RecordingFiles(std::string folder, bool is_stereo)
       : folder_(std::move(folder)), is_stereo_(is_stereo) {}
   absl::Status MakeLists();
+  absl::Status MakeImuFiles(const SensorCalibration& calibration);
   absl::Status WriteRig(const RecordingHead& head, std::optional<double> rate_hz);
   absl::Status AppendToLists(int64_t timestamp_ns, const std::string& pictures);
   std::string NameOf(const FrameLine& line);
@@ -70,6 +75,7 @@ class RecordingFiles {
   const std::string folder_;
   const bool is_stereo_;
   std::vector<List> lists_;  // The layout's, then frames.jsonl.
+  std::optional<List> imu_list_;
   std::optional<int64_t> latest_ns_;
 };
 

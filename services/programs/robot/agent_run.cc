@@ -4,9 +4,11 @@
 
 #include <chrono>
 #include <optional>
+#include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
+#include "client_agent/source/kept_imu.h"
 #include "client_agent/source/pictures/mask_picture.h"
 #include "services/programs/robot/left_out_log.h"
 #include "services/programs/robot/no_pose_log.h"
@@ -21,6 +23,7 @@ using client_agent::AgentStatus;
 using client_agent::FindingLevel;
 using client_agent::FramePose;
 using client_agent::FrameStream;
+using client_agent::KeptImu;
 using client_agent::LeftOutFrames;
 using client_agent::MaskedPercent;
 using client_agent::PoseListener;
@@ -135,16 +138,21 @@ absl::Status PlayStream(
   LeftOutLog left_out;
   SlowSourceLog slow;
   std::optional<SourceFrame> before;
+  KeptImu kept_imu;  // Of frames that `limit` left out.
   NoPoseLog no_pose(MaskedPercent(stream.calibration()));
   while (true) {
-    const absl::StatusOr<std::optional<StreamFrame>> next = paced.Next();
+    absl::StatusOr<std::optional<StreamFrame>> next = paced.Next();
     WatchStream(stream, paced, left_out, slow, limit, frames);
     RETURN_IF_ERROR(next.status());
     if (!next->has_value()) {
       frames.stopped = stop.HasBeenNotified();
       return absl::OkStatus();
     }
-    if (limit != nullptr && !limit->Takes((*next)->images.timestamp_ns)) continue;
+    if (limit != nullptr && !limit->Takes((*next)->images.timestamp_ns)) {
+      kept_imu.Keep((*next)->frame.drive, std::move((*next)->images.imu));
+      continue;
+    }
+    kept_imu.GiveTo((*next)->frame.drive, (*next)->images.imu);
     FollowDrive((*next)->frame, before, agent);
     const auto came = (*next)->came.value_or(std::chrono::steady_clock::now());
     ASSIGN_OR_RETURN(const TrackingResult result, agent.Track((*next)->images));

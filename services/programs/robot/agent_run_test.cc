@@ -34,10 +34,12 @@ using ::testing::SizeIs;
 class NotingAgent : public Agent {
  public:
   std::vector<double> told;
-  TrackingResult result;  // What Track answers, but for the time.
+  std::vector<size_t> samples;  // How many of an IMU came with each frame.
+  TrackingResult result;        // What Track answers, but for the time.
 
   absl::StatusOr<TrackingResult> Track(const SensorImages& images) override {
     told.push_back(1e-9 * static_cast<double>(images.timestamp_ns));
+    samples.push_back(images.imu.size());
     result.timestamp_ns = images.timestamp_ns;
     return result;
   }
@@ -105,6 +107,22 @@ TEST_F(PlayStreamTest, AtTheSensorsPaceFramesWhoseTimeHasPassedAreDroppedAndCoun
   EXPECT_THAT(agent_.told, SizeIs(1));
   EXPECT_EQ(frames_.played, 1u);
   EXPECT_EQ(frames_.dropped, 2u);
+}
+
+TEST_F(PlayStreamTest, WhatWasMeasuredBeforeAFrameThatIsLeftOutComesWithTheNext) {
+  for (int64_t i = 0; i < 4; ++i) {
+    const int64_t time_ns = i * 100'000'000;
+    stream_.PutImuFrame(static_cast<size_t>(i), time_ns, {time_ns - 1, time_ns});
+  }
+  stream_.Put(StreamEnd());
+  FrameRateLimit limit;
+  limit.Set(5);
+  EXPECT_TRUE(PlayStream(
+                  stream_, agent_, Pace::kMax, stop_, frames_,
+                  [](const TrackingResult&, const FrameMoment&) {}, &limit)
+                  .ok());
+  EXPECT_THAT(agent_.told, ElementsAre(0, 0.2));
+  EXPECT_THAT(agent_.samples, ElementsAre(2u, 4u));
 }
 
 TEST_F(PlayStreamTest, AnotherDriveIsAnotherLocalMap) {

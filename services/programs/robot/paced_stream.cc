@@ -77,8 +77,10 @@ absl::StatusOr<std::optional<StreamFrame>> PacedStream::Next() {
     }
     if (IsOvertaken(now)) {
       ++dropped_;
+      kept_imu_.Keep(frame->frame.drive, std::move(frame->images.imu));
       continue;
     }
+    kept_imu_.GiveTo(frame->frame.drive, frame->images.imu);
     if (stop_.WaitForNotificationWithTimeout(Due(*frame) - absl::Now())) return std::nullopt;
     return frame;
   }

@@ -9,6 +9,7 @@
 #include "absl/synchronization/notification.h"
 #include "absl/time/time.h"
 #include "client_agent/source/frame_stream.h"
+#include "client_agent/source/kept_imu.h"
 #include "services/programs/robot/source_pace.h"
 #include "slam/util/named_values.h"
 
@@ -30,7 +31,8 @@ class PacedStream {
 
   // Waits for the next frame to be tracked, and at kSensor until it is due by the times of its
   // drive; a camera's (StreamFrame::came) is due when it comes. Frames whose successor is there and
-  // due already are dropped, as a camera's driver would. Returns nullopt after the last frame, and
+  // due already are dropped, as a camera's driver would; what an IMU measured before them comes
+  // with the next. Returns nullopt after the last frame, and
   // when stopped; the stream's error once every frame before it was given.
   absl::StatusOr<std::optional<client_agent::StreamFrame>> Next();
 
@@ -61,6 +63,7 @@ class PacedStream {
   std::optional<absl::Time> start_;
   int64_t first_ns_ = 0;
   int drive_ = 0;
+  client_agent::KeptImu kept_imu_;  // Of frames that were dropped.
 };
 
 }  // namespace corbslam::services

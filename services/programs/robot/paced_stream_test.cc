@@ -47,6 +47,22 @@ TEST(PacedStreamTest, AFrameIsDroppedWhereItsSuccessorIsDueAlready) {
   EXPECT_EQ(paced.dropped(), 3u);
 }
 
+TEST(PacedStreamTest, WhatWasMeasuredBeforeADroppedFrameComesWithTheNext) {
+  QueuedStream stream;
+  stream.PutImuFrame(0, 7, {1, 2});
+  stream.PutImuFrame(1, 7, {3});
+  stream.PutImuFrame(2, 7, {4, 5});
+  stream.Put(StreamEnd());
+  const absl::Notification stop;
+  PacedStream paced(stream, Pace::kSensor, stop);
+  const auto frame = paced.Next();
+  ASSERT_TRUE(frame.ok() && frame->has_value()) << frame.status();
+  ASSERT_EQ((*frame)->frame.number, 2u);
+  std::vector<int64_t> measured;
+  for (const ImuSample& sample : (*frame)->images.imu) measured.push_back(sample.timestamp_ns);
+  EXPECT_EQ(measured, (std::vector<int64_t>{1, 2, 3, 4, 5}));
+}
+
 TEST(PacedStreamTest, FramesWaitForTheirTimeAlsoPlayedBackwards) {
   QueuedStream stream;
   stream.PutFrame(0, 5);

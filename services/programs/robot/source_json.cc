@@ -40,6 +40,7 @@ nlohmann::ordered_json ToJson(const SourceDescription& description) {
           {"times_from", d.times_from},
           {"gaps", d.times.gaps},
           {"longest_gap_s", d.times.longest_gap_s},
+          {"imu", d.imu},
           {"left_out", d.remarks.left_out}};
 }
 

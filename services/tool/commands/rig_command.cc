@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "absl/strings/numbers.h"
@@ -152,8 +153,13 @@ absl::Status TakeAgain(const RetakeArguments& arguments) {
   ASSIGN_OR_RETURN(const size_t frames, Retake(*reader, spec, rig, arguments.out));
   const std::string source =
       absl::StrCat("kitti:", arguments.out, "?rig=", arguments.out, "/rig.yaml");
+  const bool has_imu =
+      std::visit([](const auto& kind) { return kind.imu.has_value(); }, reader->calibration());
+  if (has_imu && !WantsJson()) {
+    std::fprintf(stderr, "corbslam: note: what the IMU measured is not written\n");
+  }
   PrintResult(absl::StrCat(frames, " frames; play them as ", source, "\n"),
-              {{"frames", frames}, {"source", source}});
+              {{"frames", frames}, {"source", source}, {"without_imu", has_imu}});
   return absl::OkStatus();
 }
 

@@ -4,6 +4,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "client_agent/agent/agent_orders.h"
+#include "client_agent/source/kept_imu.h"
 #include "services/programs/default_vocabulary.h"
 #include "services/programs/recording/recording_files.h"
 #include "slam/util/status_macros.h"
@@ -13,6 +14,7 @@ namespace corbslam::services {
 using client_agent::Agent;
 using client_agent::AgentOptions;
 using client_agent::AgentOrders;
+using client_agent::KeptImu;
 using client_agent::TrackingResult;
 
 namespace {
@@ -54,7 +56,8 @@ absl::Status GiveOrders(const Recording& recording, const OrdersLine& line, Agen
 // Plays one frame. Returns nullopt, with a note, where there are no pictures.
 absl::StatusOr<std::optional<TrackingResult>> Play(const Recording& recording,
                                                    const RecordedFrame& recorded,
-                                                   AgentOrders& orders, Replayed& replayed) {
+                                                   AgentOrders& orders, KeptImu& kept_imu,
+                                                   Replayed& replayed) {
   const FrameLine& frame = recorded.line;
   if (frame.begins_local_map) replayed.agent->BeginLocalMap();
   if (recorded.orders.has_value()) {
@@ -64,15 +67,20 @@ absl::StatusOr<std::optional<TrackingResult>> Play(const Recording& recording,
                                             ": an order can't be given again: ", given.message()));
     }
   }
+  ImuSamples imu = ImuOf(recording, recorded);
   if (frame.pictures.empty()) {
+    kept_imu.Keep(/*drive=*/0, std::move(imu));
     replayed.notes.push_back(absl::StrCat("frame ", frame.frame, " was left out when recording"));
     return std::nullopt;
   }
-  const absl::StatusOr<SensorImages> images = ReadPictures(recording, frame);
+  absl::StatusOr<SensorImages> images = ReadPictures(recording, frame);
   if (!images.ok()) {
+    kept_imu.Keep(/*drive=*/0, std::move(imu));
     replayed.notes.push_back(absl::StrCat("frame ", frame.frame, ": ", images.status().message()));
     return std::nullopt;
   }
+  images->imu = std::move(imu);
+  kept_imu.GiveTo(/*drive=*/0, images->imu);
   ASSIGN_OR_RETURN(const TrackingResult result, replayed.agent->Track(*images));
   return result;
 }
@@ -101,8 +109,9 @@ absl::StatusOr<Replayed> Replay(const Recording& recording, const ReplayOptions&
   agent.orders = std::make_shared<AgentOrders>();
   ASSIGN_OR_RETURN(replayed.agent, Agent::Create(agent, recording.head.calibration, vocabulary,
                                                  /*uplink=*/nullptr));
+  KeptImu kept_imu;  // Of frames without pictures.
   for (const RecordedFrame& frame : recording.frames) {
-    ASSIGN_OR_RETURN(const auto result, Play(recording, frame, *agent.orders, replayed));
+    ASSIGN_OR_RETURN(const auto result, Play(recording, frame, *agent.orders, kept_imu, replayed));
     replayed.results.push_back(result);
     if (options.on_progress != nullptr) {
       options.on_progress(replayed.results.size(), recording.frames.size());

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <cstring>
 #include <string>
+#include <vector>
 
 #include "client_agent/push_client/corbslam/push.h"
 #include "client_agent/push_client/wire.h"
@@ -16,6 +17,13 @@ inline constexpr char kSmallRig[] =
     "  - {size_px: [64, 48], focal_px: [40, 40], principal_px: [32, 24]}\n"
     "  - {size_px: [64, 48], focal_px: [40, 40], principal_px: [32, 24]}\n"
     "rectified: true\nbaseline_m: 0.1\n";
+
+// Of that rig with an IMU, whose stamps are 2 ns too early.
+inline std::string SmallRigWithImu() {
+  return std::string(kSmallRig) +
+         "imu: {imu_from_camera: [1, 0, 0, 0.05, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1], "
+         "time_offset_s: 2.0e-9}\n";
+}
 
 template <typename Message>
 std::string Bytes(const Message& message) {
@@ -42,6 +50,17 @@ inline std::string HelloPacket(push_wire::Hello hello, const std::string& rig = 
   hello.rig_bytes = static_cast<uint32_t>(rig.size());
   hello.header.bytes = static_cast<uint32_t>(sizeof(hello) + rig.size());
   return Bytes(hello) + rig;
+}
+
+inline std::string ImuPacket(const std::vector<push_wire::ImuSample>& samples) {
+  push_wire::Imu head = {};
+  head.header.kind = push_wire::kImu;
+  head.header.bytes =
+      static_cast<uint32_t>(sizeof(head) + samples.size() * sizeof(push_wire::ImuSample));
+  head.samples = static_cast<uint32_t>(samples.size());
+  std::string packet = Bytes(head);
+  for (const push_wire::ImuSample& sample : samples) packet += Bytes(sample);
+  return packet;
 }
 
 inline push_wire::Frame GoodFrame(uint32_t slot, int64_t timestamp_ns) {

@@ -38,8 +38,9 @@ struct BagPlace {
   uint64_t offset = 0;
 };
 
-// How many bytes of each message a scan gives: a header's time and name of frame.
-inline constexpr size_t kBagHeadBytes = 160;
+// How many bytes of each message a scan gives: a header's time and name of frame, and all that an
+// IMU measured.
+inline constexpr size_t kBagHeadBytes = 512;
 
 struct ScannedMessage {
   size_t channel = 0;       // Index into channels().

@@ -86,6 +86,20 @@ absl::StatusOr<RosCompressedImage> ReadRosCompressedImage(BagEncoding encoding,
   return image;
 }
 
+absl::StatusOr<RosImu> ReadRosImu(BagEncoding encoding, absl::string_view bytes) {
+  ASSIGN_OR_RETURN(RosWire wire, RosWire::Open(encoding, bytes));
+  RosImu imu;
+  imu.header = TakeHeader(wire);
+  std::array<double, 13> orientation;  // With its covariance.
+  std::array<double, 9> covariance;
+  wire.TakeArray(orientation, "orientation");
+  wire.TakeArray(imu.angular_velocity_rps, "angular_velocity");
+  wire.TakeArray(covariance, "angular_velocity_covariance");
+  wire.TakeArray(imu.linear_acceleration_mps2, "linear_acceleration");
+  RETURN_IF_ERROR(CheckWhole(wire, kImuType));
+  return imu;
+}
+
 absl::StatusOr<RosCameraInfo> ReadRosCameraInfo(BagEncoding encoding, absl::string_view bytes) {
   ASSIGN_OR_RETURN(RosWire wire, RosWire::Open(encoding, bytes));
   RosCameraInfo info;

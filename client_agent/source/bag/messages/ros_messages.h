@@ -2,6 +2,7 @@
 #ifndef CORBSLAM_CLIENT_AGENT_SOURCE_BAG_MESSAGES_ROS_MESSAGES_H_
 #define CORBSLAM_CLIENT_AGENT_SOURCE_BAG_MESSAGES_ROS_MESSAGES_H_
 
+#include <Eigen/Core>
 #include <array>
 #include <cstdint>
 #include <string>
@@ -17,6 +18,7 @@ namespace corbslam::client_agent {
 inline constexpr absl::string_view kImageType = "sensor_msgs/Image";
 inline constexpr absl::string_view kCompressedImageType = "sensor_msgs/CompressedImage";
 inline constexpr absl::string_view kCameraInfoType = "sensor_msgs/CameraInfo";
+inline constexpr absl::string_view kImuType = "sensor_msgs/Imu";
 inline constexpr absl::string_view kTransformsType = "tf2_msgs/TFMessage";
 inline constexpr absl::string_view kOldTransformsType = "tf/tfMessage";
 
@@ -58,6 +60,14 @@ struct RosCameraInfo {
   uint32_t roi_width_px = 0;
 };
 
+// Without what an IMU makes of its measurements (orientation), and without covariances.
+struct RosImu {
+  RosHeader header;
+  Eigen::Vector3d angular_velocity_rps = Eigen::Vector3d::Zero();
+  // Of REP 145: what holds it up counts, as in ImuSample.
+  Eigen::Vector3d linear_acceleration_mps2 = Eigen::Vector3d::Zero();
+};
+
 struct RosTransform {
   std::string parent;
   std::string child;
@@ -71,6 +81,7 @@ absl::StatusOr<RosImage> ReadRosImage(BagEncoding encoding, absl::string_view by
 absl::StatusOr<RosCompressedImage> ReadRosCompressedImage(BagEncoding encoding,
                                                           absl::string_view bytes);
 absl::StatusOr<RosCameraInfo> ReadRosCameraInfo(BagEncoding encoding, absl::string_view bytes);
+absl::StatusOr<RosImu> ReadRosImu(BagEncoding encoding, absl::string_view bytes);
 // Leaves out transforms that are no rigid motions.
 absl::StatusOr<std::vector<RosTransform>> ReadRosTransforms(BagEncoding encoding,
                                                             absl::string_view bytes);

@@ -1,8 +1,11 @@
 // Basalt's calibration (JSON, which YAML is a kind of): value0 with T_imu_cam, intrinsics and
 // resolution, a list each with an entry for each camera.
+#include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "absl/strings/str_cat.h"
+#include "client_agent/source/calibration/imu_noise_fields.h"
 #include "client_agent/source/calibration/lens_names.h"
 #include "client_agent/source/calibration/yaml_fields.h"
 #include "client_agent/source/rig/convert/rig_readers.h"
@@ -80,6 +83,43 @@ absl::StatusOr<Rigid3d> ReadImuFromCamera(const YAML::Node& value, size_t index,
   return Rigid3d{rotation.normalized(), Eigen::Vector3d(n[0], n[1], n[2])};
 }
 
+// Reads a number, or three of the axes, of which the largest is taken.
+absl::StatusOr<std::optional<double>> ReadAxes(const YAML::Node& value, const char* name,
+                                               const std::string& path) {
+  const YAML::Node node = value[name];
+  if (!node.IsDefined() || node.IsScalar()) return ReadIfThere(value, path, name);
+  ASSIGN_OR_RETURN(const auto axes, ReadNumbers(node, path, absl::StrCat("value0.", name), 3, 3));
+  return *std::max_element(axes.begin(), axes.end());
+}
+
+absl::Status ReadImu(const YAML::Node& value, const Rigid3d& imu_from_left, const std::string& path,
+                     ConvertedRig& converted) {
+  // Without an IMU its frame is the first camera's.
+  const bool has_imu = value["imu_update_rate"].IsDefined() ||
+                       value["gyro_noise_std"].IsDefined() || value["accel_noise_std"].IsDefined();
+  if (!has_imu) return absl::OkStatus();
+  StatedImu& imu = converted.rig.imu.emplace();
+  imu.imu_from_camera = imu_from_left;
+  ASSIGN_OR_RETURN(imu.rate_hz, ReadIfThere(value, path, "imu_update_rate"));
+  ASSIGN_OR_RETURN(imu.gyro_noise, ReadAxes(value, "gyro_noise_std", path));
+  ASSIGN_OR_RETURN(imu.accel_noise, ReadAxes(value, "accel_noise_std", path));
+  ASSIGN_OR_RETURN(imu.gyro_walk, ReadAxes(value, "gyro_bias_std", path));
+  ASSIGN_OR_RETURN(imu.accel_walk, ReadAxes(value, "accel_bias_std", path));
+  // What is added to the camera's stamps to get the IMU's clock.
+  ASSIGN_OR_RETURN(const auto offset_ns, ReadIfThere(value, path, "cam_time_offset_ns"));
+  imu.time_offset_s = -1e-9 * offset_ns.value_or(0);
+  for (const char* name : {"calib_accel_bias", "calib_gyro_bias"}) {
+    if (!value[name].IsDefined()) continue;
+    ASSIGN_OR_RETURN(const auto bias,
+                     ReadNumbers(value[name], path, absl::StrCat("value0.", name), 1, 12));
+    if (std::all_of(bias.begin(), bias.end(), [](double number) { return number == 0; })) continue;
+    converted.notes.push_back(absl::StrCat("value0.", name,
+                                           " is left out: a rig has no place for an IMU's scale "
+                                           "and misalignment, and its bias is estimated"));
+  }
+  return absl::OkStatus();
+}
+
 absl::Status Read(const YAML::Node& file, const std::string& path, ConvertedRig& converted) {
   const YAML::Node value = file["value0"];
   for (const char* field : {"intrinsics", "resolution", "T_imu_cam"}) {
@@ -99,7 +139,7 @@ absl::Status Read(const YAML::Node& file, const std::string& path, ConvertedRig&
   ASSIGN_OR_RETURN(const Rigid3d imu_from_right, ReadImuFromCamera(value, 1, path));
   rig.right_from_left = imu_from_right.Inverse() * imu_from_left;
   rig.body_from_camera = imu_from_left;
-  return absl::OkStatus();
+  return ReadImu(value, imu_from_left, path, converted);
 }
 
 }  // namespace

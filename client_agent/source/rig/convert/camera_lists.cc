@@ -1,5 +1,6 @@
 // Calibrations that list their cameras: SVO's (rpg_svo_pro) and OKVIS2's.
 #include "absl/strings/str_cat.h"
+#include "client_agent/source/calibration/imu_noise_fields.h"
 #include "client_agent/source/calibration/lens_names.h"
 #include "client_agent/source/calibration/yaml_fields.h"
 #include "client_agent/source/rig/convert/rig_readers.h"
@@ -104,8 +105,62 @@ absl::StatusOr<Listed> ReadOkvisCamera(const YAML::Node& node, const std::string
   return listed;
 }
 
+// How the two systems call an IMU's numbers, in a map of one of these names.
+struct ImuNames {
+  std::vector<const char*> maps;
+  const char* rate;
+  const char* gyro_noise;
+  const char* accel_noise;
+  const char* gyro_walk;
+  const char* accel_walk;
+  const char* delay;  // Which says by which rule the clocks differ, is not told.
+};
+const ImuNames& SvosImu() {
+  static const auto& names =
+      *new ImuNames{{"imu_params"},       "imu_rate",         "sigma_omega_c", "sigma_acc_c",
+                    "sigma_omega_bias_c", "sigma_acc_bias_c", "delay_imu_cam"};
+  return names;
+}
+const ImuNames& OkvissImu() {
+  static const auto& names = *new ImuNames{{"imu_parameters", "imu_params"},
+                                           "imu_rate",
+                                           "sigma_g_c",
+                                           "sigma_a_c",
+                                           "sigma_gw_c",
+                                           "sigma_aw_c",
+                                           "image_delay"};
+  return names;
+}
+
+// Both systems' cameras are placed in the IMU's frame.
+absl::Status ReadImu(const YAML::Node& file, const std::string& path, const ImuNames& names,
+                     ConvertedRig& converted) {
+  for (const char* const map : names.maps) {
+    const YAML::Node node = file[map];
+    if (!node.IsDefined() || !node.IsMap()) continue;
+    StatedImu& imu = converted.rig.imu.emplace();
+    imu.imu_from_camera = *converted.rig.body_from_camera;
+    ASSIGN_OR_RETURN(imu.rate_hz, ReadIfThere(node, path, names.rate));
+    ASSIGN_OR_RETURN(imu.gyro_noise, ReadIfThere(node, path, names.gyro_noise));
+    ASSIGN_OR_RETURN(imu.accel_noise, ReadIfThere(node, path, names.accel_noise));
+    ASSIGN_OR_RETURN(imu.gyro_walk, ReadIfThere(node, path, names.gyro_walk));
+    ASSIGN_OR_RETURN(imu.accel_walk, ReadIfThere(node, path, names.accel_walk));
+    for (const YAML::Node& holder : {node, YAML::Node(file["camera_parameters"])}) {
+      if (!holder.IsDefined() || !holder.IsMap()) continue;
+      ASSIGN_OR_RETURN(const auto delay_s, ReadIfThere(holder, path, names.delay));
+      if (delay_s.value_or(0) == 0) continue;
+      converted.notes.push_back(absl::StrCat(names.delay, " of ", *delay_s,
+                                             " s is left out: write imu.time_offset_s, what is "
+                                             "added to the IMU's stamps to get the camera's "
+                                             "clock, into the rig"));
+    }
+    return absl::OkStatus();
+  }
+  return absl::OkStatus();
+}
+
 absl::Status Read(const YAML::Node& file, const std::string& path, ReadListed read,
-                  ConvertedRig& converted) {
+                  const ImuNames& imu, ConvertedRig& converted) {
   const YAML::Node cameras = file["cameras"];
   if (!cameras.IsSequence() || cameras.size() < 2) {
     return Bad(path,
@@ -120,25 +175,25 @@ absl::Status Read(const YAML::Node& file, const std::string& path, ReadListed re
   converted.rig.cameras = {left.camera, right.camera};
   converted.rig.right_from_left = right.body_from_camera.Inverse() * left.body_from_camera;
   converted.rig.body_from_camera = left.body_from_camera;
-  return absl::OkStatus();
+  return ReadImu(file, path, imu, converted);
 }
 
-absl::StatusOr<ConvertedRig> ReadList(const RigFiles& files, ReadListed read,
+absl::StatusOr<ConvertedRig> ReadList(const RigFiles& files, ReadListed read, const ImuNames& imu,
                                       absl::string_view what) {
   return ReadOneFile(files, what,
-                     [read](const YAML::Node& file, const std::string& path, ConvertedRig& rig) {
-                       return Read(file, path, read, rig);
+                     [&](const YAML::Node& file, const std::string& path, ConvertedRig& rig) {
+                       return Read(file, path, read, imu, rig);
                      });
 }
 
 }  // namespace
 
 absl::StatusOr<ConvertedRig> ReadSvo(const RigFiles& files) {
-  return ReadList(files, &ReadSvoCamera, "SVO's calibration");
+  return ReadList(files, &ReadSvoCamera, SvosImu(), "SVO's calibration");
 }
 
 absl::StatusOr<ConvertedRig> ReadOkvis2(const RigFiles& files) {
-  return ReadList(files, &ReadOkvisCamera, "OKVIS2's configuration");
+  return ReadList(files, &ReadOkvisCamera, OkvissImu(), "OKVIS2's configuration");
 }
 
 }  // namespace corbslam::client_agent

@@ -1,7 +1,10 @@
 #include <algorithm>
+#include <optional>
+#include <utility>
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
+#include "client_agent/source/calibration/imu_noise_fields.h"
 #include "client_agent/source/calibration/lens_names.h"
 #include "client_agent/source/calibration/yaml_fields.h"
 #include "client_agent/source/rig/convert/rig_readers.h"
@@ -112,14 +115,55 @@ absl::Status ReadTimeShifts(const YAML::Node& file, const std::string& path, Rig
                                 "cameras take their pictures together"));
 }
 
-// Takes the first camera's clock for the rig's.
-void KeepTimeDifference(Rig& rig, std::vector<std::string>& notes) {
+// Takes the first camera's clock for the rig's. Returns by how much the IMU's is ahead of it.
+double KeepTimeDifference(Rig& rig) {
   const double shift_s = rig.cameras[0].time_offset_s;
   for (RigCamera& camera : rig.cameras) camera.time_offset_s -= shift_s;
-  if (shift_s == 0) return;
-  notes.push_back(absl::StrCat("cam0.timeshift_cam_imu of ", shift_s,
-                               " s is left out, but for how much cam1's differs: poses have the "
-                               "first pictures' own times"));
+  return shift_s;
+}
+
+// Kalibr's imu.yaml, as it is given to it or (below imu0) as it writes it.
+absl::Status ReadImuFile(const YAML::Node& file, const std::string& path, StatedImu& imu,
+                         std::vector<std::string>& notes) {
+  const YAML::Node fields = file["imu0"].IsDefined() ? file["imu0"] : file;
+  if (!fields.IsMap()) return Bad(path, "imu0 holds no fields");
+  RETURN_IF_ERROR(ReadKalibrNoise(fields, path, imu));
+  ASSIGN_OR_RETURN(imu.rate_hz, ReadIfThere(fields, path, "update_rate"));
+  if (!imu.gyro_noise.has_value() && !imu.accel_noise.has_value()) {
+    return Bad(path,
+               "is no imu.yaml of Kalibr's: it has neither gyroscope_noise_density nor "
+               "accelerometer_noise_density");
+  }
+  if (file["imu1"].IsDefined()) notes.push_back("imu1 and those after it are left out");
+  ASSIGN_OR_RETURN(const auto offset_s, ReadIfThere(fields, path, "time_offset"));
+  if (offset_s.value_or(0) == 0) return absl::OkStatus();
+  return Bad(path, absl::StrCat("imu0.time_offset is ", *offset_s,
+                                ": of the first IMU it is 0, else nobody knows whose clock "
+                                "timeshift_cam_imu is of"));
+}
+
+// Which of the two files is the camchain is told by its cameras.
+absl::Status PutCamchainFirst(std::vector<std::string>& paths) {
+  return UseYamlFields(paths[0], [&](const YAML::Node& file) {
+    if (!file["cam0"].IsDefined()) std::swap(paths[0], paths[1]);
+    return absl::OkStatus();
+  });
+}
+
+absl::Status AddImuFile(const std::string& path, ConvertedRig& converted) {
+  std::optional<StatedImu>& imu = converted.rig.imu;
+  const bool is_placed = imu.has_value();
+  StatedImu read = imu.value_or(StatedImu());
+  RETURN_IF_ERROR(UseYamlFields(path, [&](const YAML::Node& file) {
+    return ReadImuFile(file, path, read, converted.notes);
+  }));
+  if (is_placed) {
+    imu = read;
+    return absl::OkStatus();
+  }
+  return Bad(path,
+             "says how an IMU measures, but the camchain does not say where it sits "
+             "(cam0.T_cam_imu): give camchain-imucam.yaml, which Kalibr's second step writes");
 }
 
 absl::Status Read(const YAML::Node& file, const std::string& path, ConvertedRig& converted) {
@@ -139,20 +183,40 @@ absl::Status Read(const YAML::Node& file, const std::string& path, ConvertedRig&
         absl::StrCat(name, " has no distortion_model: its lens is taken not to distort"));
   }
   RETURN_IF_ERROR(ReadTimeShifts(file, path, rig));
-  KeepTimeDifference(rig, converted.notes);
+  const double shift_s = KeepTimeDifference(rig);
   ASSIGN_OR_RETURN(rig.right_from_left,
                    ReadMotion(file["cam1"]["T_cn_cnm1"], path, "cam1.T_cn_cnm1"));
-  if (!file["cam0"]["T_cam_imu"].IsDefined()) return absl::OkStatus();
+  if (!file["cam0"]["T_cam_imu"].IsDefined()) {
+    if (shift_s != 0) {
+      converted.notes.push_back(absl::StrCat(
+          "cam0.timeshift_cam_imu of ", shift_s,
+          " s is left out, but for how much cam1's differs: cam0.T_cam_imu is missing, "
+          "which would say where the IMU sits"));
+    }
+    return absl::OkStatus();
+  }
   ASSIGN_OR_RETURN(const Rigid3d camera_from_imu,
                    ReadMotion(file["cam0"]["T_cam_imu"], path, "cam0.T_cam_imu"));
   rig.body_from_camera = camera_from_imu.Inverse();
+  rig.imu = StatedImu{.imu_from_camera = *rig.body_from_camera, .time_offset_s = -shift_s};
   return absl::OkStatus();
 }
 
 }  // namespace
 
 absl::StatusOr<ConvertedRig> ReadKalibr(const RigFiles& files) {
-  return ReadOneFile(files, "Kalibr's camchain.yaml", &Read);
+  const bool has_imu_file = files.paths.size() == 2;
+  RigFiles camchain = files;
+  std::string imu_path;
+  if (has_imu_file) {
+    RETURN_IF_ERROR(PutCamchainFirst(camchain.paths));
+    imu_path = camchain.paths[1];
+    camchain.paths.pop_back();
+  }
+  ASSIGN_OR_RETURN(ConvertedRig converted,
+                   ReadOneFile(camchain, "Kalibr's camchain.yaml, and its imu.yaml", &Read));
+  if (has_imu_file) RETURN_IF_ERROR(AddImuFile(imu_path, converted));
+  return converted;
 }
 
 }  // namespace corbslam::client_agent

@@ -207,6 +207,22 @@ absl::Status ReadBody(const Settings& settings, Rig& rig) {
   return absl::OkStatus();
 }
 
+// The body is the IMU, where the settings have one.
+absl::Status ReadImu(const Settings& settings, Rig& rig) {
+  if (!rig.body_from_camera.has_value()) return absl::OkStatus();
+  const bool has_imu = settings.Has("IMU.NoiseGyro") || settings.Has("IMU.NoiseAcc") ||
+                       settings.Has("IMU.Frequency") || settings.Has("IMU.T_b_c1");
+  if (!has_imu) return absl::OkStatus();
+  StatedImu& imu = rig.imu.emplace();
+  imu.imu_from_camera = *rig.body_from_camera;
+  ASSIGN_OR_RETURN(imu.rate_hz, settings.Maybe("IMU.Frequency"));
+  ASSIGN_OR_RETURN(imu.gyro_noise, settings.Maybe("IMU.NoiseGyro"));
+  ASSIGN_OR_RETURN(imu.accel_noise, settings.Maybe("IMU.NoiseAcc"));
+  ASSIGN_OR_RETURN(imu.gyro_walk, settings.Maybe("IMU.GyroWalk"));
+  ASSIGN_OR_RETURN(imu.accel_walk, settings.Maybe("IMU.AccWalk"));
+  return absl::OkStatus();
+}
+
 }  // namespace
 
 absl::StatusOr<ConvertedRig> ReadOrbSlam(const RigFiles& files) {
@@ -218,7 +234,8 @@ absl::StatusOr<ConvertedRig> ReadOrbSlam(const RigFiles& files) {
     RETURN_IF_ERROR(ReadCameras(settings, files, converted.rig));
     NoteOtherSize(settings, converted.notes);
     ASSIGN_OR_RETURN(converted.rig.rate_hz, settings.Maybe("Camera.fps"));
-    return ReadBody(settings, converted.rig);
+    RETURN_IF_ERROR(ReadBody(settings, converted.rig));
+    return ReadImu(settings, converted.rig);
   }));
   return converted;
 }

@@ -47,9 +47,13 @@ absl::StatusOr<ConvertedRig> ReadEurocPair(const RigFiles& files) {
   if (paths.size() == 1 && std::filesystem::is_directory(paths[0], ignored)) {
     const std::string root = EurocRoot(paths[0]);
     paths = {root + "/cam0/sensor.yaml", root + "/cam1/sensor.yaml"};
+    const std::string imu = root + "/imu0/sensor.yaml";
+    if (std::filesystem::exists(imu, ignored)) paths.push_back(imu);
   }
-  if (paths.size() != 2) {
-    return ExpectFiles(files, 2, "cam0/sensor.yaml and cam1/sensor.yaml, or their folder");
+  if (paths.size() != 2 && paths.size() != 3) {
+    return ExpectFiles(files, 2,
+                       "cam0/sensor.yaml and cam1/sensor.yaml (and imu0/sensor.yaml), or their "
+                       "folder");
   }
   ASSIGN_OR_RETURN(const EurocCamera left, ReadEurocCamera(paths[0]));
   ASSIGN_OR_RETURN(const EurocCamera right, ReadEurocCamera(paths[1]));
@@ -59,6 +63,10 @@ absl::StatusOr<ConvertedRig> ReadEurocPair(const RigFiles& files) {
   converted.rig.body_from_camera = left.body_from_camera;
   converted.rig.close_depth_m =
       kEurocCloseDepth_baselines * converted.rig.right_from_left.translation.norm();
+  if (paths.size() < 3) return converted;
+  ASSIGN_OR_RETURN(EurocImu imu, ReadEurocImu(paths[2]));
+  imu.stated.imu_from_camera = imu.body_from_imu.Inverse() * left.body_from_camera;
+  converted.rig.imu = imu.stated;
   return converted;
 }
 

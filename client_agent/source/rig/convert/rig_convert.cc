@@ -31,7 +31,7 @@ struct Format {
 
 const std::vector<Format>& Formats() {
   static const auto* const formats = new std::vector<Format>{
-      {"kalibr", {"cam0"}, &ReadKalibr},
+      {"kalibr", {"cam0", "imu0", "update_rate"}, &ReadKalibr},
       {"ros", {"camera_matrix", "projection_matrix", "P", "p"}, &ReadRosPair},
       {"euroc", {"T_BS"}, &ReadEurocPair},
       {"orbslam", {"Camera.fx", "Camera1.fx", "LEFT.K"}, &ReadOrbSlam},
@@ -142,6 +142,34 @@ absl::Status CheckPlausible(const RigFiles& files, ConvertedRig& converted) {
 
 }  // namespace
 
+namespace {
+
+// Tools write 0 where nobody knows a number; and a clock that is another one's altogether is no
+// matter of a rig.
+void LeaveOutUnknown(ConvertedRig& converted) {
+  std::optional<StatedImu>& imu = converted.rig.imu;
+  if (!imu.has_value()) return;
+  const std::pair<const char*, std::optional<double>&> numbers[] = {
+      {"rate", imu->rate_hz},
+      {"gyroscope's noise", imu->gyro_noise},
+      {"accelerometer's noise", imu->accel_noise},
+      {"gyroscope's walk", imu->gyro_walk},
+      {"accelerometer's walk", imu->accel_walk}};
+  for (const auto& [name, number] : numbers) {
+    if (number != 0.0) continue;
+    number.reset();
+    converted.notes.push_back(absl::StrCat("the IMU's ", name, " is 0, which is left out"));
+  }
+  if (Validate(*imu).ok() || std::abs(imu->time_offset_s) <= kMostImuOffset_s) return;
+  converted.notes.push_back(
+      absl::StrCat("the IMU is left out: its clock and the camera's are ",
+                   std::abs(imu->time_offset_s), " s apart, of which a rig states at most ",
+                   kMostImuOffset_s, ": stamp both by one clock, and calibrate again"));
+  imu.reset();
+}
+
+}  // namespace
+
 std::vector<absl::string_view> RigFormats() {
   std::vector<absl::string_view> names;
   for (const Format& format : Formats()) names.push_back(format.name);
@@ -196,6 +224,7 @@ absl::StatusOr<ConvertedRig> ConvertRig(const RigFiles& files) {
   }
   ASSIGN_OR_RETURN(ConvertedRig converted, format->read(files));
   converted.format = std::string(format->name);
+  LeaveOutUnknown(converted);
   RETURN_IF_ERROR(CheckPlausible(files, converted));
   const absl::Status possible = Validate(converted.rig);
   if (possible.ok()) return converted;

@@ -30,8 +30,7 @@ TEST(RigConvertTest, ReadsKalibr) {
   EXPECT_EQ(rig.right_from_left.translation, Eigen::Vector3d(-0.101, 0.0002, 0.0003));
   // The camera's centre in the IMU's frame.
   EXPECT_LT((rig.body_from_camera->translation - Eigen::Vector3d(0.02, 0.05, -0.01)).norm(), 1e-12);
-  ASSERT_FALSE(converted->notes.empty());
-  EXPECT_THAT(converted->notes[0], HasSubstr("cam0.timeshift_cam_imu of 0.004 s"));
+  EXPECT_TRUE(converted->notes.empty());
   // cam1 has the IMU's own times.
   EXPECT_EQ(SecondTimeOffset_ns(rig), -4'000'000);
 }

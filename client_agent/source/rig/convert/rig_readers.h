@@ -16,7 +16,8 @@
 
 namespace corbslam::client_agent {
 
-// They fill in `rig` and `notes`. Kalibr's camchain.yaml or camchain-imucam.yaml: cam0, cam1.
+// They fill in `rig` and `notes`. Kalibr's camchain.yaml or camchain-imucam.yaml,
+// and its imu.yaml.
 absl::StatusOr<ConvertedRig> ReadKalibr(const RigFiles& files);
 // ROS's camera_info YAML of the left and the right camera, as camera_calibration writes them.
 absl::StatusOr<ConvertedRig> ReadRosPair(const RigFiles& files);
@@ -34,7 +35,7 @@ absl::StatusOr<ConvertedRig> ReadOkvis2(const RigFiles& files);
 absl::StatusOr<ConvertedRig> ReadStellaVslam(const RigFiles& files);
 // VINS-Fusion's configuration, and the cameras' files that it names.
 absl::StatusOr<ConvertedRig> ReadVinsFusion(const RigFiles& files);
-// EuRoC's cam0/sensor.yaml and cam1/sensor.yaml, or their recording's folder.
+// EuRoC's cam0/sensor.yaml and cam1/sensor.yaml, and imu0/sensor.yaml, or their recording's folder.
 absl::StatusOr<ConvertedRig> ReadEurocPair(const RigFiles& files);
 // KITTI's calib.txt (odometry) or calib_cam_to_cam.txt (raw): the grey pair.
 absl::StatusOr<ConvertedRig> ReadKittiPair(const RigFiles& files);

@@ -3,6 +3,7 @@
 #include <filesystem>
 
 #include "absl/strings/str_cat.h"
+#include "client_agent/source/calibration/imu_noise_fields.h"
 #include "client_agent/source/calibration/lens_names.h"
 #include "client_agent/source/calibration/yaml_fields.h"
 #include "client_agent/source/rig/convert/rig_readers.h"
@@ -88,6 +89,24 @@ absl::StatusOr<Rigid3d> ReadPlace(const YAML::Node& file, const char* field,
   return ToRigid(rows, path, field);
 }
 
+// The body is the IMU, where there is one.
+absl::Status ReadImu(const YAML::Node& file, const std::string& path, ConvertedRig& converted) {
+  ASSIGN_OR_RETURN(const auto has_imu, ReadIfThere(file, path, "imu"));
+  if (has_imu.value_or(0) == 0) return absl::OkStatus();
+  StatedImu& imu = converted.rig.imu.emplace();
+  imu.imu_from_camera = *converted.rig.body_from_camera;
+  // What is added to the pictures' stamps to get the IMU's clock.
+  ASSIGN_OR_RETURN(const auto td_s, ReadIfThere(file, path, "td"));
+  imu.time_offset_s = -td_s.value_or(0);
+  if (file["acc_n"].IsDefined() || file["gyr_n"].IsDefined()) {
+    converted.notes.emplace_back(
+        "acc_n, gyr_n, acc_w and gyr_w are left out: they are what single measurements are "
+        "weighted by there, no densities; write imu.gyro_noise and so on into the rig where the "
+        "IMU's are known (docs/rig.md)");
+  }
+  return absl::OkStatus();
+}
+
 absl::Status Read(const YAML::Node& file, const std::string& path, ConvertedRig& converted) {
   if (file["model_type"].IsDefined()) {
     return Bad(path,
@@ -112,7 +131,7 @@ absl::Status Read(const YAML::Node& file, const std::string& path, ConvertedRig&
   ASSIGN_OR_RETURN(const Rigid3d body_from_right, ReadPlace(file, "body_T_cam1", path));
   rig.right_from_left = body_from_right.Inverse() * body_from_left;
   rig.body_from_camera = body_from_left;
-  return absl::OkStatus();
+  return ReadImu(file, path, converted);
 }
 
 }  // namespace

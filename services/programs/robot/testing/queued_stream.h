@@ -29,6 +29,14 @@ class QueuedStream : public client_agent::FrameStream {
     frame.images.timestamp_ns = frame.frame.timestamp_ns;
     Put(client_agent::NextFrame(std::move(frame)));
   }
+  // Puts a frame without pictures, before which an IMU measured at these times, nanoseconds.
+  void PutImuFrame(size_t number, int64_t time_ns, const std::vector<int64_t>& measured_ns) {
+    client_agent::StreamFrame frame;
+    frame.frame = {number, time_ns, 0};
+    frame.images.timestamp_ns = time_ns;
+    for (const int64_t at_ns : measured_ns) frame.images.imu.push_back({at_ns, {}, {}});
+    Put(client_agent::NextFrame(std::move(frame)));
+  }
   // Returns the deadlines of the questions so far.
   const std::vector<absl::Time>& asked() const { return asked_; }
   // False: plays a sequence, of which each frame takes `makes_in` to be made.
