@@ -1,6 +1,8 @@
 #include "services/simulation/sequence/camera_rig.h"
 
 #include <cmath>
+#include <optional>
+#include <variant>
 
 namespace corbslam {
 namespace {
@@ -48,10 +50,7 @@ SimulatedRig RigOfPair(const SimulatedPair& pair, const SimulationSpec& spec) {
   return rig;
 }
 
-}  // namespace
-
-SimulatedRig MakeRig(const SimulationSpec& spec) {
-  if (spec.pair.has_value()) return RigOfPair(*spec.pair, spec);
+SimulatedRig RigOfCameras(const SimulationSpec& spec) {
   SimulatedRig rig;
   switch (RigOf(spec)) {
     case CameraRig::kKitti:
@@ -75,6 +74,25 @@ SimulatedRig MakeRig(const SimulationSpec& spec) {
     const Rigid3d told = {Eigen::Quaterniond::Identity(), {rig.camera.baseline_m, 0, 0}};
     rig.left_from_right = TrueLeftFromRight(told, rig.camera.fx_px, rig.camera.fy_px, spec);
   }
+  return rig;
+}
+
+// A rig file says where its IMU sits; what it measures, and how well, the spec does.
+void TellImu(const SimulatedImu& imu, std::optional<ImuCalibration>& told) {
+  if (!imu.is_there()) {
+    told.reset();
+    return;
+  }
+  const Rigid3d imu_from_camera = told.has_value() ? told->imu_from_camera : EurocImuFromCamera();
+  told = ToldImu(imu);
+  told->imu_from_camera = imu_from_camera;
+}
+
+}  // namespace
+
+SimulatedRig MakeRig(const SimulationSpec& spec) {
+  SimulatedRig rig = spec.pair.has_value() ? RigOfPair(*spec.pair, spec) : RigOfCameras(spec);
+  std::visit([&](auto& calibration) { TellImu(spec.imu, calibration.imu); }, rig.calibration);
   return rig;
 }
 

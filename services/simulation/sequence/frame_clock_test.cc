@@ -48,6 +48,38 @@ TEST(FrameClockTest, TurnedTakesTheSamePlacesFromTheOtherEnd) {
   }
 }
 
+TEST(FrameClockTest, SetsOffSmoothlyAndHasItsSpeedThen) {
+  SimulationSpec spec;
+  spec.beginning.still_s = 1;
+  spec.set_off_s = 2;
+  const FrameClock clock(spec, 10, 4 * kSecond_ns);
+  EXPECT_EQ(clock.WayTimeAt(10), 0);
+  EXPECT_EQ(clock.WayTimeAt(20), 187'500'000);
+  EXPECT_EQ(clock.WayTimeAt(30), kSecond_ns);
+  EXPECT_EQ(clock.WayTimeAt(40), 2 * kSecond_ns);
+  EXPECT_EQ(clock.frame_count(), 61u);
+  EXPECT_EQ(clock.WayTimeAt(60), 4 * kSecond_ns);
+  EXPECT_EQ(clock.PhysicalSpan().last_ns, 6 * kSecond_ns);
+  spec.turned = true;
+  const FrameClock turned(spec, 10, 4 * kSecond_ns);
+  EXPECT_EQ(turned.WayTimeAt(10), 4 * kSecond_ns);
+  EXPECT_EQ(turned.WayTimeAt(60), 0);
+}
+
+TEST(FrameClockTest, IsABodyBetweenTheEndsOfTheWay) {
+  SimulationSpec spec;
+  spec.phase = 0.5;
+  const FrameClock forwards(spec, 10, 2 * kSecond_ns);
+  EXPECT_EQ(forwards.PhysicalSpan().first_ns, 0);
+  EXPECT_EQ(forwards.PhysicalSpan().last_ns, 2 * kSecond_ns);
+  spec.turned = true;
+  const FrameClock turned(spec, 10, 1'990'000'000);
+  const TimeSpan span = turned.PhysicalSpan();
+  EXPECT_EQ(turned.WayTimeOf(span.first_ns), 1'990'000'000);
+  EXPECT_EQ(turned.WayTimeOf(span.last_ns), 0);
+  EXPECT_LE(span.first_ns, turned.ElapsedAt(0));
+}
+
 TEST(FrameClockTest, KidnappedGoesOnFromAnotherPlace) {
   SimulationSpec spec;
   spec.kidnap = Kidnap{0.5, 1.5};

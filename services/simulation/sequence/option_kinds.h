@@ -119,6 +119,8 @@ inline SimulationOption Seconds(absl::string_view name, absl::string_view wants,
           1e6};
 }
 
+std::vector<SimulationOption> ImuOptions();
+
 // All options, in the order in which they are written.
 const std::vector<SimulationOption>& SimulationOptions();
 

@@ -11,6 +11,8 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "services/simulation/inertial/imu_errors.h"
+#include "services/simulation/inertial/measured_motion.h"
 #include "services/simulation/motion/pose_sequence.h"
 #include "services/simulation/renderer.h"
 #include "services/simulation/sequence/camera_rig.h"
@@ -39,9 +41,13 @@ class DrawnSequence : public SimulatedSequence {
   size_t frame_count() const override { return clock_.frame_count(); }
   int64_t timestamp_ns(size_t frame) const override { return clock_.TimestampAt(frame); }
   Rigid3d world_from_camera(size_t frame) const override { return PoseAt(frame, 0); }
+  const ImuSamples& imu() const override;
   absl::StatusOr<SensorImages> Render(size_t frame) const override;
 
  private:
+  // Returns where the camera is so long after the sequence began; of a sequence without a kidnap.
+  Rigid3d PoseOf(int64_t elapsed_ns) const;
+  ImuSamples MeasureImu(const ImuCalibration& imu) const;
   Rigid3d PoseAt(size_t frame, int64_t since_ns) const;
   // Returns the renderer's shot of a camera that sits somewhere beside the left one; its pictures
   // have noise of their own by `camera`, 0 or 1.
@@ -71,11 +77,37 @@ class DrawnSequence : public SimulatedSequence {
   // The first call sets it, under once_.
   mutable std::once_flag once_;
   mutable absl::StatusOr<Studio> studio_;
+  // The first call sets it, under imu_once_.
+  mutable std::once_flag imu_once_;
+  mutable ImuSamples imu_;
 };
 
 Rigid3d DrawnSequence::PoseAt(size_t frame, int64_t since_ns) const {
   const Rigid3d pose = way_.PoseAt(clock_.WayTimeAt(frame, since_ns));
   return spec_.turned ? TurnedBack(pose) : pose;
+}
+
+Rigid3d DrawnSequence::PoseOf(int64_t elapsed_ns) const {
+  const Rigid3d pose = way_.PoseAt(clock_.WayTimeOf(elapsed_ns));
+  return spec_.turned ? TurnedBack(pose) : pose;
+}
+
+ImuSamples DrawnSequence::MeasureImu(const ImuCalibration& imu) const {
+  const Rigid3d camera_from_imu = imu.imu_from_camera.Inverse();
+  const auto motion = [&](int64_t elapsed_ns) { return PoseOf(elapsed_ns) * camera_from_imu; };
+  ImuSamples samples = WithErrors(spec_.imu, spec_.lens.noise_seed,
+                                  MeasureMotion(motion, clock_.PhysicalSpan(), spec_.imu.rate_hz));
+  for (ImuSample& sample : samples) sample.timestamp_ns += std::llround(1e9 * spec_.start_s);
+  return samples;
+}
+
+const ImuSamples& DrawnSequence::imu() const {
+  const std::optional<ImuCalibration>& told = std::visit(
+      [](const auto& sensor) -> const std::optional<ImuCalibration>& { return sensor.imu; },
+      rig_.calibration);
+  if (!told.has_value()) return imu_;
+  std::call_once(imu_once_, [&] { imu_ = MeasureImu(*told); });
+  return imu_;
 }
 
 RowBand DrawnSequence::BandOf(size_t frame, double since_s, const Rigid3d& left_from_camera) const {

@@ -16,7 +16,7 @@ namespace corbslam {
 
 // A sequence is thread-safe. The same spec gives the same bytes, whoever asks in whatever order and
 // however many threads draw. The world is built when the first picture is asked for: calibration,
-// times and poses cost little.
+// times and poses cost little; samples of the IMU are made when they are first asked for.
 class SimulatedSequence {
  public:
   // INVALID_ARGUMENT names the option; NOT_FOUND is for a file of poses that is not there.
@@ -33,7 +33,10 @@ class SimulatedSequence {
   // Returns the true pose of the left or the only camera. It is in the frame of the world, which is
   // the same for specs of the same WorldName.
   virtual Rigid3d world_from_camera(size_t frame) const = 0;
-  // Returns images that are stamped with the frame's time.
+  // Returns all that the IMU measures, stamped as it stamps; empty where the robot has none. It
+  // begins and ends with the way: the robot was nowhere before.
+  virtual const ImuSamples& imu() const = 0;
+  // Returns images that are stamped with the frame's time, without what the IMU measured meanwhile.
   virtual absl::StatusOr<SensorImages> Render(size_t frame) const = 0;
 };
 

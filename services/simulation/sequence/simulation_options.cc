@@ -137,6 +137,7 @@ std::vector<Option> EventOptions() {
               [](Spec& s) -> Numbers {
                 return {&s.beginning.dark_s, &s.beginning.blurred_s, &s.beginning.still_s};
               }),
+      Real("set_off_s", 0, 100, [](Spec& s) -> double& { return s.set_off_s; }),
       Seconds("hand", "FROM:DURATION in seconds",
               [](Spec& s) -> Numbers {
                 return {&s.hand.from_s, &s.hand.duration_s};
@@ -175,7 +176,7 @@ const std::vector<SimulationOption>& SimulationOptions() {
   static const auto& options = *[] {
     auto* all = new std::vector<SimulationOption>(WorldOptions());
     for (const std::vector<SimulationOption>& group :
-         {RobotOptions(), EventOptions(), PictureOptions()}) {
+         {RobotOptions(), EventOptions(), ImuOptions(), PictureOptions()}) {
       all->insert(all->end(), group.begin(), group.end());
     }
     return all;

@@ -67,6 +67,51 @@ absl::Status ValidateDepth(const SimulationSpec& spec) {
   return Refuse("depth_aside_m", absl::StrCat(spec.depth_aside_m), "rig=rgbd, which has depth");
 }
 
+// What moves without a way between, or reaches a speed in no time, measures nothing that a body
+// does.
+absl::Status ValidateMotionForImu(const SimulationSpec& spec) {
+  if (spec.kidnap.has_value()) {
+    return Refuse("kidnap", FormatNumbers({spec.kidnap->at_s, spec.kidnap->to_s}),
+                  "no imu: no IMU measures how a camera gets from one place to another at once");
+  }
+  if (spec.beginning.total_s() > 0 && spec.set_off_s == 0) {
+    return Refuse("set_off_s", "0",
+                  "more than 0 beside beginning and imu, for example 2: no IMU measures how what "
+                  "stood has its speed at once");
+  }
+  return absl::OkStatus();
+}
+
+absl::Status ValidateImuParts(const SimulatedImu& imu) {
+  const ImuVibration& vibration = imu.vibration;
+  if (vibration.frequency_hz == 0 && vibration.amplitude != GyroAccel{}) {
+    return Refuse("imu_vibration",
+                  FormatNumbers({0, vibration.amplitude.gyro_rps, vibration.amplitude.accel_mps2}),
+                  "a frequency above 0");
+  }
+  const ImuWarming& warming = imu.warming;
+  if (warming.within_s == 0 && warming.change != GyroAccel{}) {
+    return Refuse("imu_warming",
+                  FormatNumbers({warming.change.gyro_rps, warming.change.accel_mps2, 0}),
+                  "a time above 0");
+  }
+  return absl::OkStatus();
+}
+
+absl::Status ValidateImu(const SimulationSpec& spec) {
+  if (spec.imu.is_there()) {
+    RETURN_IF_ERROR(ValidateImuParts(spec.imu));
+    return ValidateMotionForImu(spec);
+  }
+  SimulationSpec without = spec;
+  without.imu = {};
+  for (const SimulationOption& option : SimulationOptions()) {
+    if (option.format(spec) == option.format(without)) continue;
+    return Refuse(option.name, option.format(spec), "imu=ideal, good or phone beside it");
+  }
+  return absl::OkStatus();
+}
+
 }  // namespace
 
 CameraRig RigOf(const SimulationSpec& spec) {
@@ -78,6 +123,7 @@ absl::Status Validate(const SimulationSpec& spec) {
   RETURN_IF_ERROR(ValidateNumbers(spec));
   RETURN_IF_ERROR(ValidatePoses(spec));
   RETURN_IF_ERROR(ValidatePair(spec));
+  RETURN_IF_ERROR(ValidateImu(spec));
   return ValidateDepth(spec);
 }
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "absl/status/status.h"
+#include "services/simulation/inertial/simulated_imu.h"
 #include "services/simulation/lens.h"
 #include "slam/camera/lens.h"
 #include "slam/geometry/rigid3.h"
@@ -98,6 +99,8 @@ struct SimulationSpec {
 
   // What happens to the pictures. The robot's way begins behind the beginning.
   Beginning beginning;
+  // After the beginning the robot's speed grows smoothly for so long. 0: it has its speed at once.
+  double set_off_s = 0;
   Blackout hand;                             // A hand before both lenses.
   std::vector<ExposureStep> exposure_steps;  // Their times grow.
 
@@ -116,6 +119,8 @@ struct SimulationSpec {
   // kRgbd: depth is measured by a camera so far to the right of the grey one, which looks the same
   // way, and registered to the picture (slam/camera/depth_registration.h). 0: from the same place.
   double depth_aside_m = 0;
+
+  SimulatedImu imu;
 
   // Standard deviations of the ground truth that goes with the pictures; 0: exact.
   double truth_error_m = 0;
