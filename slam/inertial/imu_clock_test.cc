@@ -7,19 +7,19 @@
 namespace corbslam {
 namespace {
 
-constexpr int64_t kFrame_ns = 50'000'000;
-constexpr int64_t kUntil_ns = 10'000'000'000;
+constexpr int64_t kClockFrame_ns = 50'000'000;
+constexpr int64_t kClockUntil_ns = 10'000'000'000;
 
 // An IMU whose stamps are late by so much, beside a camera.
 ImuClock Late(int64_t late_ns, const ImuPath& path = FlownPath) {
   ImuClock clock;
-  ImuSamples samples = FeltAlong(path, 0, kUntil_ns, 200, {}, {{0.01, 0, 0}, {}}, 1);
+  ImuSamples samples = FeltAlong(path, 0, kClockUntil_ns, 200, {}, {{0.01, 0, 0}, {}}, 1);
   for (ImuSample& sample : samples) sample.timestamp_ns += late_ns;
   clock.Add(samples);
-  for (int64_t now_ns = kFrame_ns; now_ns < kUntil_ns; now_ns += kFrame_ns) {
-    const Rigid3d moved = PathAt(path, now_ns - kFrame_ns).Inverse() * PathAt(path, now_ns);
-    clock.AddTurn(now_ns - kFrame_ns, now_ns,
-                  LogSO3(moved.rotation) / (1e-9 * static_cast<double>(kFrame_ns)));
+  for (int64_t now_ns = kClockFrame_ns; now_ns < kClockUntil_ns; now_ns += kClockFrame_ns) {
+    const Rigid3d moved = PathAt(path, now_ns - kClockFrame_ns).Inverse() * PathAt(path, now_ns);
+    clock.AddTurn(now_ns - kClockFrame_ns, now_ns,
+                  LogSO3(moved.rotation) / (1e-9 * static_cast<double>(kClockFrame_ns)));
   }
   return clock;
 }

@@ -10,9 +10,9 @@
 namespace corbslam {
 namespace {
 
-constexpr int64_t kFrame_ns = 50'000'000;
-const ImuNoise kNoise{1.7e-4, 2e-3, 1.9e-5, 3e-3};
-const ImuBiases kBiases{{0.02, -0.01, 0.03}, {0.05, 0.1, -0.08}};
+constexpr int64_t kFlightFrame_ns = 50'000'000;
+const ImuNoise kFlightNoise{1.7e-4, 2e-3, 1.9e-5, 3e-3};
+const ImuBiases kFlightBiases{{0.02, -0.01, 0.03}, {0.05, 0.1, -0.08}};
 
 // The odometry frame is turned against the world, so that nobody knows where down is.
 const Rigid3d kOdomFromWorld{ExpSO3({0.6, -0.3, 1.1}), {5, -2, 1}};
@@ -21,7 +21,8 @@ const Rigid3d kOdomFromWorld{ExpSO3({0.6, -0.3, 1.1}), {5, -2, 1}};
 class Flight {
  public:
   explicit Flight(ImuPath path, uint64_t seed = 1) : path_(std::move(path)), random_(seed) {
-    buffer_.Add(FeltAlong(path_, -100'000'000, 60'000'000'000, 200, kNoise, kBiases, seed));
+    buffer_.Add(
+        FeltAlong(path_, -100'000'000, 60'000'000'000, 200, kFlightNoise, kFlightBiases, seed));
   }
 
   Rigid3d Truth(int64_t time_ns) const { return kOdomFromWorld * PathAt(path_, time_ns); }
@@ -37,9 +38,9 @@ class Flight {
 
   InertialFilter Run(int64_t until_ns) {
     const std::vector<ImuStep> first = buffer_.Between(-50'000'000, 0);
-    InertialFilter filter(kNoise, See(0), first.front().mean.specific_force_mps2);
-    for (int64_t now_ns = kFrame_ns; now_ns <= until_ns; now_ns += kFrame_ns) {
-      Propagate(now_ns - kFrame_ns, now_ns, filter);
+    InertialFilter filter(kFlightNoise, See(0), first.front().mean.specific_force_mps2);
+    for (int64_t now_ns = kFlightFrame_ns; now_ns <= until_ns; now_ns += kFlightFrame_ns) {
+      Propagate(now_ns - kFlightFrame_ns, now_ns, filter);
       distances_.push_back(filter.Update(See(now_ns)));
     }
     return filter;
@@ -76,8 +77,8 @@ TEST(InertialFilterTest, FindsDownAndBiasesInFlight) {
   Flight flight(FlownPath);
   const InertialFilter filter = flight.Run(10'000'000'000);
   EXPECT_LT(DownError_deg(filter), 0.3);
-  EXPECT_LT((filter.biases().gyro_rps - kBiases.gyro_rps).norm(), 0.002);
-  EXPECT_LT((filter.biases().accel_mps2 - kBiases.accel_mps2).norm(), 0.04);
+  EXPECT_LT((filter.biases().gyro_rps - kFlightBiases.gyro_rps).norm(), 0.002);
+  EXPECT_LT((filter.biases().accel_mps2 - kFlightBiases.accel_mps2).norm(), 0.04);
   EXPECT_NEAR(filter.late_s(), 0, 0.001);
   const Rigid3d before = flight.Truth(9'999'900'000);
   const Rigid3d after = flight.Truth(10'000'100'000);
@@ -126,8 +127,8 @@ TEST(InertialFilterTest, FindsHowLateSamplesAre) {
   Flight flight(FlownPath);
   // Each picture is of 4 ms before what the samples of its time are of: these are late.
   InertialFilter filter = flight.Run(50'000'000);
-  for (int64_t now_ns = 2 * kFrame_ns; now_ns < 30'000'000'000; now_ns += kFrame_ns) {
-    flight.Propagate(now_ns - kFrame_ns, now_ns, filter);
+  for (int64_t now_ns = 2 * kFlightFrame_ns; now_ns < 30'000'000'000; now_ns += kFlightFrame_ns) {
+    flight.Propagate(now_ns - kFlightFrame_ns, now_ns, filter);
     filter.Update(flight.See(now_ns - 4'000'000));
   }
   EXPECT_NEAR(filter.late_s(), 0.004, 0.001);
@@ -149,8 +150,8 @@ TEST(InertialFilterTest, AWrongPoseWeighsLittle) {
 TEST(InertialFilterTest, WhatStandsStaysPut) {
   Flight flight([](double) { return Rigid3d(); });
   InertialFilter filter = flight.Run(5'000'000'000);
-  for (int64_t now_ns = 5'000'000'000; now_ns < 15'000'000'000; now_ns += kFrame_ns) {
-    flight.Propagate(now_ns, now_ns + kFrame_ns, filter);
+  for (int64_t now_ns = 5'000'000'000; now_ns < 15'000'000'000; now_ns += kFlightFrame_ns) {
+    flight.Propagate(now_ns, now_ns + kFlightFrame_ns, filter);
     filter.UpdateStill();
   }
   EXPECT_LT((filter.odom_from_imu().translation - flight.Truth(0).translation).norm(), 0.02);

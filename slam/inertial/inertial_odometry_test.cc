@@ -15,13 +15,13 @@ using ::testing::IsEmpty;
 using ::testing::SizeIs;
 
 constexpr int64_t kSecond_ns = 1'000'000'000;
-constexpr int64_t kFrame_ns = 50'000'000;
-const ImuNoise kNoise{1.7e-4, 2e-3, 1.9e-5, 3e-3};
-const ImuBiases kBiases{{0.01, -0.01, 0.02}, {0.05, 0.05, -0.05}};
+constexpr int64_t kRobotFrame_ns = 50'000'000;
+const ImuNoise kRobotNoise{1.7e-4, 2e-3, 1.9e-5, 3e-3};
+const ImuBiases kRobotBiases{{0.01, -0.01, 0.02}, {0.05, 0.05, -0.05}};
 
 ImuCalibration Calibration() {
   ImuCalibration calibration;
-  calibration.noise = kNoise;
+  calibration.noise = kRobotNoise;
   // As cameras look along z and IMUs lie flat: x of the IMU is where the camera looks.
   Eigen::Matrix3d turn;
   turn << 0, 0, 1, -1, 0, 0, 0, -1, 0;
@@ -36,7 +36,8 @@ class Robot {
       : path_(std::move(path)),
         imu_from_camera_(Calibration().imu_from_camera),
         odometry_(calibration, Rigid3d::Identity()),
-        samples_(FeltAlong(path_, -kSecond_ns, 60 * kSecond_ns, 200, kNoise, kBiases, 7)) {}
+        samples_(
+            FeltAlong(path_, -kSecond_ns, 60 * kSecond_ns, 200, kRobotNoise, kRobotBiases, 7)) {}
 
   // What the IMU's driver makes of samples.
   std::function<ImuSample(ImuSample)> driver = [](ImuSample sample) { return sample; };
@@ -47,7 +48,7 @@ class Robot {
 
   // Frames up to a time, each tracked.
   void Drive(int64_t until_ns) {
-    for (; now_ns_ <= until_ns; now_ns_ += kFrame_ns) {
+    for (; now_ns_ <= until_ns; now_ns_ += kRobotFrame_ns) {
       GiveSamples(now_ns_);
       std::optional<Rigid3d> motion;
       if (last_ns_.has_value()) motion = TrueMotion(now_ns_);
@@ -58,7 +59,7 @@ class Robot {
   }
   // Frames up to a time, none tracked.
   void DriveBlind(int64_t until_ns) {
-    for (; now_ns_ <= until_ns; now_ns_ += kFrame_ns) GiveSamples(now_ns_);
+    for (; now_ns_ <= until_ns; now_ns_ += kRobotFrame_ns) GiveSamples(now_ns_);
   }
   void GiveSamples(int64_t until_ns) {
     ImuSamples given;
@@ -78,7 +79,7 @@ class Robot {
   }
 
   void Forget() { last_ns_.reset(); }
-  int64_t newest_ns() const { return now_ns_ - kFrame_ns; }
+  int64_t newest_ns() const { return now_ns_ - kRobotFrame_ns; }
   InertialOdometry& odometry() { return odometry_; }
 
  private:
@@ -98,10 +99,10 @@ double Off_m(const InertialMotion& motion, const Rigid3d& truth) {
 TEST(InertialOdometryTest, SaysTheMotionToTheNextFrame) {
   Robot robot(FlownPath);
   robot.Drive(5 * kSecond_ns);
-  robot.DriveBlind(5 * kSecond_ns + kFrame_ns);
+  robot.DriveBlind(5 * kSecond_ns + kRobotFrame_ns);
   const auto motion = robot.odometry().Since(robot.newest_ns());
   ASSERT_TRUE(motion.has_value());
-  EXPECT_EQ(motion->since_ns, kFrame_ns);
+  EXPECT_EQ(motion->since_ns, kRobotFrame_ns);
   const Rigid3d truth = robot.TrueMotion(robot.newest_ns());
   EXPECT_LT(Off_m(*motion, truth), 0.004);
   EXPECT_LT(RotationAngle(motion->camera_from_previous.rotation * truth.rotation.conjugate()),
@@ -111,7 +112,7 @@ TEST(InertialOdometryTest, SaysTheMotionToTheNextFrame) {
 TEST(InertialOdometryTest, IsNotReadyInTheFirstSecond) {
   Robot robot(FlownPath);
   robot.Drive(kSecond_ns / 2);
-  EXPECT_FALSE(robot.odometry().Since(kSecond_ns / 2 + kFrame_ns).has_value());
+  EXPECT_FALSE(robot.odometry().Since(kSecond_ns / 2 + kRobotFrame_ns).has_value());
   EXPECT_FALSE(robot.odometry().state().is_ready);
 }
 
@@ -157,7 +158,7 @@ TEST(InertialOdometryTest, GoesOnWithoutPicturesForThreeSecondsWithinItsSigmas) 
 TEST(InertialOdometryTest, NobodyKnowsTheMotionAfterFiveSeconds) {
   Robot robot(FlownPath);
   robot.Drive(10 * kSecond_ns);
-  robot.DriveBlind(15 * kSecond_ns + 2 * kFrame_ns);
+  robot.DriveBlind(15 * kSecond_ns + 2 * kRobotFrame_ns);
   EXPECT_FALSE(robot.odometry().Since(robot.newest_ns()).has_value());
 }
 
@@ -166,7 +167,7 @@ TEST(InertialOdometryTest, TakesPicturesThatComeBack) {
   robot.Drive(10 * kSecond_ns);
   robot.DriveBlind(12 * kSecond_ns);
   robot.Drive(13 * kSecond_ns);
-  robot.DriveBlind(13 * kSecond_ns + kFrame_ns);
+  robot.DriveBlind(13 * kSecond_ns + kRobotFrame_ns);
   const auto motion = robot.odometry().Since(robot.newest_ns());
   ASSERT_TRUE(motion.has_value());
   EXPECT_LT(Off_m(*motion, robot.TrueMotion(robot.newest_ns())), 0.005);
@@ -178,7 +179,7 @@ TEST(InertialOdometryTest, WhatIsKnownOutlivesTheMapThatPicturesBeganAnew) {
   robot.Drive(10 * kSecond_ns);
   robot.DriveBlind(11 * kSecond_ns);
   robot.Forget();
-  robot.Drive(11 * kSecond_ns + kFrame_ns);
+  robot.Drive(11 * kSecond_ns + kRobotFrame_ns);
   EXPECT_TRUE(robot.odometry().state().is_ready);
   robot.DriveBlind(12 * kSecond_ns);
   const auto motion = robot.odometry().Since(robot.newest_ns());
@@ -223,7 +224,7 @@ TEST(InertialOdometryTest, AGapIsToldAndThenItGoesOn) {
   ASSERT_THAT(doubts, SizeIs(1));
   EXPECT_EQ(doubts[0].kind, InertialDoubt::Kind::kGap);
   EXPECT_THAT(doubts[0].text, HasSubstr("samples of the IMU are missing"));
-  EXPECT_FALSE(robot.odometry().Since(robot.newest_ns() + kFrame_ns).has_value());
+  EXPECT_FALSE(robot.odometry().Since(robot.newest_ns() + kRobotFrame_ns).has_value());
   robot.Drive(9 * kSecond_ns);
   EXPECT_TRUE(robot.odometry().state().is_ready);
 }
@@ -275,7 +276,7 @@ TEST_P(WrongImuTest, IsToldAndNotUsed) {
   ASSERT_THAT(doubts, SizeIs(1));
   EXPECT_EQ(doubts[0].kind, InertialDoubt::Kind::kContradicts);
   EXPECT_THAT(doubts[0].text, HasSubstr(GetParam().said));
-  EXPECT_FALSE(robot.odometry().Since(robot.newest_ns() + kFrame_ns).has_value());
+  EXPECT_FALSE(robot.odometry().Since(robot.newest_ns() + kRobotFrame_ns).has_value());
 }
 
 INSTANTIATE_TEST_SUITE_P(
