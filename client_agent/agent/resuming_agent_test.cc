@@ -4,13 +4,13 @@
 #include <gtest/gtest.h>
 
 #include <memory>
-#include <opencv2/imgproc.hpp>
 #include <set>
 #include <string>
 #include <utility>
 #include <variant>
 
 #include "client_agent/agent/agent.h"
+#include "client_agent/agent/testing/driven_wall.h"
 #include "client_agent/link/testing/fake_uplink.h"
 #include "client_agent/spool/testing/fake_spool.h"
 
@@ -19,35 +19,11 @@ namespace {
 
 using ::testing::HasSubstr;
 
-constexpr int kPictureWidth_px = 640;
-constexpr int kPictureHeight_px = 480;
 constexpr int kDrive_px = 32;  // From frame to frame.
 constexpr int kDriven = 24;
-constexpr double kWall_m = 4;
 constexpr int64_t kBetween_ns = 100'000'000;
 
-StereoCalibration WallCalibration() {
-  StereoCalibration stereo;
-  stereo.camera = {.fx_px = 400,
-                   .fy_px = 400,
-                   .cx_px = 320,
-                   .cy_px = 240,
-                   .width_px = kPictureWidth_px,
-                   .height_px = kPictureHeight_px,
-                   .baseline_m = 0.2,
-                   .close_depth_m = 8};
-  return stereo;
-}
-
-cv::Mat LongWall(int seed) {
-  cv::RNG random(static_cast<uint64_t>(seed));
-  cv::Mat coarse(kPictureHeight_px / 4, (kPictureWidth_px + 3 * kDriven * kDrive_px + 100) / 4,
-                 CV_8UC1);
-  random.fill(coarse, cv::RNG::UNIFORM, 0, 256);
-  cv::Mat wall;
-  cv::resize(coarse, wall, cv::Size(), 4, 4, cv::INTER_CUBIC);
-  return wall;
-}
+constexpr int kWallLength_px = 3 * kDriven * kDrive_px;
 
 class ResumingAgentTest : public ::testing::Test {
  protected:
@@ -63,13 +39,7 @@ class ResumingAgentTest : public ::testing::Test {
   }
   // Frame `number` shows the wall where frame `place` of a drive does.
   TrackingResult Track(Agent& agent, int place, int number) {
-    const int disparity_px = static_cast<int>(400 * 0.2 / kWall_m);
-    const auto part = [&](int x) {
-      return wall_(cv::Rect(x, 0, kPictureWidth_px, kPictureHeight_px)).clone();
-    };
-    const int x = place * kDrive_px;
-    const auto result =
-        agent.Track({number * kBetween_ns, part(x), part(x + disparity_px), cv::Mat()});
+    const auto result = agent.Track(SeeWall(wall_, place * kDrive_px, number * kBetween_ns));
     EXPECT_TRUE(result.ok()) << result.status();
     return *result;
   }
@@ -90,7 +60,7 @@ class ResumingAgentTest : public ::testing::Test {
 
   AgentOptions options_;
   SensorCalibration calibration_ = WallCalibration();
-  cv::Mat wall_ = LongWall(5);
+  cv::Mat wall_ = LongWall(5, kWallLength_px);
   FakeDisk disk_;
   FakeUplink uplink_;
   uint64_t seed_ = 0;
@@ -107,7 +77,7 @@ TEST_F(ResumingAgentTest, GoesOnInTheSameLocalMapWhereItRecognisesAPlace) {
   ASSERT_EQ(result.state, TrackingState::kTracking);
   EXPECT_EQ(result.local_map, before);
   const double x = result.camera_from_local.Inverse().translation.x();
-  EXPECT_NEAR(x, kDriven / 2 * kDrive_px * kWall_m / 400, 0.1);
+  EXPECT_NEAR(x, kDriven / 2 * kDrive_px * kWallPixel_m, 0.1);
   for (int i = 1; i < kDriven; ++i) {
     EXPECT_EQ(Track(*agent, kDriven / 2 + i, kDriven + 10 + i).state, TrackingState::kTracking);
   }
@@ -140,7 +110,7 @@ TEST_F(ResumingAgentTest, WhereNothingIsRecognisedANewLocalMapBegins) {
   options_.resume = true;
   options_.resume_wait = absl::Seconds(1);
   const LocalMapId before = DriveAndDie();
-  wall_ = LongWall(6);
+  wall_ = LongWall(6, kWallLength_px);
   const auto agent = Make(&uplink_);
   int lost = 0;
   for (int i = 0; i < 20; ++i) {
