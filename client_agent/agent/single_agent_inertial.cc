@@ -1,4 +1,6 @@
 // Implements the part of SingleAgent that goes by an IMU, too.
+#include <glog/logging.h>
+
 #include "absl/strings/string_view.h"
 #include "client_agent/agent/single_agent.h"
 
@@ -58,8 +60,17 @@ void SingleAgent::LearnByImu(TrackingResult& result) {
   for (const InertialDoubt& doubt : inertial_->TakeDoubts()) {
     SayFinding({FindingLevel::kWarning, std::string(CodeOf(doubt.kind)), doubt.text});
   }
+  const InertialState state = inertial_->state();
+  if (result.was_bridged) {
+    LOG(INFO) << options_.name << ": no picture said how the camera came here in "
+              << 1e-9 * static_cast<double>(result.motion->since_ns)
+              << " s; the map goes on where the IMU takes it";
+  }
   absl::MutexLock lock(&mutex_);
-  status_.inertial = inertial_->state();
+  if (state.is_ready && !(status_.inertial.has_value() && status_.inertial->is_ready)) {
+    LOG(INFO) << options_.name << ": the IMU is known well enough to be gone by";
+  }
+  status_.inertial = state;
   status_.bridged += result.was_bridged ? 1 : 0;
 }
 

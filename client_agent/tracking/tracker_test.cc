@@ -310,7 +310,9 @@ TEST_F(TrackerTest, GoesOnWithTheMapWhereAnImuTakesItWhenPicturesShowNothingKnow
     tracker_.Expect(std::nullopt);
     bridges += result.was_bridged ? 1 : 0;
     EXPECT_EQ(result.state, bridges == 0 ? TrackingState::kLost : TrackingState::kTracking) << i;
-    if (bridges > 0) EXPECT_LT(Error(result, i), 0.05) << i;
+    if (bridges > 0) {
+      EXPECT_LT(Error(result, i), 0.05) << i;
+    }
     ASSERT_FALSE(tracker_.IsLostForGood());
   }
   EXPECT_EQ(bridges, 1);
