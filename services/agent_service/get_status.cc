@@ -76,7 +76,7 @@ void WriteInertial(const AgentStatus& status, v1::AgentStatus* response) {
   written.set_late_s(state.late_s);
   written.set_late_sigma_s(state.late_sigma_s);
   written.set_noisier(state.noisier);
-  written.set_bridged(Count(status.bridged));
+  written.set_bridged(static_cast<uint32_t>(status.bridged));
 }
 
 }  // namespace
