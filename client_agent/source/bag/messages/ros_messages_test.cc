@@ -121,6 +121,25 @@ TEST(RosMessagesTest, ACalibrationIsReadInEachForm) {
   }
 }
 
+TEST(RosMessagesTest, WhatAnImuMeasuredIsReadInEachForm) {
+  for (const Form form : kForms) {
+    Writer writer(form);
+    writer.Header("imu");
+    for (int i = 0; i < 4 + 9 + 3 + 9 + 3 + 9; ++i) writer.Put(i + 0.5);
+    const std::string bytes = writer.bytes();
+    const auto imu = ReadRosImu(EncodingOf(form), bytes);
+    ASSERT_TRUE(imu.ok()) << imu.status();
+    EXPECT_EQ(imu->header.stamp_ns, 12'000'000'034);
+    EXPECT_EQ(imu->header.frame_id, "imu");
+    EXPECT_EQ(imu->angular_velocity_rps, Eigen::Vector3d(13.5, 14.5, 15.5));
+    EXPECT_EQ(imu->linear_acceleration_mps2, Eigen::Vector3d(25.5, 26.5, 27.5));
+    // The last covariance is not read.
+    EXPECT_TRUE(ReadRosImu(EncodingOf(form), bytes.substr(0, bytes.size() - 72)).ok());
+    EXPECT_THAT(ReadRosImu(EncodingOf(form), bytes.substr(0, bytes.size() - 73)).status().message(),
+                HasSubstr("within its field linear_acceleration"));
+  }
+}
+
 TEST(RosMessagesTest, ACountIsNotTakenByItsWord) {
   for (const Form form : kForms) {
     Writer writer(form);
