@@ -5,13 +5,17 @@
 #include <utility>
 #include <vector>
 
+#include "absl/strings/str_cat.h"
+#include "client_agent/source/lists/imu_list.h"
 #include "services/simulation/sequence/simulated_sequence.h"
 #include "slam/util/status_macros.h"
+#include "slam/util/text_file.h"
 
 namespace corbslam::services {
 
 using client_agent::DescribeCamera;
 using client_agent::FrameReader;
+using client_agent::ImuBetween;
 using client_agent::MeasureTimes;
 using client_agent::SourceDescription;
 using client_agent::SourceFindings;
@@ -31,6 +35,9 @@ class SimReader : public FrameReader {
   absl::StatusOr<SensorImages> Read(size_t frame) const override {
     return sequence_->Render(frame);
   }
+  ImuSamples Imu(int64_t after_ns, int64_t until_ns) const override {
+    return ImuBetween(sequence_->imu(), after_ns, until_ns);
+  }
 
  private:
   const std::unique_ptr<SimulatedSequence> sequence_;
@@ -45,6 +52,9 @@ SourceDescription Describe(const SimulatedSequence& sequence) {
   description.intrinsics_from = from;
   description.depth_units_from = from;
   description.times_from = from;
+  if (const SimulatedImu& imu = sequence.spec().imu; imu.is_there()) {
+    description.imu = absl::StrCat(FormatReal(imu.rate_hz), " Hz, from ", from);
+  }
   description.frames = sequence.frame_count();
   std::vector<int64_t> times_ns;
   for (size_t i = 0; i < sequence.frame_count(); ++i) times_ns.push_back(sequence.timestamp_ns(i));

@@ -13,10 +13,10 @@ constexpr NamedValues<ImuGrade, 3> kGrades = {
     {{"ideal", ImuGrade::kIdeal}, {"good", ImuGrade::kGood}, {"phone", ImuGrade::kPhone}}};
 
 SimulationOption GradeOption() {
-  return {"imu", "ideal, good or phone",
+  return {"imu", "ideal, good, phone or 0",
           [](absl::string_view value, Spec& spec) {
             spec.imu.grade = FindNamed(kGrades, value);
-            return spec.imu.grade.has_value();
+            return spec.imu.grade.has_value() || value == "0";
           },
           [](const Spec& spec) {
             return std::string(spec.imu.grade ? NameOf(kGrades, *spec.imu.grade) : "");
