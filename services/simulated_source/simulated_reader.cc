@@ -3,6 +3,7 @@
 #include <memory>
 #include <string>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "absl/strings/str_cat.h"
@@ -52,8 +53,12 @@ SourceDescription Describe(const SimulatedSequence& sequence) {
   description.intrinsics_from = from;
   description.depth_units_from = from;
   description.times_from = from;
-  if (const SimulatedImu& imu = sequence.spec().imu; imu.is_there()) {
-    description.imu = absl::StrCat(FormatReal(imu.rate_hz), " Hz, from ", from);
+  const auto imu =
+      std::visit([](const auto& sensor) { return sensor.imu; }, sequence.calibration());
+  if (imu.has_value()) {
+    const std::string& file = sequence.spec().imu.file;
+    description.imu =
+        absl::StrCat(FormatReal(imu->rate_hz), " Hz, from ", file.empty() ? from : file);
   }
   description.frames = sequence.frame_count();
   std::vector<int64_t> times_ns;

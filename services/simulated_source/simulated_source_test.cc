@@ -91,10 +91,12 @@ TEST(SimulatedSourceTest, NamesWhatItDoesNotUnderstand) {
       {"sim:city?hand=3", "hand=3"},
       {"sim:city?exposure_steps=5:0.3/2:1", "exposure_steps=2"},
       {"sim:city?phase=2", "phase=2"},
-      {"sim:path", "poses"}};
+      {"sim:path", "poses"},
+      {"sim:city?imu=/no.csv", "/no.csv"},
+      {"sim:city?imu=best", "imu=best"}};
   for (const auto& [text, expected] : cases) {
     const absl::Status status = ParseSourceSpec(text).status();
-    const bool lacks_file = std::string(expected) == "/no.yaml";
+    const bool lacks_file = std::string(expected).starts_with("/no.");
     EXPECT_EQ(status.code(),
               lacks_file ? absl::StatusCode::kNotFound : absl::StatusCode::kInvalidArgument)
         << text;

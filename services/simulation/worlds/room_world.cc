@@ -172,8 +172,8 @@ class RoomBuilder {
     }
     taken_.push_back(piece.footprint);
     const auto& turn = kFacing[piece.quarter_turns];
-    AppendMoved(BuildFurniture(piece), Upright(At(Middle(piece.footprint), 0), {turn[0], turn[1]}),
-                &mesh_);
+    AppendMoved(BuildFurniture(piece),
+                Upright(At(Middle(piece.footprint), 0).cast<double>(), {turn[0], turn[1]}), &mesh_);
   }
 
   const std::vector<Rigid3d>& poses_;
