@@ -14,7 +14,7 @@ using client_agent::ReadRigFile;
 using client_agent::Rig;
 using client_agent::RigKind;
 
-bool IsRigFile(absl::string_view value) {
+bool IsFile(absl::string_view value) {
   return absl::StrContains(value, '/') || absl::StrContains(value, '.');
 }
 

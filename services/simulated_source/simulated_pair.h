@@ -10,8 +10,8 @@
 
 namespace corbslam::services {
 
-// Returns whether the option rig=VALUE names a file: a path, or a name with a dot.
-bool IsRigFile(absl::string_view value);
+// Returns whether the value of rig= or imu= names a file: a path, or a name with a dot.
+bool IsFile(absl::string_view value);
 
 // Errors are those of ReadRigFile and CalibrationOf; INVALID_ARGUMENT names a file that is of no
 // stereo pair, or whose pictures have two sizes.

@@ -3,15 +3,20 @@
 #include <memory>
 #include <string>
 #include <utility>
+#include <variant>
 #include <vector>
 
+#include "absl/strings/str_cat.h"
+#include "client_agent/source/lists/imu_list.h"
 #include "services/simulation/sequence/simulated_sequence.h"
 #include "slam/util/status_macros.h"
+#include "slam/util/text_file.h"
 
 namespace corbslam::services {
 
 using client_agent::DescribeCamera;
 using client_agent::FrameReader;
+using client_agent::ImuBetween;
 using client_agent::MeasureTimes;
 using client_agent::SourceDescription;
 using client_agent::SourceFindings;
@@ -31,6 +36,9 @@ class SimReader : public FrameReader {
   absl::StatusOr<SensorImages> Read(size_t frame) const override {
     return sequence_->Render(frame);
   }
+  ImuSamples Imu(int64_t after_ns, int64_t until_ns) const override {
+    return ImuBetween(sequence_->imu(), after_ns, until_ns);
+  }
 
  private:
   const std::unique_ptr<SimulatedSequence> sequence_;
@@ -45,6 +53,13 @@ SourceDescription Describe(const SimulatedSequence& sequence) {
   description.intrinsics_from = from;
   description.depth_units_from = from;
   description.times_from = from;
+  const auto imu =
+      std::visit([](const auto& sensor) { return sensor.imu; }, sequence.calibration());
+  if (imu.has_value()) {
+    const std::string& file = sequence.spec().imu.file;
+    description.imu =
+        absl::StrCat(FormatReal(imu->rate_hz), " Hz, from ", file.empty() ? from : file);
+  }
   description.frames = sequence.frame_count();
   std::vector<int64_t> times_ns;
   for (size_t i = 0; i < sequence.frame_count(); ++i) times_ns.push_back(sequence.timestamp_ns(i));

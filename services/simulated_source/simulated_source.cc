@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "client_agent/source/source_kinds.h"
+#include "services/simulated_source/measured_imu.h"
 #include "services/simulated_source/simulated_pair.h"
 #include "services/simulated_source/simulated_reader.h"
 #include "services/simulation/sequence/simulation_options.h"
@@ -34,9 +35,11 @@ class SimulationSettings : public KindSettings {
   absl::StatusOr<SharedKindSettings> With(absl::string_view key,
                                           absl::string_view value) const override {
     SimulationSpec changed = spec_;
-    if (key == "rig" && IsRigFile(value)) {
+    if (key == "rig" && IsFile(value)) {
       ASSIGN_OR_RETURN(changed.pair, ReadSimulatedPair(std::string(value)));
       changed.rig.reset();
+    } else if (key == "imu" && IsFile(value)) {
+      ASSIGN_OR_RETURN(changed.imu, ReadMeasuredImu(std::string(value), spec_.imu));
     } else {
       RETURN_IF_ERROR(ApplySimulationOption(key, value, changed));
     }

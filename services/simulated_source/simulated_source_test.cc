@@ -8,6 +8,7 @@
 #include <string>
 #include <utility>
 #include <variant>
+#include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "client_agent/source/frame_reader.h"
@@ -44,7 +45,8 @@ TEST(SimulatedSourceTest, ComesBackAsFormatted) {
   for (const char* text :
        {"sim:city", "sim:floor?rig=rgbd&motion=fly",
         "sim:city?seed=7&world=3&length=812.5&turned=1&noise_seed=5&frames=3:9&robot=2/3&noise=2",
-        "sim:path?poses=/a/00.txt&blackout=10:2&kidnap=5:20.25&threads=2"}) {
+        "sim:path?poses=/a/00.txt&blackout=10:2&kidnap=5:20.25&threads=2",
+        "sim:floor?motion=fly&beginning=1:0:1&set_off_s=2&imu=phone&imu_rate=100"}) {
     EXPECT_EQ(FormatSourceSpec(*ParseSourceSpec(text)), text);
   }
 }
@@ -89,10 +91,12 @@ TEST(SimulatedSourceTest, NamesWhatItDoesNotUnderstand) {
       {"sim:city?hand=3", "hand=3"},
       {"sim:city?exposure_steps=5:0.3/2:1", "exposure_steps=2"},
       {"sim:city?phase=2", "phase=2"},
-      {"sim:path", "poses"}};
+      {"sim:path", "poses"},
+      {"sim:city?imu=/no.csv", "/no.csv"},
+      {"sim:city?imu=best", "imu=best"}};
   for (const auto& [text, expected] : cases) {
     const absl::Status status = ParseSourceSpec(text).status();
-    const bool lacks_file = std::string(expected) == "/no.yaml";
+    const bool lacks_file = std::string(expected).starts_with("/no.");
     EXPECT_EQ(status.code(),
               lacks_file ? absl::StatusCode::kNotFound : absl::StatusCode::kInvalidArgument)
         << text;
@@ -140,6 +144,47 @@ TEST(SimulatedSourceTest, PlaysAPartAndDisturbsItsPictures) {
   EXPECT_EQ(first.grey.size(), first.right.size());
   const SensorImages brighter = **(*noisy)->NextImages();
   EXPECT_GT(cv::mean(brighter.grey)[0], cv::mean(first.grey)[0] + 10);
+}
+
+// Returns the samples of all frames as they are played, one vector a frame.
+std::vector<ImuSamples> PlayImu(const std::string& options) {
+  auto sequence = OpenSource("sim:city?seed=3&length=120&picture_scale=0.1" + options);
+  EXPECT_TRUE(sequence.ok()) << sequence.status();
+  std::vector<ImuSamples> played;
+  for (size_t i = 0; i < (*sequence)->size(); ++i) {
+    played.push_back((**(*sequence)->NextImages()).imu);
+  }
+  return played;
+}
+
+TEST(SimulatedSourceTest, EachFrameComesWithWhatItsImuMeasuredSinceTheOneBefore) {
+  const std::vector<ImuSamples> all = PlayImu("&imu=good&frames=30:34");
+  // The samples go back for as long as a robot keeps any.
+  EXPECT_EQ(all[0].front().timestamp_ns, 0);
+  EXPECT_EQ(all[0].back().timestamp_ns, 3'000'000'000);
+  for (size_t i = 1; i < all.size(); ++i) {
+    ASSERT_EQ(all[i].size(), 20u);
+    EXPECT_EQ(all[i].front().timestamp_ns, all[i - 1].back().timestamp_ns + 5'000'000);
+  }
+  const std::vector<ImuSamples> every_second = PlayImu("&imu=good&frames=30:34&stride=2");
+  ASSERT_EQ(every_second.size(), 3u);
+  EXPECT_EQ(every_second[1].size(), 40u);
+  EXPECT_EQ(every_second[1][7].specific_force_mps2, all[1][7].specific_force_mps2);
+}
+
+TEST(SimulatedSourceTest, LateStampsComeWithLaterFrames) {
+  const std::vector<ImuSamples> told = PlayImu("&imu=ideal&frames=30:32");
+  const std::vector<ImuSamples> late = PlayImu("&imu=ideal&frames=30:32&imu_late_s=0.05");
+  ASSERT_EQ(late[1].size(), 20u);
+  EXPECT_EQ(late[1][15].timestamp_ns, told[1][15].timestamp_ns);
+  EXPECT_EQ(late[1][15].specific_force_mps2, told[1][5].specific_force_mps2);
+}
+
+TEST(SimulatedSourceTest, HasNoImuUnlessAskedForNorBackwards) {
+  for (const char* options :
+       {"&frames=0:2", "&imu=good&frames=0:2&reverse=1", "&imu=0&frames=0:2"}) {
+    for (const ImuSamples& samples : PlayImu(options)) EXPECT_TRUE(samples.empty()) << options;
+  }
 }
 
 TEST(SimulatedSourceTest, NamesAFileThatIsNotThere) {

@@ -1,6 +1,25 @@
 #include "services/simulation/inertial/simulated_imu.h"
 
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "slam/util/median.h"
+
 namespace corbslam {
+namespace {
+
+double RateOf(const ImuSamples& samples) {
+  std::vector<double> intervals_s;
+  for (size_t i = 1; i < samples.size(); ++i) {
+    const int64_t interval_ns = samples[i].timestamp_ns - samples[i - 1].timestamp_ns;
+    intervals_s.push_back(1e-9 * static_cast<double>(interval_ns));
+  }
+  return intervals_s.empty() ? 0 : 1 / MeanMedian(std::move(intervals_s));
+}
+
+}  // namespace
 
 Rigid3d EurocImuFromCamera() {
   // T_BS of cam0 in the sequences' sensor.yaml.
@@ -29,7 +48,7 @@ ImuCalibration ToldImu(const SimulatedImu& imu) {
   ImuCalibration told;
   told.noise = NoiseOf(grade == ImuGrade::kIdeal ? ImuGrade::kGood : grade);
   told.imu_from_camera = EurocImuFromCamera();
-  told.rate_hz = imu.rate_hz;
+  told.rate_hz = imu.measured != nullptr ? RateOf(*imu.measured) : imu.rate_hz;
   return told;
 }
 

@@ -2,6 +2,7 @@
 #ifndef CORBSLAM_SERVICES_SIMULATION_INERTIAL_SIMULATED_IMU_H_
 #define CORBSLAM_SERVICES_SIMULATION_INERTIAL_SIMULATED_IMU_H_
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -48,7 +49,10 @@ struct ImuGap {
 
 struct SimulatedImu {
   std::optional<ImuGrade> grade;  // Absent: there is no IMU, unless `file` is set.
-  std::string file;               // Measured by a real one, in EuRoC's form.
+  // What a real one measured while it moved along the poses of a path, and the file that it is
+  // from. By the clock of the poses.
+  std::string file;
+  std::shared_ptr<const ImuSamples> measured;
   double rate_hz = 200;
   double late_s = 0;  // Stamps are later than the pictures' by this, and nobody is told.
   // Standard deviation about each axis of what the biases are at the first sample. Absent: the

@@ -13,13 +13,15 @@ constexpr NamedValues<ImuGrade, 3> kGrades = {
     {{"ideal", ImuGrade::kIdeal}, {"good", ImuGrade::kGood}, {"phone", ImuGrade::kPhone}}};
 
 SimulationOption GradeOption() {
-  return {"imu", "ideal, good or phone",
+  return {"imu", "ideal, good, phone, 0 or a file",
           [](absl::string_view value, Spec& spec) {
             spec.imu.grade = FindNamed(kGrades, value);
-            return spec.imu.grade.has_value();
+            spec.imu.file.clear();
+            spec.imu.measured.reset();
+            return spec.imu.grade.has_value() || value == "0";
           },
           [](const Spec& spec) {
-            return std::string(spec.imu.grade ? NameOf(kGrades, *spec.imu.grade) : "");
+            return spec.imu.grade ? NameOf(kGrades, *spec.imu.grade) : spec.imu.file;
           }};
 }
 

@@ -18,6 +18,7 @@
 #include "services/simulation/sequence/camera_rig.h"
 #include "services/simulation/sequence/depth_image.h"
 #include "services/simulation/sequence/frame_clock.h"
+#include "services/simulation/sequence/measured_flight.h"
 #include "services/simulation/sequence/picture_events.h"
 #include "services/simulation/sequence/simulated_world.h"
 #include "services/simulation/sequence/truth_error.h"
@@ -29,9 +30,11 @@ namespace {
 
 class DrawnSequence : public SimulatedSequence {
  public:
-  DrawnSequence(const SimulationSpec& spec, PoseSequence way)
+  // `measured` by a real IMU, from the way's beginning on; else it is empty.
+  DrawnSequence(const SimulationSpec& spec, PoseSequence way, ImuSamples measured)
       : spec_(spec),
         way_(std::move(way)),
+        measured_(std::move(measured)),
         rig_(MakeRig(spec)),
         clock_(spec, rig_.rate_hz, way_.duration_ns()) {}
 
@@ -72,6 +75,7 @@ class DrawnSequence : public SimulatedSequence {
 
   const SimulationSpec spec_;
   const PoseSequence way_;
+  const ImuSamples measured_;
   const SimulatedRig rig_;
   const FrameClock clock_;
   // The first call sets it, under once_.
@@ -95,8 +99,10 @@ Rigid3d DrawnSequence::PoseOf(int64_t elapsed_ns) const {
 ImuSamples DrawnSequence::MeasureImu(const ImuCalibration& imu) const {
   const Rigid3d camera_from_imu = imu.imu_from_camera.Inverse();
   const auto motion = [&](int64_t elapsed_ns) { return PoseOf(elapsed_ns) * camera_from_imu; };
-  ImuSamples samples = WithErrors(spec_.imu, spec_.lens.noise_seed,
-                                  MeasureMotion(motion, clock_.PhysicalSpan(), spec_.imu.rate_hz));
+  ImuSamples ideal = spec_.imu.measured != nullptr
+                         ? measured_
+                         : MeasureMotion(motion, clock_.PhysicalSpan(), spec_.imu.rate_hz);
+  ImuSamples samples = WithErrors(spec_.imu, spec_.lens.noise_seed, std::move(ideal));
   for (ImuSample& sample : samples) sample.timestamp_ns += std::llround(1e9 * spec_.start_s);
   return samples;
 }
@@ -226,8 +232,16 @@ absl::StatusOr<SensorImages> DrawnSequence::Render(size_t frame) const {
 absl::StatusOr<std::unique_ptr<SimulatedSequence>> SimulatedSequence::Make(
     const SimulationSpec& spec) {
   RETURN_IF_ERROR(Validate(spec));
-  ASSIGN_OR_RETURN(PoseSequence way, MakeWay(spec));
-  auto sequence = std::make_unique<DrawnSequence>(spec, std::move(way));
+  ImuSamples measured;
+  std::optional<PoseSequence> way;
+  if (spec.imu.measured != nullptr) {
+    ASSIGN_OR_RETURN(MeasuredFlight flight, ReadMeasuredFlight(spec));
+    way = std::move(flight.way);
+    measured = std::move(flight.samples);
+  } else {
+    ASSIGN_OR_RETURN(way, MakeWay(spec));
+  }
+  auto sequence = std::make_unique<DrawnSequence>(spec, *std::move(way), std::move(measured));
   if (sequence->frame_count() == 0) {
     return absl::InvalidArgumentError("the simulated way ends before its first frame");
   }

@@ -7,6 +7,7 @@
 
 #include "services/simulation/motion/drives.h"
 #include "services/simulation/worlds/floor_world.h"
+#include "services/simulation/worlds/room_world.h"
 #include "services/simulation/worlds/street_world.h"
 
 namespace corbslam {
@@ -43,6 +44,12 @@ Scene BuildStreets(const SimulationSpec& spec, const PoseSequence& way) {
   return BuildStreetScene(poses, options);
 }
 
+Scene BuildRoom(const SimulationSpec& spec, const PoseSequence& way) {
+  std::vector<Rigid3d> poses;
+  for (const StampedPose& pose : way.trajectory()) poses.push_back(pose.world_from_camera);
+  return BuildRoomScene(poses, spec.world_seed.value_or(spec.seed));
+}
+
 }  // namespace
 
 absl::StatusOr<PoseSequence> MakeWay(const SimulationSpec& spec) {
@@ -59,6 +66,7 @@ absl::StatusOr<PoseSequence> MakeWay(const SimulationSpec& spec) {
 }
 
 Scene BuildWorld(const SimulationSpec& spec, const PoseSequence& way) {
+  if (spec.around == PathSurroundings::kRoom) return BuildRoom(spec, way);
   return spec.world == SimulatedWorld::kFloor ? BuildFloorScene(PlanFloor(spec))
                                               : BuildStreets(spec, way);
 }

@@ -20,6 +20,8 @@ constexpr NamedValues<SimulatedWorld, 3> kWorlds = {{{"city", SimulatedWorld::kC
                                                      {"floor", SimulatedWorld::kFloor}}};
 constexpr NamedValues<CameraRig, 3> kRigs = {
     {{"kitti", CameraRig::kKitti}, {"euroc", CameraRig::kEuroc}, {"rgbd", CameraRig::kRgbd}}};
+constexpr NamedValues<PathSurroundings, 2> kSurroundings = {
+    {{"streets", PathSurroundings::kStreets}, {"room", PathSurroundings::kRoom}}};
 constexpr NamedValues<FloorMotion, 2> kMotions = {
     {{"walk", FloorMotion::kWalk}, {"fly", FloorMotion::kFly}}};
 
@@ -73,6 +75,13 @@ std::vector<Option> WorldOptions() {
              return !value.empty();
            },
            [](const Spec& spec) { return spec.poses; }},
+          {"around", "streets or room",
+           [](absl::string_view value, Spec& spec) {
+             const std::optional<PathSurroundings> around = FindNamed(kSurroundings, value);
+             spec.around = around.value_or(spec.around);
+             return around.has_value();
+           },
+           [](const Spec& spec) { return std::string(NameOf(kSurroundings, spec.around)); }},
           RoomsOption(),
           Flag("look_alike", [](Spec& s) -> bool& { return s.look_alike; }),
           IntegerOption("moving_cars", 0, 10'000, [](Spec& s) -> int& { return s.moving_cars; })};

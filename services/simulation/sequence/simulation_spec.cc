@@ -40,6 +40,11 @@ absl::Status ValidatePoses(const SimulationSpec& spec) {
     return Refuse("poses", "", "a file of poses to build the world along");
   }
   if (!along_poses && !spec.poses.empty()) return Refuse("poses", spec.poses, "the world path");
+  if (spec.around == PathSurroundings::kStreets) return absl::OkStatus();
+  if (!along_poses) return Refuse("around", "room", "the world path; floor has rooms");
+  if (spec.moving_cars > 0 || spec.look_alike) {
+    return Refuse("around", "room", "neither moving_cars nor look_alike: those are of streets");
+  }
   return absl::OkStatus();
 }
 
@@ -98,8 +103,30 @@ absl::Status ValidateImuParts(const SimulatedImu& imu) {
   return absl::OkStatus();
 }
 
+// What a real IMU measured is of one flight, and has errors of its own.
+absl::Status ValidateMeasuredImu(const SimulationSpec& spec) {
+  const SimulatedImu& imu = spec.imu;
+  if (imu.file.empty()) return absl::OkStatus();
+  if (spec.world != SimulatedWorld::kPath) {
+    return Refuse("imu", imu.file, "the world path, along the poses that the IMU had");
+  }
+  if (spec.turned || spec.set_off_s > 0) {
+    return Refuse(spec.turned ? "turned" : "set_off_s",
+                  spec.turned ? "1" : FormatReal(spec.set_off_s),
+                  absl::StrCat("an imu that is simulated: ", imu.file, " is of one flight"));
+  }
+  const SimulatedImu plain;
+  if (imu.rate_hz != plain.rate_hz || imu.bias != plain.bias || imu.vibration != plain.vibration ||
+      imu.warming != plain.warming) {
+    return Refuse("imu", imu.file,
+                  "no imu_rate, imu_bias, imu_vibration and imu_warming: it has its own");
+  }
+  return absl::OkStatus();
+}
+
 absl::Status ValidateImu(const SimulationSpec& spec) {
   if (spec.imu.is_there()) {
+    RETURN_IF_ERROR(ValidateMeasuredImu(spec));
     RETURN_IF_ERROR(ValidateImuParts(spec.imu));
     return ValidateMotionForImu(spec);
   }
@@ -134,7 +161,7 @@ std::string WorldName(const SimulationSpec& spec) {
                           spec.length_m, " ", spec.look_alike);
     case SimulatedWorld::kPath:
       return absl::StrCat("path ", spec.world_seed.value_or(spec.seed), " ", spec.look_alike, " ",
-                          spec.poses);
+                          spec.poses, spec.imu.file.empty() ? "" : " ", spec.imu.file);
     case SimulatedWorld::kFloor:
       return absl::StrCat("floor ", spec.world_seed.value_or(spec.seed), " ", spec.rooms_x, " ",
                           spec.rooms_z, " ", spec.look_alike);

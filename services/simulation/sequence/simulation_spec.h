@@ -30,6 +30,8 @@ enum class CameraRig {
 
 enum class FloorMotion { kWalk, kFly };
 
+enum class PathSurroundings { kStreets, kRoom };
+
 // Times are seconds of the sequence's own time, from its first frame on.
 struct Blackout {
   double from_s = 0;
@@ -77,11 +79,12 @@ struct SimulationSpec {
 
   // The world and the way: robots with the same of these are in the same place.
   uint64_t seed = 1;  // Seed of the way, and of the world unless world_seed is set.
-  std::optional<uint64_t> world_seed;  // The option is called world=.
-  double length_m = 1500;              // kCity: length of the tour.
-  std::string poses;                   // kPath: a file in KITTI's or TUM's form.
-  int rooms_x = 4;                     // kFloor.
-  int rooms_z = 3;                     // kFloor.
+  std::optional<uint64_t> world_seed;                    // The option is called world=.
+  double length_m = 1500;                                // kCity: length of the tour.
+  std::string poses;                                     // kPath: a file in KITTI's or TUM's form.
+  PathSurroundings around = PathSurroundings::kStreets;  // kPath.
+  int rooms_x = 4;                                       // kFloor.
+  int rooms_z = 3;                                       // kFloor.
   bool look_alike = false;
   int moving_cars = 0;  // kCity and kPath.
 
