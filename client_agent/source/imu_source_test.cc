@@ -140,7 +140,9 @@ void ExpectWhole(const std::vector<SensorImages>& frames) {
   int64_t before_ns = 0;
   for (const SensorImages& frame : frames) {
     for (const ImuSample& sample : frame.imu) {
-      if (before_ns != 0) EXPECT_EQ(sample.timestamp_ns - before_ns, kImuInterval_ns);
+      if (before_ns != 0) {
+        EXPECT_EQ(sample.timestamp_ns - before_ns, kImuInterval_ns);
+      }
       before_ns = sample.timestamp_ns;
     }
     EXPECT_GE(before_ns, frame.timestamp_ns);
