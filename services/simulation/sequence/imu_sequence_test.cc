@@ -27,7 +27,7 @@ constexpr double kTruthRate_hz = 1000;
 constexpr double kImuRate_hz = 250;
 constexpr int64_t kHalf_ns = 2'000'000;  // Of a sample's period.
 
-SimulationSpec SpecOf(SimulatedWorld world, FloorMotion motion = FloorMotion::kWalk) {
+SimulationSpec ImuSpecOf(SimulatedWorld world, FloorMotion motion = FloorMotion::kWalk) {
   SimulationSpec spec;
   spec.world = world;
   spec.motion = motion;
@@ -39,7 +39,7 @@ SimulationSpec SpecOf(SimulatedWorld world, FloorMotion motion = FloorMotion::kW
   return spec;
 }
 
-std::unique_ptr<SimulatedSequence> Open(const SimulationSpec& spec) {
+std::unique_ptr<SimulatedSequence> OpenImu(const SimulationSpec& spec) {
   absl::StatusOr<std::unique_ptr<SimulatedSequence>> sequence = SimulatedSequence::Make(spec);
   EXPECT_TRUE(sequence.ok()) << sequence.status();
   return *std::move(sequence);
@@ -128,7 +128,7 @@ Drift WorstDrift(const SimulatedSequence& sequence, Rule rule) {
 }
 
 void ExpectNoDrift(const SimulationSpec& spec, const std::string& name, double most_by_steps_m) {
-  const auto sequence = Open(spec);
+  const auto sequence = OpenImu(spec);
   const Drift held = WorstDrift(*sequence, Rule::kHold);
   EXPECT_LT(held.metres, 0.001) << name;
   EXPECT_LT(held.degrees, 0.001) << name;
@@ -141,11 +141,11 @@ void ExpectNoDrift(const SimulationSpec& spec, const std::string& name, double m
 }
 
 TEST(ImuSequenceTest, IntegratesToTheTruthInEachWorld) {
-  ExpectNoDrift(SpecOf(SimulatedWorld::kCity), "city", 0.01);
-  ExpectNoDrift(SpecOf(SimulatedWorld::kFloor), "walk", 0.01);
+  ExpectNoDrift(ImuSpecOf(SimulatedWorld::kCity), "city", 0.01);
+  ExpectNoDrift(ImuSpecOf(SimulatedWorld::kFloor), "walk", 0.01);
   // Where the drone's height meets its bounds it is stopped at once.
-  ExpectNoDrift(SpecOf(SimulatedWorld::kFloor, FloorMotion::kFly), "fly", 0.04);
-  SimulationSpec path = SpecOf(SimulatedWorld::kPath);
+  ExpectNoDrift(ImuSpecOf(SimulatedWorld::kFloor, FloorMotion::kFly), "fly", 0.04);
+  SimulationSpec path = ImuSpecOf(SimulatedWorld::kPath);
   path.poses = ::testing::TempDir() + "/imu_poses.txt";
   Trajectory poses;
   for (const Rigid3d& pose : DriveThroughTown({.seed = 5, .length_m = 400})) {
@@ -156,10 +156,10 @@ TEST(ImuSequenceTest, IntegratesToTheTruthInEachWorld) {
 }
 
 TEST(ImuSequenceTest, IntegratesToTheTruthTurnedLaterAndFromAStand) {
-  SimulationSpec turned = SpecOf(SimulatedWorld::kFloor);
+  SimulationSpec turned = ImuSpecOf(SimulatedWorld::kFloor);
   turned.turned = true;
   ExpectNoDrift(turned, "turned", 0.01);
-  SimulationSpec standing = SpecOf(SimulatedWorld::kCity);
+  SimulationSpec standing = ImuSpecOf(SimulatedWorld::kCity);
   standing.beginning = {1, 0, 1};
   standing.set_off_s = 3;
   ExpectNoDrift(standing, "from a stand", 0.01);
@@ -168,11 +168,11 @@ TEST(ImuSequenceTest, IntegratesToTheTruthTurnedLaterAndFromAStand) {
 }
 
 TEST(ImuSequenceTest, StandsBeforeItSetsOff) {
-  SimulationSpec spec = SpecOf(SimulatedWorld::kFloor);
+  SimulationSpec spec = ImuSpecOf(SimulatedWorld::kFloor);
   spec.beginning = {1, 1, 1};
   spec.set_off_s = 2;
   spec.start_s = 100;
-  const auto sequence = Open(spec);
+  const auto sequence = OpenImu(spec);
   EXPECT_EQ(sequence->imu().front().timestamp_ns, 100'000'000'000);
   double fastest = 0;
   for (const ImuSample& sample : sequence->imu()) {
@@ -190,20 +190,20 @@ TEST(ImuSequenceTest, StandsBeforeItSetsOff) {
 }
 
 TEST(ImuSequenceTest, ThereIsNoneUnlessItIsAskedFor) {
-  SimulationSpec spec = SpecOf(SimulatedWorld::kCity);
+  SimulationSpec spec = ImuSpecOf(SimulatedWorld::kCity);
   spec.imu = {};
-  const auto without = Open(spec);
+  const auto without = OpenImu(spec);
   EXPECT_TRUE(without->imu().empty());
   EXPECT_FALSE(std::get<StereoCalibration>(without->calibration()).imu.has_value());
 }
 
 TEST(ImuSequenceTest, IsOfTheTimesAndThePosesThatThePicturesHave) {
-  SimulationSpec spec = SpecOf(SimulatedWorld::kCity);
+  SimulationSpec spec = ImuSpecOf(SimulatedWorld::kCity);
   spec.imu = {};
-  const auto without = Open(spec);
+  const auto without = OpenImu(spec);
   spec.imu.grade = ImuGrade::kGood;
   spec.imu.rate_hz = kImuRate_hz;
-  const auto with = Open(spec);
+  const auto with = OpenImu(spec);
   ASSERT_EQ(with->frame_count(), without->frame_count());
   for (size_t i = 0; i < with->frame_count(); i += 97) {
     EXPECT_EQ(with->timestamp_ns(i), without->timestamp_ns(i));
@@ -218,11 +218,11 @@ TEST(ImuSequenceTest, IsOfTheTimesAndThePosesThatThePicturesHave) {
 }
 
 TEST(ImuSequenceTest, NoiseIsOfTheNoiseSeedAloneWhoeverAsks) {
-  SimulationSpec spec = SpecOf(SimulatedWorld::kFloor);
+  SimulationSpec spec = ImuSpecOf(SimulatedWorld::kFloor);
   spec.imu.grade = ImuGrade::kPhone;
-  const auto first = Open(spec);
+  const auto first = OpenImu(spec);
   spec.threads = 3;
-  const auto second = Open(spec);
+  const auto second = OpenImu(spec);
   std::thread other([&] { EXPECT_FALSE(second->imu().empty()); });
   EXPECT_FALSE(second->imu().empty());
   other.join();
@@ -231,21 +231,21 @@ TEST(ImuSequenceTest, NoiseIsOfTheNoiseSeedAloneWhoeverAsks) {
     EXPECT_EQ(first->imu()[i].specific_force_mps2, second->imu()[i].specific_force_mps2);
   }
   spec.lens.noise_seed = 2;
-  EXPECT_NE(Open(spec)->imu()[7].specific_force_mps2, first->imu()[7].specific_force_mps2);
+  EXPECT_NE(OpenImu(spec)->imu()[7].specific_force_mps2, first->imu()[7].specific_force_mps2);
 }
 
 TEST(ImuSequenceTest, ARigSaysWhereItsImuSits) {
-  SimulationSpec spec = SpecOf(SimulatedWorld::kCity);
+  SimulationSpec spec = ImuSpecOf(SimulatedWorld::kCity);
   spec.imu = {};
   SimulatedPair& pair = spec.pair.emplace();
   pair.width_px = 64;
   pair.height_px = 48;
   pair.left.fx_px = pair.left.fy_px = pair.right.fx_px = pair.right.fy_px = 40;
   pair.told.imu.emplace().imu_from_camera.translation = {0.5, 0, 0};
-  EXPECT_FALSE(std::get<StereoCalibration>(Open(spec)->calibration()).imu.has_value());
+  EXPECT_FALSE(std::get<StereoCalibration>(OpenImu(spec)->calibration()).imu.has_value());
   spec.imu.grade = ImuGrade::kIdeal;
   spec.imu.rate_hz = kImuRate_hz;
-  const auto sequence = Open(spec);
+  const auto sequence = OpenImu(spec);
   EXPECT_EQ(CalibrationOf(*sequence).imu_from_camera.translation.x(), 0.5);
   EXPECT_LT(DriftOf(*sequence, 1.012, Rule::kHold).metres, 0.01);
 }
@@ -265,7 +265,7 @@ SimulationSpec MeasuredFlightSpec(const SimulatedSequence& flight) {
         {flight.timestamp_ns(i) + kLater_ns,
          frame_from_world * flight.world_from_camera(i) * imu.imu_from_camera.Inverse()});
   }
-  SimulationSpec spec = SpecOf(SimulatedWorld::kPath);
+  SimulationSpec spec = ImuSpecOf(SimulatedWorld::kPath);
   spec.poses = ::testing::TempDir() + "/flight.tum";
   EXPECT_TRUE(WriteTumTrajectory(poses, spec.poses).ok());
   auto samples = std::make_shared<ImuSamples>(flight.imu());
@@ -281,9 +281,9 @@ SimulationSpec MeasuredFlightSpec(const SimulatedSequence& flight) {
 }
 
 TEST(ImuSequenceTest, FollowsTheFlightOfARealImuInAWorldThatIsUpright) {
-  const auto flight = Open(SpecOf(SimulatedWorld::kFloor, FloorMotion::kFly));
+  const auto flight = OpenImu(ImuSpecOf(SimulatedWorld::kFloor, FloorMotion::kFly));
   SimulationSpec spec = MeasuredFlightSpec(*flight);
-  const auto again = Open(spec);
+  const auto again = OpenImu(spec);
   EXPECT_NEAR(CalibrationOf(*again).rate_hz, kImuRate_hz, 1e-6);
   EXPECT_EQ(again->frame_count(), 19'996u);
   EXPECT_EQ(again->imu().front().timestamp_ns, 0);
@@ -300,12 +300,12 @@ TEST(ImuSequenceTest, FollowsTheFlightOfARealImuInAWorldThatIsUpright) {
     EXPECT_LT((down - there.rotation.conjugate() * Eigen::Vector3d::UnitY()).norm(), 0.002);
   }
   spec.picture_scale = 0.2;
-  const SensorImages images = *Open(spec)->Render(1000);
+  const SensorImages images = *OpenImu(spec)->Render(1000);
   EXPECT_GT(cv::countNonZero(images.grey > 20), static_cast<int>(images.grey.total() / 2));
 }
 
 TEST(ImuSequenceTest, RefusesARealImuThatIsNotOfThePath) {
-  const auto flight = Open(SpecOf(SimulatedWorld::kFloor, FloorMotion::kFly));
+  const auto flight = OpenImu(ImuSpecOf(SimulatedWorld::kFloor, FloorMotion::kFly));
   const SimulationSpec good = MeasuredFlightSpec(*flight);
   const auto message = [&](const auto& change) {
     SimulationSpec spec = good;
@@ -336,7 +336,7 @@ TEST(ImuSequenceTest, RefusesWhatNoImuMeasures) {
   const auto message = [](const SimulationSpec& spec) {
     return std::string(SimulatedSequence::Make(spec).status().message());
   };
-  SimulationSpec spec = SpecOf(SimulatedWorld::kCity);
+  SimulationSpec spec = ImuSpecOf(SimulatedWorld::kCity);
   spec.kidnap = Kidnap{5, 20};
   EXPECT_THAT(message(spec), HasSubstr("kidnap=5:20: wants no imu"));
   spec.kidnap.reset();

@@ -8,6 +8,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
+#include "client_agent/source/lists/imu_list.h"
 #include "slam/evaluation/trajectory_io.h"
 #include "slam/util/folders.h"
 #include "slam/util/status_macros.h"
@@ -181,6 +182,29 @@ std::vector<std::string> FoldersOf(SourceLayout layout) {
 }
 
 }  // namespace
+
+absl::Status WriteEurocImu(const std::string& folder, const ImuCalibration& imu,
+                           const ImuSamples& samples) {
+  const std::string root = folder + "/mav0/imu0";
+  RETURN_IF_ERROR(MakeFolder(root));
+  const std::vector<std::string> yaml = {
+      "%YAML:1.0",
+      "sensor_type: imu",
+      "comment: simulated imu0",
+      "T_BS:",
+      "  cols: 4",
+      "  rows: 4",
+      "  data: " + Matrix(imu.imu_from_camera.Inverse()),
+      "rate_hz: " + Exact(imu.rate_hz),
+      "gyroscope_noise_density: " + Exact(imu.noise.gyro),
+      "gyroscope_random_walk: " + Exact(imu.noise.gyro_walk),
+      "accelerometer_noise_density: " + Exact(imu.noise.accel),
+      "accelerometer_random_walk: " + Exact(imu.noise.accel_walk)};
+  RETURN_IF_ERROR(WriteLines(yaml, root + "/sensor.yaml"));
+  std::vector<std::string> list = {client_agent::kImuHeading};
+  for (const ImuSample& sample : samples) list.push_back(client_agent::FormatImuLine(sample));
+  return WriteLines(list, root + "/data.csv");
+}
 
 FramePaths PathsOfFrame(SourceLayout layout, size_t index, int64_t timestamp_ns) {
   switch (layout) {

@@ -9,6 +9,7 @@
 #include "absl/status/status.h"
 #include "client_agent/source/source_spec.h"
 #include "slam/evaluation/trajectory.h"
+#include "slam/inertial/imu.h"
 #include "slam/sensor/sensor.h"
 
 namespace corbslam::services {
@@ -29,6 +30,11 @@ absl::Status MakeLayoutFolders(client_agent::SourceLayout layout, const std::str
 // any. UNAVAILABLE if a file can't be written.
 absl::Status WriteLayoutFiles(client_agent::SourceLayout layout, const std::string& folder,
                               const SensorCalibration& calibration, const Trajectory& truth);
+
+// Writes mav0/imu0 of EuRoC's layout, whose body is the left camera. UNAVAILABLE if a file can't be
+// written.
+absl::Status WriteEurocImu(const std::string& folder, const ImuCalibration& imu,
+                           const ImuSamples& samples);
 
 }  // namespace corbslam::services
 

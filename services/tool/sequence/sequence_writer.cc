@@ -1,11 +1,14 @@
 #include "services/tool/sequence/sequence_writer.h"
 
 #include <atomic>
+#include <cstdint>
 #include <fstream>
 #include <memory>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
+#include <optional>
 #include <thread>
+#include <variant>
 #include <vector>
 
 #include "absl/base/thread_annotations.h"
@@ -37,6 +40,9 @@ namespace {
 
 // More compression gains little: most of a picture is noise.
 constexpr int kPngCompression = 1;
+
+// So much of what was measured before the first picture is written.
+constexpr int64_t kImuBefore_ns = 2'000'000'000;
 
 absl::Status WritePicture(const cv::Mat& image, const std::string& path) {
   std::vector<uint8_t> bytes;
@@ -139,8 +145,19 @@ absl::StatusOr<size_t> WriteSequence(const SourceSpec& source,
   ASSIGN_OR_RETURN(const std::optional<GroundTruth> truth, ReadGroundTruth(drawn));
   Trajectory written;
   for (const size_t frame : frames) written.push_back(truth->trajectory[frame]);
+  const std::optional<ImuCalibration> imu =
+      std::visit([](const auto& sensor) { return sensor.imu; }, reader->calibration());
+  if (imu.has_value() && options.layout != SourceLayout::kEuroc) {
+    return absl::InvalidArgumentError(
+        "imu: only the layout euroc has a file for what an IMU measured; write that, or imu=0");
+  }
   RETURN_IF_ERROR(MakeLayoutFolders(options.layout, options.folder));
   RETURN_IF_ERROR(WriteLayoutFiles(options.layout, options.folder, reader->calibration(), written));
+  if (imu.has_value()) {
+    const ImuSamples samples =
+        reader->Imu(written.front().timestamp_ns - kImuBefore_ns, written.back().timestamp_ns);
+    RETURN_IF_ERROR(WriteEurocImu(options.folder, *imu, samples));
+  }
   if (simulation.pair.has_value()) {
     RETURN_IF_ERROR(CopyRig(simulation.pair->file, options.folder + "/rig.yaml"));
   }

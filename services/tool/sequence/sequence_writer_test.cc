@@ -11,6 +11,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <variant>
 
 #include "absl/strings/str_cat.h"
 #include "client_agent/source/frame_reader.h"
@@ -131,6 +132,36 @@ INSTANTIATE_TEST_SUITE_P(All, LayoutTest,
                                            Case{SourceLayout::kEuroc, "euroc", "euroc"},
                                            Case{SourceLayout::kTum, "tum", "rgbd"}),
                          [](const auto& info) { return std::string(info.param.name); });
+
+TEST(WriteSequenceTest, WhatAnImuMeasuredIsReadBack) {
+  const std::string source = absl::StrCat(kSmall, "&imu=phone");
+  const std::string folder = Write(source, SourceLayout::kEuroc, "imu");
+  const auto drawn = OpenReader(*ParseSourceSpec(source + "&rig=euroc"));
+  const auto read = OpenReader(*ParseSourceSpec("euroc:" + folder));
+  ASSERT_TRUE(drawn.ok() && read.ok()) << drawn.status() << read.status();
+  const auto imu_of = [](const SensorCalibration& calibration) {
+    return std::visit([](const auto& sensor) { return sensor.imu; }, calibration);
+  };
+  const std::optional<ImuCalibration> told = imu_of((*drawn)->calibration());
+  const std::optional<ImuCalibration> found = imu_of((*read)->calibration());
+  ASSERT_TRUE(told.has_value() && found.has_value());
+  EXPECT_NEAR(found->rate_hz, told->rate_hz, 1e-6);
+  EXPECT_NEAR(found->noise.accel_walk, told->noise.accel_walk, 1e-9);
+  const Rigid3d apart = found->imu_from_camera.Inverse() * told->imu_from_camera;
+  EXPECT_LT(apart.translation.norm() + RotationAngle(apart.rotation), 1e-6);
+  const int64_t from_ns = (*drawn)->timestamp_ns(5);
+  const ImuSamples was = (*drawn)->Imu(from_ns, from_ns + 50'000'000);
+  const ImuSamples is = (*read)->Imu(from_ns, from_ns + 50'000'000);
+  ASSERT_EQ(is.size(), 10u);
+  ASSERT_EQ(was.size(), 10u);
+  EXPECT_EQ(is[7].timestamp_ns, was[7].timestamp_ns);
+  EXPECT_EQ(is[7].specific_force_mps2, was[7].specific_force_mps2);
+  WriteSequenceOptions options;
+  options.layout = SourceLayout::kKitti;
+  options.folder = folder + "_kitti";
+  EXPECT_THAT(std::string(WriteSequence(*ParseSourceSpec(source), options).status().message()),
+              HasSubstr("only the layout euroc"));
+}
 
 // Both layouts say which lenses took the pictures; the body of EuRoC's truth is the left camera.
 TEST(WriteSequenceTest, APairAskewIsReadBackWithItsLenses) {
