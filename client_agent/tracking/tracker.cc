@@ -73,7 +73,7 @@ void Tracker::BeginLost() {
 }
 
 bool Tracker::IsLostForGood() const {
-  if (state_ != TrackingState::kLost || mapping_paused_) return false;
+  if (state_ != TrackingState::kLost || mapping_paused_ || IsWellReckoned()) return false;
   const bool is_elsewhere =
       why_lost_ == WhyNoPose::kNotRecognised || why_lost_ == WhyNoPose::kAnotherCamera;
   if (!is_elsewhere) return false;

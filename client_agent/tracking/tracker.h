@@ -134,8 +134,8 @@ class Tracker {
   std::vector<MapContradiction> TakeContradictions() { return std::exchange(contradictions_, {}); }
 
   // True when tracking will not find its way back, so that it is time for a new local map: not
-  // while the pictures are such that none could begin. What covers the camera ends no map, and uses
-  // up half of the patience at most.
+  // while the pictures are such that none could begin, nor while an IMU knows where the camera is.
+  // What covers the camera ends no map, and uses up half of the patience at most.
   bool IsLostForGood() const;
 
  private:
@@ -208,6 +208,8 @@ class Tracker {
   // the camera to be, if that is known well.
   bool Bridge(Frame& frame);
   bool MayBridge() const;
+  // The IMU knows well enough for that where the camera is.
+  bool IsWellReckoned() const;
   // Where the IMU takes the next frame to be.
   std::optional<ReckonedPose> Reckon() const;
   // Returns all of a frame's evidence but its close points.

@@ -70,12 +70,15 @@ std::optional<ReckonedPose> Tracker::Reckon() const {
   return reckoned;
 }
 
+bool Tracker::IsWellReckoned() const {
+  return expected_.has_value() && Position_m(expected_->covariance) < kWellKnown_m &&
+         Rotation_rad(expected_->covariance) < kWellKnown_rad;
+}
+
 bool Tracker::MayBridge() const {
   if (mapping_paused_ || options_.localise_only || begins_lost_) return false;
-  if (!expected_.has_value() || !previous_->reference.IsValid()) return false;
-  return unrecognised_in_a_row_ >= kLeastUnrecognised &&
-         Position_m(expected_->covariance) < kWellKnown_m &&
-         Rotation_rad(expected_->covariance) < kWellKnown_rad && parts_.queue->HasRoom();
+  return IsWellReckoned() && previous_->reference.IsValid() &&
+         unrecognised_in_a_row_ >= kLeastUnrecognised && parts_.queue->HasRoom();
 }
 
 bool Tracker::Bridge(Frame& frame) {

@@ -307,13 +307,13 @@ TEST_F(TrackerTest, GoesOnWithTheMapWhereAnImuTakesItWhenPicturesShowNothingKnow
   for (uint32_t i = 20; i < 40; ++i) {
     if (bridges == 0) ExpectMotion(19, i);
     const TrackingResult result = TrackUnknown(i);
+    ASSERT_FALSE(tracker_.IsLostForGood());
     tracker_.Expect(std::nullopt);
     bridges += result.was_bridged ? 1 : 0;
     EXPECT_EQ(result.state, bridges == 0 ? TrackingState::kLost : TrackingState::kTracking) << i;
     if (bridges > 0) {
       EXPECT_LT(Error(result, i), 0.05) << i;
     }
-    ASSERT_FALSE(tracker_.IsLostForGood());
   }
   EXPECT_EQ(bridges, 1);
   // All of it is one map, whose keyframes hang on each other.
