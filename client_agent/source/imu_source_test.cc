@@ -83,7 +83,8 @@ std::string ImuListText(int64_t begin_ns, int count) {
     ImuSample sample;
     sample.timestamp_ns = begin_ns + i * kImuInterval_ns;
     sample.angular_velocity_rps = {1e-3 * i, 0.1 * std::sin(i), 0.1 * std::cos(i)};
-    sample.specific_force_mps2 = {0.2 * std::sin(3 * i), 9.8, 0.1 * std::cos(i)};
+    sample.specific_force_mps2 = {0.2 * std::sin(3 * i), 9.8 + 0.1 * std::sin(i),
+                                  0.1 * std::cos(i)};
     lines.push_back(FormatImuLine(sample));
   }
   return absl::StrJoin(lines, "\n");
