@@ -101,7 +101,7 @@ absl::StatusOr<Eigen::Vector3d> EstimateGravity(const ImuMotion& motion, const T
                                                 const ImuSamples& samples) {
   constexpr size_t kFewestWindows = 6;
   constexpr double kWrongLength_mps2 = 0.2;
-  constexpr double kWrongMotion_mps2 = 0.5;
+  constexpr double kWrongMotion_mps2 = 0.25;
   const std::vector<Window> windows = CutIntoWindows(motion, span, samples);
   if (windows.size() < kFewestWindows) {
     return absl::InvalidArgumentError(absl::StrCat(

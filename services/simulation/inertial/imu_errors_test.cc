@@ -70,16 +70,20 @@ TEST(ImuErrorsTest, NoiseHasTheDensityThatTheRobotIsTold) {
 }
 
 TEST(ImuErrorsTest, BiasesWalkAsTold) {
-  SimulatedImu imu = Of(ImuGrade::kPhone);
+  SimulatedImu imu = Of(ImuGrade::kGood);
   imu.bias = GyroAccel{};
   constexpr int kSeconds = 100;
   double squares = 0;
   for (uint64_t seed = 1; seed <= 20; ++seed) {
     const ImuSamples samples = WithErrors(imu, seed, Rest(200 * kSeconds));
     // The mean over the last second has little of the noise.
-    squares += GyroSpread({samples.end() - 200, samples.end()}).mean.squaredNorm();
+    Eigen::Vector3d bias(0, kGravity_mps2, 0);
+    for (auto sample = samples.end() - 200; sample != samples.end(); ++sample) {
+      bias += sample->specific_force_mps2 / 200;
+    }
+    squares += bias.squaredNorm();
   }
-  const double expected = ToldImu(imu).noise.gyro_walk * std::sqrt(kSeconds);
+  const double expected = ToldImu(imu).noise.accel_walk * std::sqrt(kSeconds);
   EXPECT_NEAR(std::sqrt(squares / 60), expected, 0.3 * expected);
 }
 
