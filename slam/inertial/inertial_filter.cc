@@ -23,9 +23,11 @@ constexpr double kFrameTurns = 2e-4;
 constexpr double kLateWalk = 1e-5;
 // What an accelerometer's axes are off by in length and direction: as it turns, gravity shows in it
 // as a bias that changes.
-constexpr double kAxesOff = 0.005;
+constexpr double kAxesOff = 0.007;
 // One in a thousand of chance's squared distances is further, of six degrees of freedom.
 constexpr double kUsualDistance = 22.5;
+// Poses, too, are worse than they say where the IMU was noisier than it is said to be, up to this.
+constexpr double kMostNoisierPoses = 4;
 
 Matrix3d Square(double sigma) { return sigma * sigma * Matrix3d::Identity(); }
 
@@ -93,6 +95,7 @@ double InertialFilter::Update(const SeenPose& seen) {
   noise.topLeftCorner<3, 3>() = seen.covariance.bottomRightCorner<3, 3>();
   noise.bottomRightCorner<3, 3>() = seen.covariance.topLeftCorner<3, 3>();
   residual -= jacobian.col(kLate) * late_s_;
+  noise *= std::pow(std::min(noisier_, kMostNoisierPoses), 2);
   const Matrix6d spread = jacobian * covariance_ * jacobian.transpose() + noise;
   const double distance = residual.dot(spread.ldlt().solve(residual));
   if (distance > kUsualDistance) noise *= distance / kUsualDistance;
