@@ -111,7 +111,8 @@ TEST(PostedPoseTest, SaysWhereGravityPullsInTheFrameThatIsWanted) {
   result.down = Down{Eigen::Vector3d::UnitY(), 0.01};
   // The body's z points up: along -y of the camera.
   const Rigid3d camera_from_body{
-      Eigen::Quaterniond(Eigen::AngleAxisd(std::numbers::pi / 2, Eigen::Vector3d::UnitX())), {}};
+      Eigen::Quaterniond(Eigen::AngleAxisd(std::numbers::pi / 2, Eigen::Vector3d::UnitX())),
+      Eigen::Vector3d::Zero()};
   const auto pose = ToProto({.result = result}, PosesOf::kBody, camera_from_body);
   EXPECT_NEAR(pose.down().z(), -1, 1e-12);
   EXPECT_DOUBLE_EQ(pose.down().sigma_rad(), 0.01);
