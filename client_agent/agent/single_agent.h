@@ -125,6 +125,7 @@ class SingleAgent : public Agent {
   std::optional<std::pair<SensorImages, TrackingResult>> undescribed_;
   SmoothPose smooth_pose_;
   std::optional<InertialOdometry> inertial_;  // Nullopt: the rig has no IMU.
+  int tracked_in_a_row_ = 0;
   bool warned_of_late_link_ = false;
   uint64_t max_map_bytes_;  // AgentOptions::max_map_bytes, or what orders said since.
   ShareShedder shedder_;

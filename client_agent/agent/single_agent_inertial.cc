@@ -7,9 +7,11 @@
 namespace corbslam::client_agent {
 namespace {
 
-// What a pose is taken to be off by whose points don't say it.
-constexpr double kUnknown_m = 0.02;
-constexpr double kUnknown_rad = 0.01;
+// What a pose is taken to be off by whose points don't say it, and what those may be off by beside
+// what they say that a camera has just after it was found.
+constexpr double kUnknown_m = 0.03;
+constexpr double kUnknown_rad = 0.02;
+constexpr int kJustFound = 3;
 
 absl::string_view CodeOf(InertialDoubt::Kind kind) {
   switch (kind) {
@@ -27,15 +29,17 @@ absl::string_view CodeOf(InertialDoubt::Kind kind) {
 
 // Returns the covariance of the camera's pose along and about its own axes.
 Matrix6d InCameraAxes(const TrackingResult& result) {
-  if (!result.covariance.has_value()) {
-    Matrix6d unknown = Matrix6d::Identity() * (kUnknown_m * kUnknown_m);
-    unknown.bottomRightCorner<3, 3>() *= kUnknown_rad * kUnknown_rad / (kUnknown_m * kUnknown_m);
-    return unknown;
-  }
+  if (!result.covariance.has_value()) return Matrix6d::Zero();
   Matrix6d in_camera = Matrix6d::Zero();
   in_camera.topLeftCorner<3, 3>() = result.camera_from_local.rotation.toRotationMatrix();
   in_camera.bottomRightCorner<3, 3>() = in_camera.topLeftCorner<3, 3>();
   return in_camera * *result.covariance * in_camera.transpose();
+}
+
+Matrix6d Unknown() {
+  Matrix6d unknown = Matrix6d::Identity() * (kUnknown_m * kUnknown_m);
+  unknown.bottomRightCorner<3, 3>() = Eigen::Matrix3d::Identity() * (kUnknown_rad * kUnknown_rad);
+  return unknown;
 }
 
 }  // namespace
@@ -49,13 +53,19 @@ void SingleAgent::ExpectByImu(const SensorImages& images) {
 void SingleAgent::LearnByImu(TrackingResult& result) {
   if (!inertial_.has_value()) return;
   if (result.state == TrackingState::kTracking) {
+    const bool is_vague = !result.covariance.has_value() || tracked_in_a_row_ < kJustFound;
+    const Matrix6d covariance =
+        InCameraAxes(result) + (is_vague ? Unknown() : Matrix6d(Matrix6d::Zero()));
+    ++tracked_in_a_row_;
     // What the IMU itself said is no news to it.
     const bool goes_on = !result.was_bridged && result.motion.has_value() &&
                          inertial_->last_ns() == result.timestamp_ns - result.motion->since_ns;
     inertial_->Track(result.timestamp_ns,
                      goes_on ? std::optional(result.motion->camera_from_previous) : std::nullopt,
-                     InCameraAxes(result));
+                     covariance);
     result.down = inertial_->state().down;
+  } else {
+    tracked_in_a_row_ = 0;
   }
   for (const InertialDoubt& doubt : inertial_->TakeDoubts()) {
     SayFinding({FindingLevel::kWarning, std::string(CodeOf(doubt.kind)), doubt.text});

@@ -105,6 +105,7 @@ bool Tracker::FindPose(Frame& frame) {
   std::optional<Solution> solution = SolveInOneMap(frame);
   was_anothers_camera_ = solution.has_value() && !IsOfThisCamera(*solution);
   if (!solution.has_value() || was_anothers_camera_) return false;
+  if (state_ == TrackingState::kLost) WeighExpected(solution->frame);
   Accept(*std::move(solution), frame);
   return true;
 }

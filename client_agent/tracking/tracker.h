@@ -199,7 +199,8 @@ class Tracker {
   // Returns false for one in others' map that a look-up of the same picture would refuse.
   bool IsSupportedInOthers(const Solution& solution) const;
   bool IsInOthers(const Solution& solution) const;
-  // Returns false for a place that the IMU can't have got to since the camera was lost.
+  // Returns false for a place that the IMU can't have got to since the camera was lost, and for a
+  // pose of few points that it contradicts.
   bool IsWithinReach(const Solution& solution) const;
   // Returns false for one in others' map that shows another camera than the rig's.
   bool IsOfThisCamera(const Solution& solution);
@@ -210,6 +211,16 @@ class Tracker {
   bool MayBridge() const;
   // The IMU knows well enough for that where the camera is.
   bool IsWellReckoned() const;
+  // How a pose that was found differs from the one that is expected.
+  struct Apart {
+    double distance = 0;  // Squared, in units of both covariances.
+    Vector6d step;        // From the expected pose to the one that both weigh, in the map's axes.
+    Rigid3d map_from_expected;
+  };
+  std::optional<Apart> FromExpected(const Frame& frame) const;
+  // Draws a pose that was found towards the one that is expected, each by its covariance: the first
+  // picture behind a gap may show little of the map.
+  void WeighExpected(Frame& frame) const;
   // Where the IMU takes the next frame to be.
   std::optional<ReckonedPose> Reckon() const;
   // Returns all of a frame's evidence but its close points.

@@ -1,7 +1,9 @@
 // Implements the part of Tracker that goes by what an IMU says.
+#include <Eigen/Cholesky>
 #include <cmath>
 
 #include "client_agent/tracking/tracker.h"
+#include "slam/geometry/lie.h"
 #include "slam/optimisation/pose_covariance.h"
 
 namespace corbslam::client_agent {
@@ -15,6 +17,10 @@ constexpr int kLeastUnrecognised = 8;
 // What is so many standard deviations away, and this far, can't have been reached.
 constexpr double kOutOfReach = 8;
 constexpr double kOutOfReach_m = 0.3;
+// Chance brings two poses so far apart, squared and in units of both covariances, once in a
+// thousand times.
+constexpr double kContradicts = 22.5;
+constexpr int kFewPoints = 150;
 
 double Position_m(const Matrix6d& covariance) {
   return std::sqrt(covariance.topLeftCorner<3, 3>().trace() / 3);
@@ -50,7 +56,25 @@ bool Tracker::IsWithinReach(const Solution& solution) const {
   const Rigid3d expected = expected_->camera_from_previous * previous_->camera_from_map;
   const double off_m =
       (CameraCentre(expected) - CameraCentre(solution.frame.camera_from_map)).norm();
-  return off_m < kOutOfReach_m + kOutOfReach * Position_m(expected_->covariance);
+  if (off_m > kOutOfReach_m + kOutOfReach * Position_m(expected_->covariance)) return false;
+  // Some dozens of points agree with a pose that is a little wrong.
+  if (solution.inliers.map_points >= kFewPoints) return true;
+  const std::optional<Apart> apart = FromExpected(solution.frame);
+  return !apart.has_value() || apart->distance <= kContradicts;
+}
+
+std::optional<Tracker::Apart> Tracker::FromExpected(const Frame& frame) const {
+  const std::optional<ReckonedPose> reckoned = Reckon();
+  const std::optional<Matrix6d> found_covariance = FramePoseCovariance(frame);
+  if (!reckoned.has_value() || !found_covariance.has_value()) return std::nullopt;
+  const Rigid3d found = frame.camera_from_map.Inverse();
+  const Rigid3d expected = reckoned->camera_from_local.Inverse();
+  Vector6d off;
+  off << found.translation - expected.translation,
+      LogSO3(found.rotation * expected.rotation.conjugate());
+  const Matrix6d both = reckoned->covariance + *found_covariance;
+  const Vector6d weighed = both.ldlt().solve(off);
+  return Apart{off.dot(weighed), reckoned->covariance * weighed, expected};
 }
 
 std::optional<ReckonedPose> Tracker::Reckon() const {
@@ -68,6 +92,16 @@ std::optional<ReckonedPose> Tracker::Reckon() const {
         map_from_previous, expected_->camera_from_previous.Inverse(), *previous_covariance_);
   }
   return reckoned;
+}
+
+void Tracker::WeighExpected(Frame& frame) const {
+  const std::optional<Apart> apart = FromExpected(frame);
+  // Where they contradict, what many points say holds.
+  if (!apart.has_value() || apart->distance > kContradicts) return;
+  const Rigid3d map_from_camera = {
+      (ExpSO3(apart->step.tail<3>()) * apart->map_from_expected.rotation).normalized(),
+      apart->map_from_expected.translation + apart->step.head<3>()};
+  frame.camera_from_map = map_from_camera.Inverse();
 }
 
 bool Tracker::IsWellReckoned() const {

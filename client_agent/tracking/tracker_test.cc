@@ -324,6 +324,42 @@ TEST_F(TrackerTest, GoesOnWithTheMapWhereAnImuTakesItWhenPicturesShowNothingKnow
   });
 }
 
+class LittleSeenTest : public TrackerTest, public ::testing::WithParamInterface<bool> {};
+
+TEST_P(LittleSeenTest, AnImuHelpsWhereThePictureBehindAGapShowsLittle) {
+  const bool has_imu = GetParam();
+  TrackingResult before;
+  for (uint32_t i = 0; i < 30; ++i) before = Track(i);
+  Features few = Seen(30).payload->features;
+  std::normal_distribution<double> noise_px(0, 2);
+  size_t kept = 0;
+  for (size_t i = 0; i < few.keypoints.size(); i += 7) {
+    few.keypoints[kept] = few.keypoints[i];
+    few.keypoints[kept].x_px += static_cast<float>(noise_px(random_));
+    few.keypoints[kept].y_px += static_cast<float>(noise_px(random_));
+    few.descriptors[kept++] = few.descriptors[i];
+  }
+  few.keypoints.resize(kept);
+  few.descriptors.resize(kept);
+  Finish(tracker_.Track(At(2'950'000'000, Features())));
+  InertialMotion motion;
+  motion.camera_from_previous = TrueMotion(29, 30);
+  motion.since_ns = 100'000'000;
+  motion.covariance = Matrix6d::Identity() * 1e-5;
+  if (has_imu) tracker_.Expect(motion);
+  const TrackingResult result = Finish(tracker_.Track(At(3'000'000'000, few)));
+  ASSERT_EQ(result.state, TrackingState::kTracking);
+  const Rigid3d moved = result.camera_from_local * before.camera_from_local.Inverse();
+  const double off_m = (moved.translation - TrueMotion(29, 30).translation).norm();
+  if (has_imu) {
+    EXPECT_LT(off_m, 0.006);
+  } else {
+    EXPECT_GT(off_m, 0.006);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Imu, LittleSeenTest, ::testing::Bool());
+
 TEST_F(TrackerTest, AMapDoesNotGoOnWhereTheImuHardlyKnows) {
   for (uint32_t i = 0; i < 20; ++i) Track(i);
   for (uint32_t i = 20; i < 40; ++i) {

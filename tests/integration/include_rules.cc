@@ -37,6 +37,7 @@ const std::map<absl::string_view, Heights>& Ladders() {
            {"util", 0},
            {"geometry", 1},
            {"camera", 2},
+           {"inertial", 2},
            {"evaluation", 3},
            {"rendering", 3},
            {"features", 3},
