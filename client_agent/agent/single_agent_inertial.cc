@@ -56,10 +56,12 @@ void SingleAgent::LearnByImu(TrackingResult& result) {
     const bool is_vague = !result.covariance.has_value() || tracked_in_a_row_ < kJustFound;
     const Matrix6d covariance =
         InCameraAxes(result) + (is_vague ? Unknown() : Matrix6d(Matrix6d::Zero()));
-    ++tracked_in_a_row_;
-    // What the IMU itself said is no news to it.
-    const bool goes_on = !result.was_bridged && result.motion.has_value() &&
+    // What the IMU itself said is no news to it; nor is what the map says of a gap, which it may
+    // not show the other end of well.
+    const bool goes_on = tracked_in_a_row_ > 0 && !result.was_bridged &&
+                         result.motion.has_value() &&
                          inertial_->last_ns() == result.timestamp_ns - result.motion->since_ns;
+    ++tracked_in_a_row_;
     inertial_->Track(result.timestamp_ns,
                      goes_on ? std::optional(result.motion->camera_from_previous) : std::nullopt,
                      covariance);

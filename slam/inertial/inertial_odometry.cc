@@ -22,6 +22,8 @@ constexpr double kMoreTime = 4;
 constexpr double kWellKnown_mps = 0.15;
 constexpr double kWellKnown_rps = 0.01;
 constexpr double kWellKnownDown_rad = 0.05;
+// Neighbouring poses share what they are off by, scale among it, so that speed is off by a share.
+constexpr double kSpeedOff = 0.02;
 // Of the newest poses, how many may be further off than chance has it.
 constexpr size_t kNewest = 40;
 constexpr double kMostFar = 0.5;
@@ -274,9 +276,12 @@ std::optional<InertialMotion> InertialOdometry::Since(int64_t timestamp_ns) cons
   const auto block = [&](int row, int column) {
     return filter.covariance().block<3, 3>(row, column);
   };
+  const double off_m =
+      kSpeedOff * filter_->velocity_mps().norm() * 1e-9 * static_cast<double>(motion.since_ns);
   motion.covariance.topLeftCorner<3, 3>() =
       previous_from_odom * block(InertialFilter::kPosition, InertialFilter::kPosition) *
-      previous_from_odom.transpose();
+          previous_from_odom.transpose() +
+      off_m * off_m * Matrix3d::Identity();
   motion.covariance.bottomRightCorner<3, 3>() =
       previous_from_imu * block(InertialFilter::kTurn, InertialFilter::kTurn) *
       previous_from_imu.transpose();
