@@ -14,9 +14,11 @@ namespace {
 constexpr double kWellKnown_m = 0.3;
 constexpr double kWellKnown_rad = 0.03;
 constexpr int kLeastUnrecognised = 8;
-// What is so many standard deviations away, and this far, can't have been reached.
+// What is so many standard deviations away, and this far, can't have been reached. A gyroscope
+// knows turns over seconds better than a picture that shows little.
 constexpr double kOutOfReach = 8;
 constexpr double kOutOfReach_m = 0.3;
+constexpr double kOutOfReach_rad = 0.01;
 // Chance brings two poses so far apart, squared and in units of both covariances, once in a
 // thousand times.
 constexpr double kContradicts = 22.5;
@@ -57,6 +59,9 @@ bool Tracker::IsWithinReach(const Solution& solution) const {
   const double off_m =
       (CameraCentre(expected) - CameraCentre(solution.frame.camera_from_map)).norm();
   if (off_m > kOutOfReach_m + kOutOfReach * Position_m(expected_->covariance)) return false;
+  const double off_rad =
+      RotationAngle(expected.rotation * solution.frame.camera_from_map.rotation.conjugate());
+  if (off_rad > kOutOfReach_rad + kOutOfReach * Rotation_rad(expected_->covariance)) return false;
   // Some dozens of points agree with a pose that is a little wrong.
   if (solution.inliers.map_points >= kFewPoints) return true;
   const std::optional<Apart> apart = FromExpected(solution.frame);
