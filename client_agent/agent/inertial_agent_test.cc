@@ -124,7 +124,7 @@ TEST_F(InertialAgentTest, LearnsWhichWayIsDownAndItsBias) {
 
 TEST_F(InertialAgentTest, GoesOnInOneLocalMapWhereTheDarkEndsBeforeAnotherPartOfTheWall) {
   const auto agent = Make(true);
-  const TrackingResult last = DriveThroughTheDark(*agent, 20);
+  const TrackingResult last = DriveThroughTheDark(*agent, 10);
   const AgentStatus status = agent->GetStatus();
   EXPECT_EQ(status.local_maps, 1);
   EXPECT_EQ(status.bridged, 1);
@@ -132,16 +132,16 @@ TEST_F(InertialAgentTest, GoesOnInOneLocalMapWhereTheDarkEndsBeforeAnotherPartOf
   EXPECT_NEAR(last.camera_from_local.Inverse().translation.x(), end_m_, 0.2);
   ASSERT_TRUE(reckoned_.reckoned.has_value());
   EXPECT_EQ(reckoned_.state, TrackingState::kLost);
-  const double there_m = Place_m(kSeen + 19) - Place_m(0);
+  const double there_m = Place_m(kSeen + 9) - Place_m(0);
   const double sigma_m = std::sqrt(reckoned_.reckoned->covariance(0, 0));
   EXPECT_NEAR(reckoned_.reckoned->camera_from_local.Inverse().translation.x(), there_m,
               3 * sigma_m);
-  EXPECT_LT(sigma_m, 0.2);
+  EXPECT_LT(sigma_m, 0.1);
 }
 
 TEST_F(InertialAgentTest, WithoutAnImuAnotherLocalMapBeginsThere) {
   const auto agent = Make(false);
-  const TrackingResult last = DriveThroughTheDark(*agent, 20);
+  const TrackingResult last = DriveThroughTheDark(*agent, 10);
   EXPECT_EQ(agent->GetStatus().local_maps, 2);
   EXPECT_FALSE(reckoned_.reckoned.has_value());
   EXPECT_FALSE(last.down.has_value());

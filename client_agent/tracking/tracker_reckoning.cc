@@ -11,7 +11,7 @@ namespace {
 
 // A map goes on where the IMU takes the camera to be: known so well, and not before the map has
 // failed to show so many frames in a row.
-constexpr double kWellKnown_m = 0.2;
+constexpr double kWellKnown_m = 0.1;
 constexpr double kWellKnown_rad = 0.03;
 constexpr int kLeastUnrecognised = 8;
 // What is so many standard deviations away, and this far, can't have been reached. A gyroscope
