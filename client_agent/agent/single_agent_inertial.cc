@@ -3,6 +3,7 @@
 
 #include "absl/strings/string_view.h"
 #include "client_agent/agent/single_agent.h"
+#include "slam/optimisation/pose_covariance.h"
 
 namespace corbslam::client_agent {
 namespace {
@@ -27,15 +28,6 @@ absl::string_view CodeOf(InertialDoubt::Kind kind) {
   return "imu-contradicts";
 }
 
-// Returns the covariance of the camera's pose along and about its own axes.
-Matrix6d InCameraAxes(const TrackingResult& result) {
-  if (!result.covariance.has_value()) return Matrix6d::Zero();
-  Matrix6d in_camera = Matrix6d::Zero();
-  in_camera.topLeftCorner<3, 3>() = result.camera_from_local.rotation.toRotationMatrix();
-  in_camera.bottomRightCorner<3, 3>() = in_camera.topLeftCorner<3, 3>();
-  return in_camera * *result.covariance * in_camera.transpose();
-}
-
 Matrix6d Unknown() {
   Matrix6d unknown = Matrix6d::Identity() * (kUnknown_m * kUnknown_m);
   unknown.bottomRightCorner<3, 3>() = Eigen::Matrix3d::Identity() * (kUnknown_rad * kUnknown_rad);
@@ -54,8 +46,11 @@ void SingleAgent::LearnByImu(TrackingResult& result) {
   if (!inertial_.has_value()) return;
   if (result.state == TrackingState::kTracking) {
     const bool is_vague = !result.covariance.has_value() || tracked_in_a_row_ < kJustFound;
-    const Matrix6d covariance =
-        InCameraAxes(result) + (is_vague ? Unknown() : Matrix6d(Matrix6d::Zero()));
+    Matrix6d covariance = is_vague ? Unknown() : Matrix6d::Zero();
+    if (result.covariance.has_value()) {
+      // Back from the map's axes.
+      covariance += InMapAxes(result.camera_from_local.Inverse(), *result.covariance);
+    }
     // What the IMU itself said is no news to it; nor is what the map says of a gap, which it may
     // not show the other end of well.
     const bool goes_on = tracked_in_a_row_ > 0 && !result.was_bridged &&

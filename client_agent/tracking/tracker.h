@@ -177,6 +177,8 @@ class Tracker {
   double TimesOfMotion(int64_t timestamp_ns) const;
   // Forgets what was expected from another frame on than the previous one.
   void CheckExpected(int64_t timestamp_ns);
+  // Returns camera_from_map of the frame that something is expected of.
+  Rigid3d ExpectedPose() const;
   bool FollowExpected(Frame& frame) const;
   // Looks at the map from where the IMU takes a camera to be that was lost.
   bool ComeBackAsExpected(Frame& frame) const;

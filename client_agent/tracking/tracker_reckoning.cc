@@ -19,9 +19,6 @@ constexpr int kLeastUnrecognised = 8;
 constexpr double kOutOfReach = 8;
 constexpr double kOutOfReach_m = 0.3;
 constexpr double kOutOfReach_rad = 0.01;
-// Chance brings two poses so far apart, squared and in units of both covariances, once in a
-// thousand times.
-constexpr double kContradicts = 22.5;
 constexpr int kFewPoints = 150;
 
 double Position_m(const Matrix6d& covariance) {
@@ -41,21 +38,23 @@ void Tracker::CheckExpected(int64_t timestamp_ns) {
   if (!goes_on) expected_.reset();
 }
 
+Rigid3d Tracker::ExpectedPose() const {
+  return expected_->camera_from_previous * previous_->camera_from_map;
+}
+
 bool Tracker::FollowExpected(Frame& frame) const {
   if (!expected_.has_value()) return false;
-  return TrackPreviousFrame(expected_->camera_from_previous * previous_->camera_from_map,
-                            options_.previous_frame_radius_px, frame);
+  return TrackPreviousFrame(ExpectedPose(), options_.previous_frame_radius_px, frame);
 }
 
 bool Tracker::ComeBackAsExpected(Frame& frame) const {
   if (!expected_.has_value()) return false;
-  return RelocaliseNear(*parts_.map, expected_->camera_from_previous * previous_->camera_from_map,
-                        frame);
+  return RelocaliseNear(*parts_.map, ExpectedPose(), frame);
 }
 
 bool Tracker::IsWithinReach(const Solution& solution) const {
   if (state_ != TrackingState::kLost || !expected_.has_value()) return true;
-  const Rigid3d expected = expected_->camera_from_previous * previous_->camera_from_map;
+  const Rigid3d expected = ExpectedPose();
   const double off_m =
       (CameraCentre(expected) - CameraCentre(solution.frame.camera_from_map)).norm();
   if (off_m > kOutOfReach_m + kOutOfReach * Position_m(expected_->covariance)) return false;
@@ -65,7 +64,7 @@ bool Tracker::IsWithinReach(const Solution& solution) const {
   // Some dozens of points agree with a pose that is a little wrong.
   if (solution.inliers.map_points >= kFewPoints) return true;
   const std::optional<Apart> apart = FromExpected(solution.frame);
-  return !apart.has_value() || apart->distance <= kContradicts;
+  return !apart.has_value() || apart->distance <= kUsualDistance;
 }
 
 std::optional<Tracker::Apart> Tracker::FromExpected(const Frame& frame) const {
@@ -86,12 +85,9 @@ std::optional<ReckonedPose> Tracker::Reckon() const {
   if (!expected_.has_value()) return std::nullopt;
   ReckonedPose reckoned;
   reckoned.motion = {expected_->camera_from_previous, expected_->since_ns};
-  reckoned.camera_from_local = expected_->camera_from_previous * previous_->camera_from_map;
+  reckoned.camera_from_local = ExpectedPose();
   const Rigid3d map_from_previous = previous_->camera_from_map.Inverse();
-  Matrix6d in_map = Matrix6d::Zero();
-  in_map.topLeftCorner<3, 3>() = map_from_previous.rotation.toRotationMatrix();
-  in_map.bottomRightCorner<3, 3>() = in_map.topLeftCorner<3, 3>();
-  reckoned.covariance = in_map * expected_->covariance * in_map.transpose();
+  reckoned.covariance = InMapAxes(previous_->camera_from_map, expected_->covariance);
   if (previous_covariance_.has_value()) {
     reckoned.covariance += OfAttachedFrame(
         map_from_previous, expected_->camera_from_previous.Inverse(), *previous_covariance_);
@@ -102,7 +98,7 @@ std::optional<ReckonedPose> Tracker::Reckon() const {
 void Tracker::WeighExpected(Frame& frame) const {
   const std::optional<Apart> apart = FromExpected(frame);
   // Where they contradict, what many points say holds.
-  if (!apart.has_value() || apart->distance > kContradicts) return;
+  if (!apart.has_value() || apart->distance > kUsualDistance) return;
   const Rigid3d map_from_camera = {
       (ExpSO3(apart->step.tail<3>()) * apart->map_from_expected.rotation).normalized(),
       apart->map_from_expected.translation + apart->step.head<3>()};
@@ -125,7 +121,7 @@ bool Tracker::Bridge(Frame& frame) {
   parts_.map->ReadWithHistory(
       [&](const Map& map, const MapHistory& history) { Refresh(map, history, *previous_); });
   frame.associations.assign(frame.keypoints().size(), Association());
-  frame.camera_from_map = expected_->camera_from_previous * previous_->camera_from_map;
+  frame.camera_from_map = ExpectedPose();
   frame.reference = previous_->reference;
   frame.camera_from_reference = expected_->camera_from_previous * previous_->camera_from_reference;
   MakeKeyframe(frame);

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "slam/inertial/inertial_motion.h"
+
 namespace corbslam {
 namespace {
 
@@ -24,8 +26,6 @@ constexpr double kLateWalk = 1e-5;
 // What an accelerometer's axes are off by in length and direction: as it turns, gravity shows in it
 // as a bias that changes.
 constexpr double kAxesOff = 0.007;
-// One in a thousand of chance's squared distances is further, of six degrees of freedom.
-constexpr double kUsualDistance = 22.5;
 // Poses, too, are worse than they say where the IMU was noisier than it is said to be, up to this.
 constexpr double kMostNoisierPoses = 4;
 

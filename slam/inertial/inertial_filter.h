@@ -40,16 +40,15 @@ class InertialFilter {
 
   // Begins at a pose that is known, with nothing known of velocity, and gravity against
   // `specific_force_mps2`, the mean of what the IMU felt about then: what it felt beside gravity is
-  // taken to be some m/s2. `biases` are those of an IMU of this kind, or what an earlier filter
-  // found.
+  // taken to be some m/s2.
   InertialFilter(const ImuNoise& noise, const SeenPose& start,
                  const Eigen::Vector3d& specific_force_mps2);
 
   // Goes on for `dt_s` > 0 in which the IMU felt what `sample` says, in the mean.
   void Propagate(const ImuSample& sample, double dt_s);
   // Takes a pose that pictures gave of this time. Returns how far it was from what was expected:
-  // the square of the Mahalanobis distance, of 6 degrees of freedom. One further than 22 of
-  // chance's one in a thousand weighs accordingly less.
+  // the square of the Mahalanobis distance, of 6 degrees of freedom. One further than
+  // kUsualDistance weighs accordingly less.
   double Update(const SeenPose& seen);
   // Takes it that the IMU does not move at this time.
   void UpdateStill();

@@ -10,6 +10,10 @@
 
 namespace corbslam {
 
+// Two poses are further apart once in a thousand times by chance: squared and in units of what both
+// may be off by, of six degrees of freedom.
+constexpr double kUsualDistance = 22.5;
+
 // Since the last frame that had a pose by pictures.
 struct InertialMotion {
   Rigid3d camera_from_previous;

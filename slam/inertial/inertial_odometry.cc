@@ -29,8 +29,8 @@ constexpr size_t kNewest = 40;
 constexpr double kMostFar = 0.5;
 constexpr size_t kLeastJudged = 20;
 constexpr double kMostFarWhenReady = 0.2;
-constexpr double kFar = 22.5;
 constexpr int64_t kSameOffset_ns = 3'000'000;
+constexpr int64_t kJumpBack_ns = 1'000'000'000;
 // Standing still: for so long no sample is further from the mean.
 constexpr int64_t kStill_ns = 400'000'000;
 constexpr double kStill_rps = 0.03;
@@ -68,8 +68,20 @@ InertialOdometry::InertialOdometry(const ImuCalibration& calibration,
       imu_from_camera_(calibration.imu_from_camera * camera_from_recorded.Inverse()) {}
 
 void InertialOdometry::Add(const ImuSamples& samples) {
+  if (samples.empty()) return;
+  if (samples.back().timestamp_ns + offset_ns_ < buffer_.newest_ns() - kJumpBack_ns) ForgetDrive();
   clock_.Add(samples);
   buffer_.Add(Shifted(samples, offset_ns_));
+}
+
+void InertialOdometry::ForgetDrive() {
+  buffer_ = ImuBuffer();
+  clock_ = ImuClock();
+  axes_ = ImuAxes();
+  filter_.reset();
+  last_.reset();
+  taken_.reset();
+  pending_.clear();
 }
 
 void InertialOdometry::Track(int64_t timestamp_ns,
@@ -102,7 +114,7 @@ Rigid3d InertialOdometry::Anchor(int64_t timestamp_ns) {
   taken_.reset();
   if (!filter_.has_value()) return {};
   const bool goes_on = timestamp_ns - filter_ns_ <= kLongest_ns;
-  if (!goes_on || GoOnTo(timestamp_ns, *filter_).empty()) {
+  if (!goes_on || GoOn(filter_ns_, timestamp_ns, *filter_).empty()) {
     filter_.reset();
     return {};
   }
@@ -147,7 +159,7 @@ void InertialOdometry::Take(const Seen& seen) {
     return;
   }
   if (seen.timestamp_ns != filter_ns_) {
-    const std::vector<ImuStep> steps = GoOnTo(seen.timestamp_ns, *filter_);
+    const std::vector<ImuStep> steps = GoOn(filter_ns_, seen.timestamp_ns, *filter_);
     if (steps.empty()) {
       if (seen.timestamp_ns > filter_ns_) {
         Doubt(InertialDoubt::Kind::kGap,
@@ -163,11 +175,12 @@ void InertialOdometry::Take(const Seen& seen) {
     filter_ns_ = seen.timestamp_ns;
   }
   taken_ = seen;
-  Judge(filter_->Update(seen.pose));
+  Judge(seen, filter_->Update(seen.pose));
 }
 
-std::vector<ImuStep> InertialOdometry::GoOnTo(int64_t timestamp_ns, InertialFilter& filter) const {
-  std::vector<ImuStep> steps = buffer_.Between(filter_ns_, timestamp_ns);
+std::vector<ImuStep> InertialOdometry::GoOn(int64_t from_ns, int64_t to_ns,
+                                            InertialFilter& filter) const {
+  std::vector<ImuStep> steps = buffer_.Between(from_ns, to_ns);
   for (const ImuStep& step : steps) filter.Propagate(step.mean, step.duration_s);
   return steps;
 }
@@ -186,13 +199,13 @@ void InertialOdometry::CompareTurns(const Seen& before, const Seen& seen,
   clock_.AddTurn(before.timestamp_ns, seen.timestamp_ns, seen_rps);
 }
 
-void InertialOdometry::Judge(double distance) {
-  was_far_.push_back(distance > kFar);
+void InertialOdometry::Judge(const Seen& seen, double distance) {
+  was_far_.push_back(distance > kUsualDistance);
   if (was_far_.size() < kNewest) return;
   if (was_far_.size() > kNewest) was_far_.pop_front();
   if (ShareFar() <= kMostFar) return;
   if (CorrectClock()) {
-    Begin(*last_);
+    Begin(seen);
     return;
   }
   const std::optional<AxesFit> fit = axes_.Fit();
@@ -202,7 +215,7 @@ void InertialOdometry::Judge(double distance) {
                      "imu_from_camera, the units and the noise of the IMU right?"));
   // Perhaps it was but for a while.
   least_time_s_ *= kMoreTime;
-  Begin(*last_);
+  Begin(seen);
 }
 
 bool InertialOdometry::CorrectClock() {
@@ -215,12 +228,16 @@ bool InertialOdometry::CorrectClock() {
   buffer_.Add(Shifted(clock_.samples(), offset_ns_));
   axes_ = ImuAxes();
   const double offset_s = 1e-9 * static_cast<double>(offset_ns_);
+  // What is stamped late comes with later frames than those of its time.
+  const bool comes_late = offset_ns_ < -ImuBuffer::kLongestStep_ns;
+  constexpr char kComesLate[] =
+      ". Until then its samples come too late to say where the camera is while pictures don't";
   Doubt(InertialDoubt::Kind::kLate,
         absl::StrFormat("the IMU's stamps are %.3f s %s against the pictures', by when both turn "
                         "(correlation %.2f for %.2f as stamped). They are taken so from now on: "
-                        "put the time_offset_s of the rig's IMU right by %+.3f",
+                        "put the time_offset_s of the rig's IMU right by %+.3f%s",
                         std::abs(offset_s), offset_s < 0 ? "late" : "early", fit->correlation,
-                        fit->correlation_as_stamped, offset_s));
+                        fit->correlation_as_stamped, offset_s, comes_late ? kComesLate : ""));
   return true;
 }
 
@@ -246,9 +263,7 @@ std::optional<InertialMotion> InertialOdometry::Since(int64_t timestamp_ns) cons
   InertialFilter filter = *filter_;
   int64_t now_ns = filter_ns_;
   const auto go_on_to = [&](int64_t to_ns) {
-    const std::vector<ImuStep> steps = buffer_.Between(now_ns, to_ns);
-    for (const ImuStep& step : steps) filter.Propagate(step.mean, step.duration_s);
-    const bool has_come = !steps.empty() || to_ns == now_ns;
+    const bool has_come = to_ns == now_ns || !GoOn(now_ns, to_ns, filter).empty();
     now_ns = to_ns;
     return has_come;
   };
@@ -315,8 +330,6 @@ InertialState InertialOdometry::state() const {
   if (const double sigma_rad = DownSigma_rad(*filter_); sigma_rad < kWellKnownDown_rad) {
     state.down = Down{camera_from_odom * filter_->gravity_mps2().normalized(), sigma_rad};
   }
-  state.velocity_in_camera_mps = camera_from_odom * filter_->velocity_mps();
-  state.velocity_sigma_mps = Sigma(*filter_, InertialFilter::kVelocity);
   state.biases = filter_->biases();
   state.late_s = filter_->late_s();
   state.noisier = filter_->noisier();

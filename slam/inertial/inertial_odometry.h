@@ -26,8 +26,6 @@ namespace corbslam {
 struct InertialState {
   bool is_ready = false;  // It says how the camera moves.
   std::optional<Down> down;
-  Eigen::Vector3d velocity_in_camera_mps = Eigen::Vector3d::Zero();
-  double velocity_sigma_mps = 0;
   ImuBiases biases;
   double late_s = 0;  // How much later than its stamps say the IMU measures, by the calibration.
   double late_sigma_s = 0;
@@ -56,7 +54,8 @@ class InertialOdometry {
 
   InertialOdometry(const ImuCalibration& calibration, const Rigid3d& camera_from_recorded);
 
-  // Takes the samples that came with a frame, which are stamped by the camera's clock.
+  // Takes the samples that came with a frame, which are stamped by the camera's clock. Where their
+  // time goes back, another drive begins, of which nothing is known.
   void Add(const ImuSamples& samples);
 
   // Takes the pose that pictures gave of a frame: what the camera moved since the last one, and the
@@ -83,15 +82,16 @@ class InertialOdometry {
     SeenPose pose;
   };
 
+  void ForgetDrive();
   // Where pictures begin anew, the camera is where the IMU takes it to be.
   Rigid3d Anchor(int64_t timestamp_ns);
   void Begin(const Seen& seen);
   void TakePending();
   void Take(const Seen& seen);
   // Returns what was felt on the way; none where samples are missing.
-  std::vector<ImuStep> GoOnTo(int64_t timestamp_ns, InertialFilter& filter) const;
+  std::vector<ImuStep> GoOn(int64_t from_ns, int64_t to_ns, InertialFilter& filter) const;
   void CompareTurns(const Seen& before, const Seen& seen, const std::vector<ImuStep>& steps);
-  void Judge(double distance);
+  void Judge(const Seen& seen, double distance);
   // Puts stamps right by when the camera turned. Returns false where nothing is wrong with them.
   bool CorrectClock();
   double ShareFar() const;

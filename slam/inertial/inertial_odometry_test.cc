@@ -257,6 +257,32 @@ TEST(InertialOdometryTest, StampsThatAreLateAreToldAndPutRight) {
   EXPECT_LT(Off_m(*motion, robot.TrueMotion(robot.newest_ns())), 0.1);
 }
 
+TEST(InertialOdometryTest, ADriveWhoseTimeGoesBackIsLearntAnew) {
+  Robot first(FlownPath);
+  first.Drive(5 * kSecond_ns);
+  ASSERT_TRUE(first.odometry().state().is_ready);
+  InertialOdometry odometry = first.odometry();
+  const ImuSamples again =
+      FeltAlong(FlownPath, -kSecond_ns, 5 * kSecond_ns, 200, kRobotNoise, kRobotBiases, 8);
+  size_t next = 0;
+  for (int64_t now_ns = 0; now_ns <= 3 * kSecond_ns; now_ns += kRobotFrame_ns) {
+    ImuSamples given;
+    while (again[next].timestamp_ns < now_ns + 5'000'000) given.push_back(again[next++]);
+    odometry.Add(given);
+    std::optional<Rigid3d> motion;
+    if (now_ns > 0) {
+      motion =
+          first.WorldFromCamera(now_ns).Inverse() * first.WorldFromCamera(now_ns - kRobotFrame_ns);
+    }
+    odometry.Track(now_ns, motion, Matrix6d::Identity() * 1e-8);
+    if (now_ns < kSecond_ns) {
+      EXPECT_FALSE(odometry.state().is_ready);
+    }
+  }
+  EXPECT_TRUE(odometry.state().is_ready);
+  EXPECT_THAT(odometry.TakeDoubts(), IsEmpty());
+}
+
 // What is wrong, and what must be said of it.
 struct Wrong {
   const char* name;
