@@ -1,5 +1,6 @@
 #include "client_agent/mapping/culling.h"
 
+#include <optional>
 #include <utility>
 
 #include "client_agent/mapping/keyframe_insertion.h"
@@ -15,6 +16,8 @@ constexpr int kWeakObservations = 2;
 constexpr uint32_t kAgeToBeSeen = 2;
 constexpr uint32_t kAgeToBeKept = 3;
 constexpr int kEnoughOthers = 3;
+// Of others, in one drive.
+constexpr int kLooksOfKnown = 4;
 
 // Without a baseline every point counts.
 bool IsClose(const Keyframe& keyframe, const Keypoint& keypoint) {
@@ -23,9 +26,26 @@ bool IsClose(const Keyframe& keyframe, const Keypoint& keypoint) {
          keypoint.disparity_px >= DisparityFromDepth(camera, camera.close_depth_m);
 }
 
-bool AreOf(Viewers viewers, KeyframeId other, KeyframeId keyframe) {
-  if (viewers == Viewers::kOthers) return other.local_map != keyframe.local_map;
-  return other != keyframe && other.local_map == keyframe.local_map;
+// True if the keyframe saw what is at its keypoint at the same or a finer scale; one level of
+// slack.
+bool IsAsFine(const Map& map, KeyframeId id, size_t keypoint, int octave) {
+  return map.FindKeyframe(id)->keypoints()[keypoint].octave <= octave + 1;
+}
+
+// Returns the share of the keyframe's close points, each given with its octave there, of which
+// `is_enough` is true; 0 if it has none.
+template <typename IsEnough>
+double ShareOfClosePoints(const Map& map, const Keyframe& keyframe, const IsEnough& is_enough) {
+  int points = 0;
+  int enough = 0;
+  for (size_t i = 0; i < keyframe.points.size(); ++i) {
+    const MapPoint* point = map.FindPoint(keyframe.points[i]);
+    const Keypoint& keypoint = keyframe.keypoints()[i];
+    if (point == nullptr || !IsClose(keyframe, keypoint)) continue;
+    ++points;
+    enough += is_enough(*point, keypoint.octave);
+  }
+  return points > 0 ? static_cast<double>(enough) / points : 0;
 }
 
 }  // namespace
@@ -74,28 +94,30 @@ bool MayGo(const Keyframe& keyframe) {
   return keyframe.parent.IsValid() && keyframe.loop_edges.empty();
 }
 
-double ShareSeenBy(Viewers viewers, int enough, const Map& map, const Keyframe& keyframe) {
-  int points = 0;
-  int seen = 0;
-  for (size_t i = 0; i < keyframe.points.size(); ++i) {
-    const MapPoint* point = map.FindPoint(keyframe.points[i]);
-    if (point == nullptr) continue;
-    const Keypoint& keypoint = keyframe.keypoints()[i];
-    if (!IsClose(keyframe, keypoint)) continue;
-    ++points;
-    int others = 0;
-    for (const auto& [other_id, other_keypoint] : point->observations) {
-      if (!AreOf(viewers, other_id, keyframe.id())) continue;
-      const int octave = map.FindKeyframe(other_id)->keypoints()[other_keypoint].octave;
-      if (octave <= keypoint.octave + 1 && ++others >= enough) break;
+double ShareKnownToOthers(const Map& map, const Keyframe& keyframe) {
+  return ShareOfClosePoints(map, keyframe, [&](const MapPoint& point, int octave) {
+    int looks = 0;
+    std::optional<LocalMapId> first;
+    for (const auto& [id, keypoint] : point.observations) {
+      const bool is_others = id.local_map != keyframe.id().local_map;
+      if (!is_others || !IsAsFine(map, id, keypoint, octave)) continue;
+      if (++looks >= kLooksOfKnown || id.local_map != first.value_or(id.local_map)) return true;
+      first = id.local_map;
     }
-    seen += others >= enough;
-  }
-  return points > 0 ? static_cast<double>(seen) / points : 0;
+    return false;
+  });
 }
 
 bool IsRedundant(const Map& map, const Keyframe& keyframe, double share) {
-  return ShareSeenBy(Viewers::kOwn, kEnoughOthers, map, keyframe) > share;
+  const double seen = ShareOfClosePoints(map, keyframe, [&](const MapPoint& point, int octave) {
+    int others = 0;
+    for (const auto& [id, keypoint] : point.observations) {
+      const bool is_own = id.local_map == keyframe.id().local_map && id != keyframe.id();
+      if (is_own && IsAsFine(map, id, keypoint, octave) && ++others >= kEnoughOthers) return true;
+    }
+    return false;
+  });
+  return seen > share;
 }
 
 std::vector<KeyframeId> FindRedundantKeyframes(const Map& map, KeyframeId centre, LocalMapId own) {

@@ -47,11 +47,10 @@ std::vector<KeyframeId> FindRedundantKeyframes(const Map& map, KeyframeId centre
 // True unless the keyframe is the root or holds a loop edge.
 bool MayGo(const Keyframe& keyframe);
 
-enum class Viewers { kOwn, kOthers };
-
-// Returns the share of the keyframe's close points that at least `enough` other keyframes, own ones
-// (of its local map) or those of others, see at the same or a finer scale; 0 if it has none.
-double ShareSeenBy(Viewers viewers, int enough, const Map& map, const Keyframe& keyframe);
+// Returns the share of the keyframe's close points that others know well: at least four keyframes
+// of theirs, or keyframes of two of their local maps, see the point at the same or a finer scale; 0
+// if it has no close points.
+double ShareKnownToOthers(const Map& map, const Keyframe& keyframe);
 
 // True if more than `share` of the keyframe's close points are seen as FindRedundantKeyframes asks.
 bool IsRedundant(const Map& map, const Keyframe& keyframe, double share = kRedundantShare);

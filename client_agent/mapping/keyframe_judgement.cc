@@ -9,10 +9,9 @@ namespace corbslam::client_agent {
 namespace {
 
 constexpr double kRedundantShareOfProvisional = 0.7;
-// Ground is known well where others see this share of the close points so often: a keyframe more
-// adds little to what their looks average to (docs/adr/0041-known-ground-rests.md).
+// Ground is known well where others know this share of the close points: a keyframe more adds
+// little to what their looks average to (docs/adr/0041-known-ground-rests.md).
 constexpr double kShareOfKnown = 0.4;
-constexpr int kLooksOfKnown = 4;
 // Points that the neighbours of one that goes must have in common.
 constexpr int kLeastToHoldTogether = 50;
 
@@ -30,8 +29,7 @@ bool NeighboursHoldTogether(const Map& map, KeyframeId id) {
 }
 
 bool IsOfKnownGround(const Map& map, const Keyframe& keyframe) {
-  return MayGo(keyframe) &&
-         ShareSeenBy(Viewers::kOthers, kLooksOfKnown, map, keyframe) > kShareOfKnown &&
+  return MayGo(keyframe) && ShareKnownToOthers(map, keyframe) > kShareOfKnown &&
          NeighboursHoldTogether(map, keyframe.id());
 }
 

@@ -91,12 +91,16 @@ testing::SyntheticSceneOptions OnNewGround() {
   return options;
 }
 
-// Adds keyframes of another robot that see all that the own ones see, from the same places.
-void DriveAfter(const testing::SyntheticSceneOptions& own, LocalMapId other, Map& map) {
+// Adds keyframes of another robot that see all that each own one, or each third one, sees, from the
+// same places.
+enum class Pace { kAsDense, kThreeTimesAsFar };
+
+void DriveAfter(const testing::SyntheticSceneOptions& own, LocalMapId other, Pace pace, Map& map) {
   testing::SyntheticSceneOptions options = own;
   options.local_map = other;
   const Map driven = testing::MakeSyntheticScene(options).map;
   for (const auto& [id, keyframe] : driven.keyframes()) {
+    if (pace == Pace::kThreeTimesAsFar && id.index % 3 != 0) continue;
     const std::vector<MapPointId> seen = map.FindKeyframe({kOwn, id.index})->points;
     Keyframe added = keyframe;
     added.points.clear();
@@ -111,16 +115,18 @@ class KnownGroundTest : public ::testing::Test {
  protected:
   KnownGroundTest() : map_(kOwn) {}
 
-  void Drive(const testing::SyntheticSceneOptions& own, int drives_of_others) {
+  void Drive(const testing::SyntheticSceneOptions& own, int drives_of_others,
+             Pace pace = Pace::kAsDense) {
     map_.Write([&](Map& map) {
       map = testing::MakeSyntheticScene(own).map;
       for (int i = 0; i < drives_of_others; ++i) {
-        DriveAfter(own, LocalMapId{kOwn.value + 1 + static_cast<uint64_t>(i)}, map);
+        DriveAfter(own, LocalMapId{kOwn.value + 1 + static_cast<uint64_t>(i)}, pace, map);
       }
     });
   }
-  std::vector<KeyframeId> JudgeAfter(const testing::SyntheticSceneOptions& own, int drives) {
-    Drive(own, drives);
+  std::vector<KeyframeId> JudgeAfter(const testing::SyntheticSceneOptions& own, int drives,
+                                     Pace pace = Pace::kAsDense) {
+    Drive(own, drives, pace);
     return judge_.Judge(map_);
   }
 
@@ -136,6 +142,14 @@ TEST_F(KnownGroundTest, WhatAnotherSawThreeTimesGainsByOneLookMore) {
 
 TEST_F(KnownGroundTest, WhatOthersSawSixTimesNeedsNoKeyframesMore) {
   EXPECT_THAT(JudgeAfter(OnNewGround(), 2), Contains(KeyframeId{kOwn, 1}));
+}
+
+TEST_F(KnownGroundTest, WhatAnotherSawOnceGainsByOneLookMore) {
+  EXPECT_THAT(JudgeAfter(OnNewGround(), 1, Pace::kThreeTimesAsFar), IsEmpty());
+}
+
+TEST_F(KnownGroundTest, WhatTwoDrivesSawOnceEachNeedsNoKeyframesMore) {
+  EXPECT_THAT(JudgeAfter(OnNewGround(), 2, Pace::kThreeTimesAsFar), Contains(KeyframeId{kOwn, 1}));
 }
 
 TEST_F(KnownGroundTest, TheOwnMapHoldsTogether) {

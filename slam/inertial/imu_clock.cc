@@ -10,7 +10,7 @@ using Eigen::Vector3d;
 
 constexpr int64_t kKept_ns = 12'000'000'000;
 constexpr int64_t kStep_ns = 4'000'000;
-constexpr size_t kLeastTurns = 30;
+constexpr size_t kLeastTurns = 20;
 // Beyond doubt.
 constexpr double kSure = 0.9;
 constexpr double kBetter = 4;  // Times as much is left over.
@@ -97,7 +97,7 @@ std::optional<ClockFit> ImuClock::Fit() const {
   const double before = Correlation(turned_rad, fit.offset_ns - kBeside_ns);
   const double after = Correlation(turned_rad, fit.offset_ns + kBeside_ns);
   const double bend = before - 2 * fit.correlation + after;
-  if (bend < 0) {
+  if (bend < 0 && before > 0 && after > 0) {
     fit.offset_ns +=
         static_cast<int64_t>(0.5 * (before - after) / bend * static_cast<double>(kBeside_ns));
   }

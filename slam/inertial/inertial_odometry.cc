@@ -78,6 +78,8 @@ void InertialOdometry::ForgetDrive() {
   buffer_ = ImuBuffer();
   clock_ = ImuClock();
   axes_ = ImuAxes();
+  turns_ = 0;
+  next_clock_check_ = kLeastTurns;
   filter_.reset();
   last_.reset();
   taken_.reset();
@@ -173,6 +175,13 @@ void InertialOdometry::Take(const Seen& seen) {
     if (taken_.has_value()) CompareTurns(*taken_, seen, steps);
     buffer_.Forget(filter_ns_ - kStill_ns);
     filter_ns_ = seen.timestamp_ns;
+    if (turns_ >= next_clock_check_) {
+      next_clock_check_ *= 2;
+      if (CorrectClock()) {
+        Begin(seen);
+        return;
+      }
+    }
   }
   taken_ = seen;
   Judge(seen, filter_->Update(seen.pose));
@@ -195,6 +204,7 @@ void InertialOdometry::CompareTurns(const Seen& before, const Seen& seen,
     duration_s += step.duration_s;
   }
   const Vector3d seen_rps = LogSO3(moved.rotation) / duration_s;
+  ++turns_;
   axes_.Add(seen_rps, felt_rad / duration_s);
   clock_.AddTurn(before.timestamp_ns, seen.timestamp_ns, seen_rps);
 }
@@ -248,6 +258,7 @@ double InertialOdometry::ShareFar() const {
 
 bool InertialOdometry::IsReady() const {
   if (!filter_.has_value() || was_far_.size() < kLeastJudged) return false;
+  if (turns_ < kLeastTurns) return false;
   if (1e-9 * static_cast<double>(filter_ns_ - began_ns_) < least_time_s_) return false;
   if (ShareFar() > kMostFarWhenReady) return false;
   return Sigma(*filter_, InertialFilter::kVelocity) < kWellKnown_mps &&

@@ -106,6 +106,11 @@ class InertialOdometry {
   ImuClock clock_;    // As the samples came.
   int64_t offset_ns_ = 0;
   ImuAxes axes_;
+  // In a gentle drive a wrong clock makes poses no stranger than chance does, and takes the camera
+  // wrong all the same: clocks are compared before the IMU is believed, and some times more.
+  static constexpr size_t kLeastTurns = 40;
+  size_t turns_ = 0;
+  size_t next_clock_check_ = kLeastTurns;
   std::optional<InertialFilter> filter_;
   int64_t filter_ns_ = 0;
   int64_t began_ns_ = 0;
