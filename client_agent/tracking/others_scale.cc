@@ -16,9 +16,14 @@ constexpr double kLeastDisparity_px = 5;
 constexpr double kMaxError_px = 3;
 constexpr int kFramesOfABlock = 10;
 constexpr size_t kEnoughBlocks = 4;
+// Poor maps were told by then (docs/lab/2026-11-29-others-distances.md).
+constexpr size_t kBlocksOfJudged = 8;
 // Two are enough where both are beyond this: a robot drives by a map that is so wrong no longer
 // than it must.
 constexpr double kGrossLogScale = 0.015;
+// What a map is too large by does not change. Where it was only put beside its place when it was
+// joined, near points are off by more than far ones, and all by less as the place is put right.
+constexpr double kLeastAlike = 2.0 / 3;
 // Older ones are of another place, and a mean of many would be certain of next to nothing.
 constexpr size_t kMostBlocks = 16;
 // A mean is certain where it is beyond so many of its standard deviations, as blocks scatter. Good
@@ -106,10 +111,11 @@ double SigmaByPoints(const std::vector<Block>& blocks) {
 
 template <typename Block>
 bool AreGross(const std::vector<Block>& blocks) {
-  return blocks.size() == 2 && std::ranges::all_of(blocks, [&](const Block& block) {
-           return std::abs(block.log_scale) > kGrossLogScale &&
-                  block.log_scale * blocks.front().log_scale > 0;
-         });
+  if (blocks.size() != 2) return false;
+  const double first = blocks[0].log_scale;
+  const double second = blocks[1].log_scale;
+  const auto [less, more] = std::minmax({std::abs(first), std::abs(second)});
+  return first * second > 0 && less > kGrossLogScale && less > kLeastAlike * more;
 }
 
 }  // namespace
@@ -117,6 +123,7 @@ bool AreGross(const std::vector<Block>& blocks) {
 std::vector<MapContradiction> OthersScale::Add(const Frame& frame, LocalMapId own) {
   std::vector<MapContradiction> found;
   if (!frame.camera().IsMetric()) return found;
+  are_judged_ = true;
   for (const auto& [local_map, fit] : FitOthers(frame, own)) {
     if (fit.points.size() < kEnoughPoints || contradicting_.contains(local_map)) continue;
     Evidence& evidence = evidence_[local_map];
@@ -125,6 +132,7 @@ std::vector<MapContradiction> OthersScale::Add(const Frame& frame, LocalMapId ow
     block.sigma += fit.Sigma() / kFramesOfABlock;
     block.points += static_cast<double>(fit.points.size()) / kFramesOfABlock;
     block.seen.insert(fit.points.begin(), fit.points.end());
+    are_judged_ = are_judged_ && evidence.blocks.size() >= kBlocksOfJudged;
     if (++block.frames < kFramesOfABlock) continue;
     const std::optional<MapContradiction> contradiction = Judge(local_map, evidence);
     if (!contradiction.has_value()) continue;

@@ -1,5 +1,6 @@
 // Implements the part of Tracker that follows patches of keyframes' pictures from frame to frame.
 #include <algorithm>
+#include <climits>
 #include <cstddef>
 #include <cstdint>
 #include <utility>
@@ -49,12 +50,15 @@ Rigid3d AsTurned(const PictureShift& shift, const Camera& camera, const Rigid3d&
 
 }  // namespace
 
-bool Tracker::MayFollow(int64_t timestamp_ns) const {
+bool Tracker::MayFollow(int64_t timestamp_ns, bool in_company) {
+  const bool are_judged = !options_.has_stereo || others_scale_.AreJudged();
+  const int most_in_company = are_judged ? options_.most_followed_in_company : 0;
+  most_followed_ = std::min(options_.most_followed, in_company ? most_in_company : INT_MAX);
   if (state_ != TrackingState::kTracking || !velocity_.has_value()) return false;
   if (options_.localise_only || frames_since_relocalisation_ < kProbation) return false;
   if (timestamp_ns - previous_->payload->timestamp_ns > kLongestApart_ns) return false;
   const bool is_expected = expected_.has_value() || TimesOfMotion(timestamp_ns) == 1;
-  return followed_ < options_.most_followed && is_expected;
+  return followed_ < most_followed_ && is_expected;
 }
 
 std::optional<TrackingResult> Tracker::Follow(const FreshPicture& fresh) {
@@ -88,7 +92,7 @@ std::optional<TrackingResult> Tracker::Follow(const FreshPicture& fresh) {
   guessed_inliers_ = guess.inliers;
   // A guess that is too high would leave a keyframe out.
   guess.inliers = static_cast<int>(kCautious * guess.inliers);
-  wants_features_ = ++followed_ >= options_.most_followed ||
+  wants_features_ = ++followed_ >= most_followed_ ||
                     (!mapping_paused_ && ShouldMakeKeyframe(guess, options_.keyframe));
   for (const PatchSource& source : sources) solution.visible.push_back(source.point);
   return Take(std::move(solution));

@@ -7,6 +7,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "map_store/coordination/scale_contradictions.h"
+#include "map_store/fusion/overlap_vagueness.h"
 #include "map_store/fusion/query_choice.h"
 #include "map_store/mission/pausing_read.h"
 #include "map_store/records/record_application.h"
@@ -38,6 +39,11 @@ FusionSummary::IslandSummary SummariseIsland(const MissionState& state, const Is
   return summary;
 }
 
+bool PlacesVaguely(const Overlap& overlap, const MissionState& state) {
+  const LocalMapState* local_map = state.FindLocalMap(overlap.candidate.local_map);
+  return local_map != nullptr && IsVague(overlap, local_map->map);
+}
+
 }  // namespace
 
 FusionCoordinator::FusionCoordinator(MissionStrand& strand, EventBook& events,
@@ -57,10 +63,10 @@ FusionSummary FusionCoordinator::Summarise() const {
             [](const auto& a, const auto& b) { return a.order < b.order; });
   for (const uint64_t id : state.global.overlaps.waiting()) {
     const OverlapEntry& entry = state.global.overlaps.at(id);
-    const LocalMapId a = entry.overlap.query.local_map;
-    const LocalMapId b = entry.overlap.candidate.local_map;
-    summary.waiting.push_back({id, state.global.island_of.at(a), state.global.island_of.at(b),
-                               entry.urgent, entry.alone});
+    const IslandId a = state.global.island_of.at(entry.overlap.query.local_map);
+    const IslandId b = state.global.island_of.at(entry.overlap.candidate.local_map);
+    const bool is_vague = a != b && PlacesVaguely(entry.overlap, state);
+    summary.waiting.push_back({id, a, b, entry.urgent, entry.alone, is_vague});
   }
   summary.queries = state.queries.size();
   summary.graph_lane_busy = lanes_.IsBusy(FusionLane::kGraph);

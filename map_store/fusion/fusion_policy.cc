@@ -1,6 +1,7 @@
 #include "map_store/fusion/fusion_policy.h"
 
 #include <algorithm>
+#include <iterator>
 #include <optional>
 #include <tuple>
 #include <utility>
@@ -39,19 +40,37 @@ std::vector<uint64_t> ChooseTogether(const std::vector<OverlapSummary>& overlaps
   return chosen;
 }
 
-std::optional<FusionAction> DecideFuse(const FusionSummary& summary) {
+// Returns the waiting overlaps between the same islands as `one`.
+std::vector<OverlapSummary> FindBeside(const FusionSummary& summary, const OverlapSummary& one) {
+  std::vector<OverlapSummary> beside;
+  std::ranges::copy_if(summary.waiting, std::back_inserter(beside), [&one](const auto& overlap) {
+    return std::minmax(overlap.a, overlap.b) == std::minmax(one.a, one.b);
+  });
+  return beside;
+}
+
+// Returns whether all that is known of how two islands lie to each other is vague, and robots are
+// there to be put beside their place by it.
+bool IsHeldBack(const FusionSummary& summary, const OverlapSummary& overlap,
+                const PolicyLimits& limits) {
+  const IslandSummary* a = Find(summary, overlap.a);
+  const IslandSummary* b = Find(summary, overlap.b);
+  if (overlap.a == overlap.b || a == nullptr || b == nullptr) return false;
+  if (a->quiet && b->quiet && summary.queries == 0) return false;
+  const std::vector<OverlapSummary> beside = FindBeside(summary, overlap);
+  return beside.size() < limits.vague_to_fuse &&
+         std::ranges::all_of(beside, &OverlapSummary::vague);
+}
+
+std::optional<FusionAction> DecideFuse(const FusionSummary& summary, const PolicyLimits& limits) {
   for (const OverlapSummary& first : summary.waiting) {
-    if (first.a == first.b) continue;
+    if (first.a == first.b || IsHeldBack(summary, first, limits)) continue;
     const IslandSummary* a = Find(summary, first.a);
     const IslandSummary* b = Find(summary, first.b);
     if (a == nullptr || b == nullptr) continue;
     if (!KeepsFrame(*a, *b)) std::swap(a, b);
-    std::vector<OverlapSummary> between;
-    for (const OverlapSummary& overlap : summary.waiting) {
-      const bool same = std::minmax(overlap.a, overlap.b) == std::minmax(first.a, first.b);
-      if (same) between.push_back(overlap);
-    }
-    return FusionAction{FusionAction::Kind::kFuse, a->id, b->id, ChooseTogether(between)};
+    return FusionAction{FusionAction::Kind::kFuse, a->id, b->id,
+                        ChooseTogether(FindBeside(summary, first))};
   }
   return std::nullopt;
 }
@@ -85,12 +104,14 @@ std::optional<FusionAction> DecideWeld(const FusionSummary& summary, const Polic
 }
 
 // Returns whether the graph lane has work that will change the island.
-bool IsAboutToChange(const FusionSummary& summary, const IslandSummary& island) {
+bool IsAboutToChange(const FusionSummary& summary, const IslandSummary& island,
+                     const PolicyLimits& limits) {
   if (island.relaxed > 0) return true;
   return std::any_of(
-      summary.waiting.begin(), summary.waiting.end(), [&island](const OverlapSummary& overlap) {
+      summary.waiting.begin(), summary.waiting.end(), [&](const OverlapSummary& overlap) {
         const bool touches = overlap.a == island.id || overlap.b == island.id;
-        return touches && (overlap.a != overlap.b || overlap.urgent || overlap.alone);
+        return touches && (overlap.a != overlap.b || overlap.urgent || overlap.alone) &&
+               !IsHeldBack(summary, overlap, limits);
       });
 }
 
@@ -106,10 +127,10 @@ bool HasChangedEnough(const IslandSummary& island, const PolicyLimits& limits) {
 
 std::optional<FusionAction> DecideAdjust(const FusionSummary& summary, const PolicyLimits& limits) {
   for (const IslandSummary& island : summary.islands) {
-    if (!island.fused || IsAboutToChange(summary, island)) continue;
-    const bool waits = std::any_of(
-        summary.waiting.begin(), summary.waiting.end(),
-        [&island](const OverlapSummary& o) { return o.a == island.id || o.b == island.id; });
+    if (!island.fused || IsAboutToChange(summary, island, limits)) continue;
+    const bool waits = std::ranges::any_of(summary.waiting, [&](const OverlapSummary& o) {
+      return (o.a == island.id || o.b == island.id) && !IsHeldBack(summary, o, limits);
+    });
     const bool last = island.quiet && island.dirty && summary.queries == 0 && !waits;
     if (last || island.needs_adjustment || HasChangedEnough(island, limits)) {
       return FusionAction{FusionAction::Kind::kAdjust, island.id, {}, {}};
@@ -123,7 +144,7 @@ std::optional<FusionAction> DecideAdjust(const FusionSummary& summary, const Pol
 std::vector<FusionAction> DecideActions(const FusionSummary& summary, const PolicyLimits& limits) {
   std::vector<FusionAction> actions;
   if (!summary.graph_lane_busy) {
-    std::optional<FusionAction> action = DecideFuse(summary);
+    std::optional<FusionAction> action = DecideFuse(summary, limits);
     if (!action.has_value()) action = DecideWeld(summary, limits);
     if (!action.has_value() && summary.queries > 0) {
       action = FusionAction{FusionAction::Kind::kQuery, {}, {}, {}};

@@ -41,6 +41,7 @@ struct FusionSummary {
     IslandId b;  // The same as `a`: the overlap is a loop within the island.
     bool urgent = false;
     bool alone = false;  // True: fusing is asked about it by itself.
+    bool vague = false;  // IsVague (overlap_vagueness.h).
   };
   std::vector<IslandSummary> islands;   // In the order of arrival.
   std::vector<OverlapSummary> waiting;  // In the order of their ids.
@@ -62,6 +63,9 @@ struct PolicyLimits {
   // until then.
   double adjust_share = 0.2;
   size_t adjust_min_keyframes = 20;
+  // Vague overlaps between two islands join them when there are so many, or once nobody is there
+  // any more whom it could lead astray.
+  size_t vague_to_fuse = 3;
   // Welding cancels at most so many adjustments in a row; then it waits until one has ended, or an
   // island into which overlaps come quickly would never be adjusted.
   size_t max_cancelled_adjustments = 2;

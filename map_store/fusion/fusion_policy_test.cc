@@ -55,6 +55,50 @@ TEST(FusionPolicyTest, TheReferenceIslandKeepsItsFrameElseTheLarger) {
       << "the earlier of equals";
 }
 
+constexpr FusionSummary::OverlapSummary Vague(uint64_t id) {
+  return {id, kFirst, kSecond, /*urgent=*/false, /*alone=*/false, /*vague=*/true};
+}
+
+TEST(FusionPolicyTest, AVagueOverlapWaitsForABetterOne) {
+  FusionSummary summary = MakeSummary();
+  summary.waiting = {Vague(7)};
+  EXPECT_THAT(DecideActions(summary, {}), IsEmpty());
+  summary.waiting.push_back({8, kSecond, kFirst, false});
+  EXPECT_THAT(DecideActions(summary, {}),
+              ElementsAre(FusionAction{Kind::kFuse, kFirst, kSecond, {7, 8}}));
+}
+
+TEST(FusionPolicyTest, ThreeVagueOverlapsAreEnough) {
+  FusionSummary summary = MakeSummary();
+  summary.waiting = {Vague(7), Vague(8)};
+  EXPECT_THAT(DecideActions(summary, {}), IsEmpty());
+  summary.waiting.push_back(Vague(9));
+  EXPECT_THAT(DecideActions(summary, {}),
+              ElementsAre(FusionAction{Kind::kFuse, kFirst, kSecond, {7, 8, 9}}));
+}
+
+TEST(FusionPolicyTest, AVagueOverlapIsBetterThanNoneOnceAllRobotsHaveLeft) {
+  FusionSummary summary = MakeSummary();
+  summary.waiting = {Vague(7)};
+  summary.islands[0].quiet = true;
+  EXPECT_THAT(DecideActions(summary, {}), IsEmpty()) << "a robot drives in the other one";
+  summary.islands[1].quiet = true;
+  summary.queries = 1;
+  EXPECT_THAT(DecideActions(summary, {}), ElementsAre(FusionAction{Kind::kQuery, {}, {}, {}}))
+      << "the next answer may be a better one";
+  summary.queries = 0;
+  EXPECT_THAT(DecideActions(summary, {}),
+              ElementsAre(FusionAction{Kind::kFuse, kFirst, kSecond, {7}}));
+}
+
+TEST(FusionPolicyTest, WhatWaitsForABetterOverlapKeepsNoIslandFromItsAdjustment) {
+  FusionSummary summary = MakeSummary();
+  summary.waiting = {Vague(7)};
+  summary.islands[0].fused = true;
+  summary.islands[0].needs_adjustment = true;
+  EXPECT_THAT(DecideActions(summary, {}), ElementsAre(FusionAction{Kind::kAdjust, kFirst, {}, {}}));
+}
+
 TEST(FusionPolicyTest, AllOverlapsOfAPairGoIntoOneFusing) {
   FusionSummary summary = MakeSummary();
   summary.waiting = {
