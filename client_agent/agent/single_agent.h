@@ -113,7 +113,7 @@ class SingleAgent : public Agent {
   void LetGoOf(std::shared_ptr<const LocalMapSession> session);
 
   const AgentOptions options_;
-  const bool is_stereo_;
+  const SensorKind kind_;
   const absl::Time created_;
   const std::unique_ptr<Sensor> sensor_;
   InputWatch input_watch_;

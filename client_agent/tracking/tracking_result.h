@@ -24,6 +24,7 @@ enum class WhyNoPose {
   kHasOne,
   kFewKeypoints,   // Fewer corners than a map begins with: dark, blurred, covered or bare.
   kFewDepths,      // Too few of them have a depth.
+  kLittleParallax,  // One camera alone has not moved aside yet, so that nothing has a depth.
   kMappingBusy,    // Mapping still works on earlier frames.
   kMappingPaused,  // There is no map, and none may begin.
   kNotRecognised,  // The picture is good, and the map doesn't show this place, or too differently.

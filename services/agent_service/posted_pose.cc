@@ -121,6 +121,8 @@ v1::WhyNoPose ToProto(WhyNoPose why) {
       return v1::WHY_NO_POSE_FEW_KEYPOINTS;
     case WhyNoPose::kFewDepths:
       return v1::WHY_NO_POSE_FEW_DEPTHS;
+    case WhyNoPose::kLittleParallax:
+      return v1::WHY_NO_POSE_LITTLE_PARALLAX;
     case WhyNoPose::kMappingBusy:
       return v1::WHY_NO_POSE_MAPPING_BUSY;
     case WhyNoPose::kMappingPaused:

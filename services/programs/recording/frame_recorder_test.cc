@@ -172,7 +172,7 @@ TEST_F(FrameRecorderTest, WhatAnImuMeasuredComesBackWithItsFrames) {
     }
     ASSERT_TRUE(recorder_->Finish().ok());
     const Recording recording = Read();
-    const auto played = OpenSource(SourceOfRecording(folder_, is_stereo));
+    const auto played = OpenSource(SourceOfRecording(folder_, KindOf(calibration)));
     ASSERT_TRUE(played.ok()) << played.status();
     for (size_t i = 0; i < 3; ++i) {
       ExpectEqual(ImuOf(recording, recording.frames[i]), frames[i].imu);
@@ -276,9 +276,9 @@ TEST_F(FrameRecorderTest, APictureThatWasReplacedIsNamed) {
   ASSERT_TRUE(recorder_->Finish().ok());
   const Recording recording = Read();
   const std::vector<std::string> first =
-      PicturePaths(folder_, /*is_stereo=*/true, recording.frames[0].line.pictures);
+      PicturePaths(folder_, SensorKind::kStereo, recording.frames[0].line.pictures);
   const std::vector<std::string> second =
-      PicturePaths(folder_, /*is_stereo=*/true, recording.frames[1].line.pictures);
+      PicturePaths(folder_, SensorKind::kStereo, recording.frames[1].line.pictures);
   std::filesystem::copy_file(first[1], second[1],
                              std::filesystem::copy_options::overwrite_existing);
   EXPECT_TRUE(ReadPictures(recording, recording.frames[0].line).ok());
