@@ -320,6 +320,15 @@ absl::Status SingleAgent::KeepPicture(KeyframeId keyframe, const SensorImages& i
   return absl::OkStatus();
 }
 
+bool SingleAgent::HasMetres() const {
+  if (camera_->IsMetric()) return true;
+  return options_.localise_only && link_->GlobalIsInMetres();
+}
+
+bool SingleAgent::GlobalHasMetres() const {
+  return camera_->IsMetric() || link_->GlobalIsInMetres();
+}
+
 absl::Status SingleAgent::UsePause() {
   if (!undescribed_.has_value()) return absl::OkStatus();
   auto [images, result] = *std::exchange(undescribed_, std::nullopt);
@@ -341,6 +350,8 @@ absl::StatusOr<TrackingResult> SingleAgent::Track(const SensorImages& images) {
   ExpectByImu(images);
   ASSIGN_OR_RETURN(TrackingResult result, FindPose(images));
   LearnByImu(result);
+  result.without_metres = !HasMetres();
+  result.global_without_metres = !GlobalHasMetres();
   smooth_pose_.Add(result);
   LeaveOutContradicting();
   const bool is_placed = link_->GlobalFromLocal().has_value();
@@ -578,6 +589,8 @@ AgentStatus SingleAgent::GetStatus() const {
   }
   status.mapping_paused = options_.orders != nullptr && options_.orders->mapping_paused();
   status.global_from_local = GlobalFromLocal();
+  status.without_metres = !HasMetres();
+  status.global_without_metres = !GlobalHasMetres();
   status.map_bytes = sessions.back()->map_bytes();
   status.foreign_keyframes = static_cast<int>(link_->shared_keyframes());
   status.shared_updates = link_->shared_updates();

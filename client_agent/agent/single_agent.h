@@ -73,6 +73,9 @@ class SingleAgent : public Agent {
   // Tells tracking what the IMU says of the frame, and learns from what tracking found.
   void ExpectByImu(const SensorImages& images);
   void LearnByImu(TrackingResult& result);
+  // The local map of one camera alone has no metres; in others' map a robot has theirs.
+  bool HasMetres() const;
+  bool GlobalHasMetres() const;
   // Has a keyframe's picture serve tracking, and people.
   absl::Status KeepPicture(KeyframeId keyframe, const SensorImages& images);
   // Gives up those of others' local maps that contradict the camera from this frame on.

@@ -85,7 +85,9 @@ TEST(MonocularStartTest, WaitsWhileTheCameraStands) {
   MonocularStart start(1);
   for (int i = 0; i < 10; ++i) {
     EXPECT_FALSE(start.Add(FrameOf(3)).has_value());
-    if (i > 0) EXPECT_EQ(start.verdict(), TwoViewVerdict::kLittleParallax);
+    const TwoViewVerdict expected =
+        i == 0 ? TwoViewVerdict::kFewMatches : TwoViewVerdict::kLittleParallax;
+    EXPECT_EQ(start.verdict(), expected);
   }
 }
 
@@ -154,7 +156,7 @@ TEST_F(MonocularTrackingTest, FollowsTheCameraUpToOneScale) {
   ASSERT_TRUE(first.has_value());
   EXPECT_LE(*first, 10U);
   const auto [least, most] = std::minmax_element(scales.begin(), scales.end());
-  EXPECT_LT(*most / *least, 1.05);
+  EXPECT_LT(*most / *least, 1.1);
   map_.Read([&](const Map& map) {
     EXPECT_GT(map.keyframes().size(), 3U);
     EXPECT_GT(map.points().size(), 500U);
@@ -170,7 +172,7 @@ TEST_F(MonocularTrackingTest, GoesOnBeforeMappingHasTakenTheBeginning) {
     const bool has_begun = first.has_value();
     const TrackingResult result = Track(i, /*maps=*/!has_begun || i > *first + 3);
     if (result.state == TrackingState::kTracking && !first.has_value()) first = i;
-    if (has_begun) EXPECT_EQ(result.state, TrackingState::kTracking) << i;
+    EXPECT_TRUE(!has_begun || result.state == TrackingState::kTracking) << i;
   }
   ASSERT_TRUE(first.has_value());
 }

@@ -73,6 +73,10 @@ struct TrackingResult {
   std::optional<ReckonedPose> reckoned;
   // Where gravity pulls, in the camera's axes; nullopt where there is no IMU, or it is not known.
   std::optional<Down> down;
+  // What the agent adds: lengths in the local map are in a unit of its own, and in the global frame in
+  // an unknown one, too.
+  bool without_metres = false;
+  bool global_without_metres = false;
   // What SmoothPose adds, whether there is a pose or not.
   uint64_t epoch = 0;
   // The covariance of what the map near the camera has drifted since the epoch began (PoseDrift),
