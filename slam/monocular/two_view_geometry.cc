@@ -17,8 +17,10 @@ constexpr size_t kSample = 8;
 constexpr size_t kSampleOfPlane = 4;
 // Above this share of the scores the homography is taken (ORB-SLAM, T-RO 2015, section IV).
 constexpr double kPlanarShare = 0.45;
-// A point seen under less has no depth to speak of: it may be at infinity.
+// A point seen under less has no depth to speak of: it may be at infinity. So has one that is seen
+// under less than this many standard deviations.
 constexpr double kLeastParallax_rad = 0.0063;
+constexpr double kLeastSigmas = 2.5;
 // A point agrees if it is seen within two standard deviations.
 constexpr double kMaxChi2 = 4;
 
@@ -77,9 +79,10 @@ struct Laid {
   Rigid3d two_from_one;
   std::vector<std::optional<TwoViewPoint>> points;
   int in_front = 0;                  // Those too far away to tell among them.
-  std::vector<double> parallax_rad;  // Of points with a depth, the largest first.
+  int depths = 0;
+  std::vector<double> parallax_rad;  // Of points with a depth beyond doubt, the largest first.
 
-  double with_depth() const { return static_cast<double>(parallax_rad.size()); }
+  double with_depth() const { return depths; }
 };
 
 bool IsSeenAt(const Camera& camera, const Eigen::Vector3d& x_in_camera,
@@ -95,7 +98,8 @@ double ParallaxOf(const Camera& camera, const TwoViewMatch& match, const Rigid3d
 }
 
 Laid LayOut(const Camera& camera, Matches matches, const std::vector<char>& is_inlier,
-            const Rigid3d& two_from_one) {
+            const Rigid3d& two_from_one, double min_sigmas) {
+  const double focal_px = std::sqrt(camera.fx_px * camera.fy_px);
   Laid laid;
   laid.two_from_one = two_from_one;
   laid.points.resize(matches.size());
@@ -103,7 +107,8 @@ Laid LayOut(const Camera& camera, Matches matches, const std::vector<char>& is_i
     if (!is_inlier[i]) continue;
     const TwoViewMatch& match = matches[i];
     const double parallax_rad = ParallaxOf(camera, match, two_from_one);
-    if (parallax_rad < kLeastParallax_rad) {
+    const double sigma_rad = std::sqrt(2 * match.variance_px2) / focal_px;
+    if (parallax_rad < std::max(kLeastParallax_rad, kLeastSigmas * sigma_rad)) {
       ++laid.in_front;
       continue;
     }
@@ -115,7 +120,8 @@ Laid LayOut(const Camera& camera, Matches matches, const std::vector<char>& is_i
       continue;
     }
     ++laid.in_front;
-    laid.parallax_rad.push_back(parallax_rad);
+    ++laid.depths;
+    if (parallax_rad >= min_sigmas * sigma_rad) laid.parallax_rad.push_back(parallax_rad);
     laid.points[i] = TwoViewPoint{point->x_in_map, parallax_rad};
   }
   std::sort(laid.parallax_rad.begin(), laid.parallax_rad.end(), std::greater<>());
@@ -157,7 +163,8 @@ void Decide(const Camera& camera, Matches matches, const Fitted& model,
   if (motions.empty()) return;
   std::vector<Laid> laid;
   for (const Rigid3d& motion : motions) {
-    laid.push_back(LayOut(camera, matches, model.score.is_inlier, motion));
+    laid.push_back(
+        LayOut(camera, matches, model.score.is_inlier, motion, options.min_parallax_sigmas));
   }
   const auto best = std::max_element(laid.begin(), laid.end(), [](const Laid& a, const Laid& b) {
     return std::pair(a.with_depth(), a.in_front) < std::pair(b.with_depth(), b.in_front);

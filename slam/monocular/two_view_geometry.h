@@ -27,6 +27,9 @@ struct TwoViewOptions {
   // They must see the two cameras under this angle at least. Less is what noise and a wrong
   // distortion make of a camera that turned.
   double min_parallax_rad = 0.01745;  // 1 degree.
+  // It must be so many standard deviations of what noise makes of two rays, too: of large keypoints,
+  // whose pixels are coarse, a degree is nothing.
+  double min_parallax_sigmas = 4;
   // Of what agrees with the motion, so much must also lie before both cameras, ...
   double min_share_in_front = 0.9;
   // ... and of the other motions that explain as much of the pixels none may have this much of it.
@@ -54,7 +57,7 @@ struct TwoViewGeometry {
   bool is_planar = false;
   // Share of the homography in the scores of both models: R_H of the paper.
   double homography_share = 0;
-  // The angle that min_points points reach, also where that is too little.
+  // The angle that min_points points reach beyond their noise, also where that is too little.
   double parallax_rad = 0;
   // The rest is set if there is a motion. Its translation has length 1: nothing says more.
   Rigid3d two_from_one;

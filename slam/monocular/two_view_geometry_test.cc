@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <random>
 
 #include "slam/camera/testing/test_camera.h"
@@ -58,8 +59,14 @@ class SceneTest : public ::testing::Test {
       const Eigen::Vector2d seen = Project(camera_, moved);
       if (!IsInImage(camera_, seen)) continue;
       TwoViewMatch match;
-      match.pixel_1 = Project(camera_, point) + Eigen::Vector2d(noise(random_), noise(random_));
-      match.pixel_2 = seen + Eigen::Vector2d(noise(random_), noise(random_));
+      // Keypoints of coarser levels are noisier.
+      const double scale = std::pow(1.2, levels_ > 1 ? static_cast<int>(random_() % levels_) : 0);
+      match.variance_px2 = scale * scale;
+      const auto noise_of = [&]() -> Eigen::Vector2d {
+        return scale * Eigen::Vector2d(noise(random_), noise(random_));
+      };
+      match.pixel_1 = Project(camera_, point) + noise_of();
+      match.pixel_2 = seen + noise_of();
       const bool is_outlier = chance(random_) < outliers;
       if (is_outlier) match.pixel_2 = {x(random_), y(random_)};
       views.matches.push_back(match);
@@ -97,6 +104,7 @@ class SceneTest : public ::testing::Test {
 
   const Camera camera_ = OneCamera();
   std::mt19937 random_{11};
+  uint32_t levels_ = 1;
 };
 
 const Rigid3d kAside = {ExpSO3({0.01, -0.04, 0.02}), {-0.5, 0.05, 0.1}};
@@ -154,6 +162,18 @@ TEST_F(SceneTest, RefusesACameraThatTurnsOnTheSpot) {
       }
     }
   }
+}
+
+TEST_F(SceneTest, CoarseKeypointsAreNoParallax) {
+  levels_ = 8;
+  for (int i = 0; i < 20; ++i) {
+    const Rigid3d turn = {ExpSO3({0.01 * i, 0.1, -0.02}), Eigen::Vector3d::Zero()};
+    EXPECT_NE(Find(See(i % 2 == 0 ? Scene::kGeneral : Scene::kPlane, turn, 1500, 1.0)).verdict,
+              TwoViewVerdict::kFound)
+        << i;
+  }
+  const Views views = See(Scene::kGeneral, kAside, 1500, 0.8, 0.2);
+  ExpectFound(Find(views), views, kAside, 0.01);
 }
 
 TEST_F(SceneTest, RefusesACameraThatStandsStill) {
