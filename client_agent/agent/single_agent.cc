@@ -29,8 +29,8 @@ uint64_t SeedOf(const AgentOptions& options) {
   return hash;
 }
 
-// Others' keyframes and points are placed in an own map by rigid motions, which a map without metres
-// is not to theirs: its robot is told where its own keyframes stand, and no more.
+// Others' keyframes and points are placed in an own map by rigid motions, which a map without
+// metres is not to theirs: its robot is told where its own keyframes stand, and no more.
 ShareScope ShareOf(ShareScope share, bool may_take_others) {
   const bool has_others = share.mode == ShareMode::kNearby || share.mode == ShareMode::kEverything;
   if (has_others && !may_take_others) share.mode = ShareMode::kCorrections;
@@ -118,7 +118,8 @@ absl::Status CheckCamera(const AgentOptions& options, const Camera& camera) {
   if (camera.IsMetric() || options.max_map_bytes == 0) return absl::OkStatus();
   return absl::InvalidArgumentError(absl::StrCat(
       "agent options: max_map_bytes is ", options.max_map_bytes,
-      ", and the camera is one alone: its map can't go on in another one, which would begin without "
+      ", and the camera is one alone: its map can't go on in another one, which would begin "
+      "without "
       "depths and in another scale; leave the memory budget out, or use a stereo or RGB-D camera"));
 }
 

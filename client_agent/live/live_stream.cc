@@ -81,7 +81,8 @@ LiveStream::LiveStream(const Rig& rig, SensorCalibration calibration, DepthPrepa
       rate_hz_(rig.rate_hz),
       calibration_(std::move(calibration)),
       depth_(std::move(depth)),
-      pairing_(/*both=*/rig.kind != RigKind::kMonocular, options.pair_within_ns, UsedOffset_ns(rig, options)),
+      pairing_(/*both=*/rig.kind != RigKind::kMonocular, options.pair_within_ns,
+               UsedOffset_ns(rig, options)),
       rate_(rig.rate_hz),
       findings_(FindUnusedOffset(rig, options)),
       camera_(std::move(camera)) {

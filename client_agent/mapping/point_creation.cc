@@ -121,12 +121,11 @@ std::optional<Eigen::Vector3d> LocatePoint(const Keyframe& a, uint32_t index_a, 
 
 std::vector<MapPointId> CreatePoints(KeyframeId keyframe, GuardedMap& guarded) {
   std::vector<MapPointId> made;
-  const std::vector<CovisibleKeyframe> neighbours =
-      guarded.Read([&](const Map& map) {
-        const Keyframe* const centre = map.FindKeyframe(keyframe);
-        const bool has_depths = centre == nullptr || centre->camera().IsMetric();
-        return map.BestCovisible(keyframe, has_depths ? kNeighbours : kNeighboursWithoutDepth);
-      });
+  const std::vector<CovisibleKeyframe> neighbours = guarded.Read([&](const Map& map) {
+    const Keyframe* const centre = map.FindKeyframe(keyframe);
+    const bool has_depths = centre == nullptr || centre->camera().IsMetric();
+    return map.BestCovisible(keyframe, has_depths ? kNeighbours : kNeighboursWithoutDepth);
+  });
   for (const CovisibleKeyframe& neighbour : neighbours) {
     // Another robot extends what it made itself.
     if (!guarded.IsOwn(neighbour.id)) continue;

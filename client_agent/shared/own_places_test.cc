@@ -40,7 +40,8 @@ TEST(OwnPlacesTest, AnythingThatTheStoreWasNotToldForLongIsAdded) {
 
 TEST(OwnPlacesTest, AMapWithoutMetresLiesInTheGlobalFrameByASimilarity) {
   const Similarity3d global_from_local = {
-      2.5, Eigen::Quaterniond(Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 2, -1).normalized())),
+      2.5,
+      Eigen::Quaterniond(Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 2, -1).normalized())),
       {3, -4, 5}};
   const Rigid3d camera_from_local = CameraAt(2);
   OwnPlaces places;

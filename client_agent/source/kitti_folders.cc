@@ -50,10 +50,10 @@ absl::StatusOr<KittiFolders> FindKittiFolders(const SourceSpec& spec, bool one_c
       if (IsFolder(folders.left) && (one_camera || IsFolder(folders.right))) return folders;
     }
   }
-  return absl::NotFoundError(absl::StrCat(
-      spec.directory, one_camera ? ": no pictures" : ": no pictures of a stereo pair",
-      ": KITTI has image_0 and image_1 (grey) or image_2 and image_3 "
-      "(colour), KITTI raw has image_00/data and image_01/data"));
+  return absl::NotFoundError(
+      absl::StrCat(spec.directory, one_camera ? ": no pictures" : ": no pictures of a stereo pair",
+                   ": KITTI has image_0 and image_1 (grey) or image_2 and image_3 "
+                   "(colour), KITTI raw has image_00/data and image_01/data"));
 }
 
 }  // namespace corbslam::client_agent

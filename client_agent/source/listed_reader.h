@@ -1,5 +1,5 @@
-// Reads every layout whose frames are files: a left picture with a right one, a picture with a depth
-// image, or a picture alone.
+// Reads every layout whose frames are files: a left picture with a right one, a picture with a
+// depth image, or a picture alone.
 #ifndef CORBSLAM_CLIENT_AGENT_SOURCE_LISTED_READER_H_
 #define CORBSLAM_CLIENT_AGENT_SOURCE_LISTED_READER_H_
 

@@ -11,8 +11,8 @@ namespace {
 bool IsPlain(const SourceSpec& spec) {
   const FrameSelection& frames = spec.selection;
   const FrameSelection all;
-  return !spec.one_camera && frames.first == all.first && !frames.last.has_value() && frames.stride == all.stride &&
-         !frames.reverse && !frames.part.has_value() &&
+  return !spec.one_camera && frames.first == all.first && !frames.last.has_value() &&
+         frames.stride == all.stride && !frames.reverse && !frames.part.has_value() &&
          spec.perturbation.gamma == Perturbation().gamma &&
          spec.perturbation.noise_sigma == Perturbation().noise_sigma;
 }

@@ -19,8 +19,8 @@ namespace corbslam::client_agent {
 // Where one camera is played alone (PlaysOneCamera) any rig will do, and its first camera is taken.
 absl::Status TakeRig(const SourceSpec& spec, RigKind kind, ListedSequence& sequence);
 
-// Returns whether the first camera of a recording is played alone: by ?cameras=1, or because the rig
-// is of one. Errors as TakeRig's.
+// Returns whether the first camera of a recording is played alone: by ?cameras=1, or because the
+// rig is of one. Errors as TakeRig's.
 absl::StatusOr<bool> PlaysOneCamera(const SourceSpec& spec);
 // Leaves out the second camera of a sequence whose frames and calibration are there.
 void LeaveOutSecond(ListedSequence& sequence);

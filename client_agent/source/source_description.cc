@@ -55,9 +55,8 @@ void Describe(const RgbdCalibration& calibration, SourceDescription& description
 }
 
 void Describe(const MonocularCalibration& calibration, SourceDescription& description) {
-  description.camera_model =
-      absl::StrCat("one camera alone, ", CameraModelOf(calibration.lens),
-                   "; its map has no metres");
+  description.camera_model = absl::StrCat("one camera alone, ", CameraModelOf(calibration.lens),
+                                          "; its map has no metres");
   description.baseline_m.reset();
   description.depth_units_per_m.reset();
 }

@@ -72,7 +72,8 @@ std::string ListKnownOptions(const SourceSpec& spec) {
   std::vector<absl::string_view> names;
   // A camera's frames are played as they come.
   if (spec.settings == nullptr || !spec.settings->is_live()) {
-    names = {"frames", "stride", "offset", "reverse", "robot", "overlap", "gamma", "noise", "cameras"};
+    names = {"frames",  "stride", "offset", "reverse", "robot",
+             "overlap", "gamma",  "noise",  "cameras"};
   }
   if (spec.settings == nullptr) names.insert(names.end(), {"seed", "truth_frame"});
   const std::vector<absl::string_view> more =

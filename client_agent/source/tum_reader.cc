@@ -25,8 +25,8 @@ absl::Status NoLists(const std::string& directory) {
                    "/rgb.txt with depth.txt, which say which picture goes with which depth image"));
 }
 
-// Returns the pictures alone: of rgb.txt, which lists those without a depth image too, where that is
-// there.
+// Returns the pictures alone: of rgb.txt, which lists those without a depth image too, where that
+// is there.
 absl::StatusOr<Listed> ReadPictures(const std::string& directory, SourceRemarks& remarks) {
   Listed listed;
   listed.file = directory + "/rgb.txt";

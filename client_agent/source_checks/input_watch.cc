@@ -26,11 +26,11 @@ double Share(size_t part, size_t whole) {
 
 }  // namespace
 
-InputWatch::InputWatch(const SensorCalibration& calibration)
-    : kind_(KindOf(calibration)) {}
+InputWatch::InputWatch(const SensorCalibration& calibration) : kind_(KindOf(calibration)) {}
 
 std::optional<SourceFinding> InputWatch::Add(const Features& features) {
-  if (kind_ == SensorKind::kMonocular || features.keypoints.size() < kFewestFeatures) return std::nullopt;
+  if (kind_ == SensorKind::kMonocular || features.keypoints.size() < kFewestFeatures)
+    return std::nullopt;
   Count count;
   count.features = features.keypoints.size();
   for (const Keypoint& keypoint : features.keypoints) {
@@ -73,7 +73,7 @@ std::optional<SourceFinding> InputWatch::Judge() const {
   // A finding is over when it would not be told at the start either.
   const bool strict = is_start_ || told_;
   const double least = is_stereo ? (strict ? kLeastStereoAtStart : kLeastStereo)
-                                  : (strict ? kLeastDepthAtStart : kLeastDepth);
+                                 : (strict ? kLeastDepthAtStart : kLeastDepth);
   if (with_depth < least) {
     return SourceFinding{
         FindingLevel::kWarning, is_stereo ? "stereo-points-few" : "depth-points-few",
@@ -82,9 +82,9 @@ std::optional<SourceFinding> InputWatch::Judge() const {
                         is_stereo ? "stereo points are" : "depth was found for", 100 * with_depth,
                         kFrames, 100 * least,
                         is_stereo ? "Are left and right pictures of one time and rectified, and "
-                                     "is neither covered?"
-                                   : "Is the scene out of the sensor's range, or the depth "
-                                     "camera covered?")};
+                                    "is neither covered?"
+                                  : "Is the scene out of the sensor's range, or the depth "
+                                    "camera covered?")};
   }
   const double at_infinity = Share(sum_.at_infinity, sum_.with_depth);
   if (!is_stereo || at_infinity <= kMostAtInfinity) return std::nullopt;

@@ -13,9 +13,8 @@
 namespace corbslam::client_agent {
 
 // Counts how many features have depth: a pair that is none, or depth that fails, gives hardly any.
-// A frame costs one look at each feature; of one camera alone nothing is counted. Says, too, where a
-// pair's rows had to be put right.
-// Thread-compatible.
+// A frame costs one look at each feature; of one camera alone nothing is counted. Says, too, where
+// a pair's rows had to be put right. Thread-compatible.
 class InputWatch {
  public:
   explicit InputWatch(const SensorCalibration& calibration);

@@ -27,8 +27,8 @@ class MonocularStart {
  public:
   explicit MonocularStart(uint64_t seed) : seed_(seed) {}
 
-  // Takes the next frame, which shows enough keypoints. Returns a beginning once the camera has moved
-  // enough, and then forgets all.
+  // Takes the next frame, which shows enough keypoints. Returns a beginning once the camera has
+  // moved enough, and then forgets all.
   std::optional<MonocularBeginning> Add(const Frame& frame);
 
   // Returns why the last frame gave no beginning.

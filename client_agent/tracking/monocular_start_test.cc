@@ -46,8 +46,7 @@ KeyframePayload Picture(uint32_t index, int64_t timestamp_ns) {
   KeyframePayload picture;
   picture.timestamp_ns = timestamp_ns;
   picture.camera = OneCamera();
-  picture.features =
-      Drive().map.FindKeyframe({DriveOptions().local_map, index})->payload->features;
+  picture.features = Drive().map.FindKeyframe({DriveOptions().local_map, index})->payload->features;
   return picture;
 }
 

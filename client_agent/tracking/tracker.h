@@ -112,8 +112,8 @@ class Tracker {
   void KeepPicture(const HalvedPicture& picture) { pictures_.Add(last_keyframe_, picture); }
 
   // Returns the newest frame, for the tracker of another local map to go on from. Nullopt where
-  // that has no pose or shows too little for a map to begin with, while mapping is paused, and of one
-  // camera alone: no map of it begins with one frame.
+  // that has no pose or shows too little for a map to begin with, while mapping is paused, and of
+  // one camera alone: no map of it begins with one frame.
   std::optional<HandedFrame> HandOver() const;
   // Begins the map with a frame that another tracker handed over, at the pose that it has: poses go
   // on as if it had been tracked here. To be called instead of Track for the first frame. Returns

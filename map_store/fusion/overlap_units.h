@@ -8,9 +8,9 @@
 namespace corbslam::map_store {
 
 // An overlap that is kept says how cameras stand to each other in the units of their owners' local
-// maps, which no merge changes. Workers are shown islands, and what they find and are told is in the
-// units of these. Both are metres wherever cameras measure depths. Keyframes that the state does not
-// have leave the overlap as it is.
+// maps, which no merge changes. Workers are shown islands, and what they find and are told is in
+// the units of these. Both are metres wherever cameras measure depths. Keyframes that the state
+// does not have leave the overlap as it is.
 void ToOwnersUnits(const MissionState& state, Overlap& overlap);
 void ToIslandsUnits(const MissionState& state, Overlap& overlap);
 

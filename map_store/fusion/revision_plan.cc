@@ -87,7 +87,8 @@ class Planner {
       const auto moved = new_poses.find(id);
       Similarity3d placed = moved == new_poses.end() ? pose * snapshot_from_target
                                                      : Rescale(moved->second, pose.scale);
-      if (placed.scale != 1 && MeasuresMetres(id)) placed = Similarity3d::FromRigid(placed.ToRigid());
+      if (placed.scale != 1 && MeasuresMetres(id))
+        placed = Similarity3d::FromRigid(placed.ToRigid());
       plan_.keyframes.emplace_hint(
           plan_.keyframes.end(), id,
           PlacedKeyframe{placed, snapshot.local_poses.at(id), plan_.revision});

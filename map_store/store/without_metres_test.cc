@@ -71,8 +71,8 @@ class WithoutMetresTest : public ::testing::Test {
     store_ = std::make_unique<MapStore>(DeterministicOptions(), TheWorld().vocabulary,
                                         std::make_unique<InMemoryJournal>(), &worker_);
     for (size_t i = 0; i < maps_.size(); ++i) {
-      agents_.push_back(std::make_unique<TestAgent>(*store_, kMission, std::string(1, 'a' + i),
-                                                    maps_[i]));
+      agents_.push_back(
+          std::make_unique<TestAgent>(*store_, kMission, std::string(1, 'a' + i), maps_[i]));
       ASSERT_TRUE(agents_.back()->Stream().ok());
       ASSERT_TRUE(store_->RunFusionUntilIdle(kMission).ok());
     }

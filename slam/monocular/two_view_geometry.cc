@@ -78,7 +78,7 @@ void Polish(Fit fit, ScoreModel score_model, const NormalisedMatches& all, Fitte
 struct Laid {
   Rigid3d two_from_one;
   std::vector<std::optional<TwoViewPoint>> points;
-  int in_front = 0;                  // Those too far away to tell among them.
+  int in_front = 0;  // Those too far away to tell among them.
   int depths = 0;
   std::vector<double> parallax_rad;  // Of points with a depth beyond doubt, the largest first.
 
@@ -170,8 +170,7 @@ void Decide(const Camera& camera, Matches matches, const Fitted& model,
     return std::pair(a.with_depth(), a.in_front) < std::pair(b.with_depth(), b.in_front);
   });
   geometry.parallax_rad = ParallaxReached(*best, options.min_points);
-  geometry.verdict =
-      Judge(laid, static_cast<size_t>(best - laid.begin()), inliers, options);
+  geometry.verdict = Judge(laid, static_cast<size_t>(best - laid.begin()), inliers, options);
   if (geometry.verdict != TwoViewVerdict::kFound) return;
   geometry.two_from_one = best->two_from_one;
   geometry.points = std::move(best->points);

@@ -27,8 +27,8 @@ struct TwoViewOptions {
   // They must see the two cameras under this angle at least. Less is what noise and a wrong
   // distortion make of a camera that turned.
   double min_parallax_rad = 0.01745;  // 1 degree.
-  // It must be so many standard deviations of what noise makes of two rays, too: of large keypoints,
-  // whose pixels are coarse, a degree is nothing.
+  // It must be so many standard deviations of what noise makes of two rays, too: of large
+  // keypoints, whose pixels are coarse, a degree is nothing.
   double min_parallax_sigmas = 4;
   // Of what agrees with the motion, so much must also lie before both cameras, ...
   double min_share_in_front = 0.9;
@@ -66,10 +66,10 @@ struct TwoViewGeometry {
 };
 
 // Fits a homography and an essential matrix side by side to samples of eight, takes the model that
-// explains more, and of the motions that it may come from the one that lays what is seen before both
-// cameras. It refuses what is not beyond doubt. The camera's pixels are undistorted, so that rays
-// through any lens are what a pinhole sees. Source: Mur-Artal, Montiel and Tardos, "ORB-SLAM", T-RO
-// 2015, section IV. The same input and seed give the same result. Pure; any thread.
+// explains more, and of the motions that it may come from the one that lays what is seen before
+// both cameras. It refuses what is not beyond doubt. The camera's pixels are undistorted, so that
+// rays through any lens are what a pinhole sees. Source: Mur-Artal, Montiel and Tardos, "ORB-SLAM",
+// T-RO 2015, section IV. The same input and seed give the same result. Pure; any thread.
 TwoViewGeometry FindTwoViewGeometry(const Camera& camera, absl::Span<const TwoViewMatch> matches,
                                     const TwoViewOptions& options);
 

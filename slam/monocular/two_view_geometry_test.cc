@@ -196,8 +196,8 @@ TEST_F(SceneTest, RefusesTooShortAMotion) {
 TEST_F(SceneTest, RefusesTooFewMatches) {
   EXPECT_EQ(Find(See(Scene::kGeneral, kAside, 49)).verdict, TwoViewVerdict::kFewMatches);
   EXPECT_EQ(Find({}).verdict, TwoViewVerdict::kFewMatches);
-  EXPECT_EQ(FindTwoViewGeometry(camera_, See(Scene::kGeneral, kAside, 7).matches,
-                                {.min_points = 3}).verdict,
+  EXPECT_EQ(FindTwoViewGeometry(camera_, See(Scene::kGeneral, kAside, 7).matches, {.min_points = 3})
+                .verdict,
             TwoViewVerdict::kFewMatches);
 }
 

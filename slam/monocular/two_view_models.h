@@ -28,19 +28,19 @@ struct ModelScore {
 // Fits x_2 ~ H x_1 to at least 4 matches (normalised direct linear transform: Hartley and
 // Zisserman, Multiple View Geometry, algorithm 4.2); nullopt where they don't determine it.
 std::optional<Eigen::Matrix3d> FitHomography(absl::Span<const NormalisedMatch> matches);
-// Fits x_2' E x_1 = 0 to at least 8 matches (the normalised 8-point algorithm, 11.1 there), with two
-// equal singular values and one of 0; nullopt where they don't determine it.
+// Fits x_2' E x_1 = 0 to at least 8 matches (the normalised 8-point algorithm, 11.1 there), with
+// two equal singular values and one of 0; nullopt where they don't determine it.
 std::optional<Eigen::Matrix3d> FitEssential(absl::Span<const NormalisedMatch> matches);
 
 // Adds up what errors in both pictures leave of a bound that is the same for both models (ORB-SLAM,
-// T-RO 2015, eq. 2): of a homography how far the pixels are apart (5.99, two degrees of freedom), of
-// an essential matrix how far from the epipolar line (3.84, one).
+// T-RO 2015, eq. 2): of a homography how far the pixels are apart (5.99, two degrees of freedom),
+// of an essential matrix how far from the epipolar line (3.84, one).
 ModelScore ScoreHomography(const Eigen::Matrix3d& H, absl::Span<const NormalisedMatch> matches);
 ModelScore ScoreEssential(const Eigen::Matrix3d& E, absl::Span<const NormalisedMatch> matches);
 
 // Return the motions two_from_one that a model may come from, with translations of length 1: up to
-// four of a homography's (those of both signs of its plane's normal), four of an essential matrix's.
-// A homography that is a rotation has none.
+// four of a homography's (those of both signs of its plane's normal), four of an essential
+// matrix's. A homography that is a rotation has none.
 std::vector<Rigid3d> MotionsOfHomography(const Eigen::Matrix3d& H);
 std::vector<Rigid3d> MotionsOfEssential(const Eigen::Matrix3d& E);
 

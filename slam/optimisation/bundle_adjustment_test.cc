@@ -175,8 +175,7 @@ TEST_P(AdjustBundleTest, MonocularMapStaysAsLargeAsItWas) {
   // It is the truth but for that size.
   const double scale = ExtentOf(scene.true_camera_from_map) / ExtentOf(after);
   for (const auto& [id, truth] : scene.true_camera_from_map) {
-    EXPECT_LT((scale * CameraCentre(after[id]) - CameraCentre(truth)).norm(), 0.01)
-        << ToString(id);
+    EXPECT_LT((scale * CameraCentre(after[id]) - CameraCentre(truth)).norm(), 0.01) << ToString(id);
   }
 }
 

@@ -29,8 +29,7 @@ void TakeOutUnseen(Features& features) {
 
 // A place that no undistorted picture shows becomes one that is no number.
 void Undistort(const Camera& camera, const LensModel& lens, Keypoint& keypoint) {
-  const Eigen::Vector2d ideal =
-      UndistortPixel(camera, lens, keypoint.Pixel()).value_or(kNowhere);
+  const Eigen::Vector2d ideal = UndistortPixel(camera, lens, keypoint.Pixel()).value_or(kNowhere);
   keypoint.x_px = static_cast<float>(ideal.x());
   keypoint.y_px = static_cast<float>(ideal.y());
 }

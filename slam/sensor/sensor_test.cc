@@ -252,8 +252,7 @@ TEST(RgbdSensorTest, ThreadsDoNotChangeTheResult) {
 
 // One camera sees what an RGB-D camera does, but for depths.
 TEST(MonocularSensorTest, FindsTheSameFeaturesWithoutDepths) {
-  const RgbdCalibration rgbd = {.camera = kCamera,
-                                .lens = RadialTangential{.k1 = -0.3, .k2 = 0.1}};
+  const RgbdCalibration rgbd = {.camera = kCamera, .lens = RadialTangential{.k1 = -0.3, .k2 = 0.1}};
   const MonocularCalibration one = FirstCameraOf(rgbd);
   EXPECT_EQ(KindOf(one), SensorKind::kMonocular);
   EXPECT_FALSE(one.camera.IsMetric());

@@ -68,9 +68,8 @@ class GstSettings : public KindSettings {
                        "whose picture holds both halves (?layout=side-by-side)"));
     }
     if (!one_picture || !has_second) return absl::OkStatus();
-    return absl::InvalidArgumentError(
-        absl::StrCat(kind_, ":", place_,
-                     ": one picture with both halves (?layout=) and a second camera"));
+    return absl::InvalidArgumentError(absl::StrCat(
+        kind_, ":", place_, ": one picture with both halves (?layout=) and a second camera"));
   }
   std::vector<std::pair<std::string, std::string>> FormatOptions() const override {
     auto formatted = FormatLiveOptions(options_.live);
@@ -132,8 +131,7 @@ class GstSettings : public KindSettings {
   }
   LiveOptions StreamOptionsOf() const {
     LiveOptions options = StreamOptions(absl::StrCat(kind_, ":", place_), options_.live);
-    options.one_stamp =
-        LayoutOf() == GstLayout::kSideBySide || LayoutOf() == GstLayout::kOneAbove;
+    options.one_stamp = LayoutOf() == GstLayout::kSideBySide || LayoutOf() == GstLayout::kOneAbove;
     return options;
   }
   bool NamesDevices() const { return kind_ != "gst"; }

@@ -111,8 +111,9 @@ absl::StatusOr<std::string> ReadName(const push_wire::Hello& hello) {
 
 absl::Status CheckFormat(const std::string& which, uint32_t format, bool depth) {
   if (format == 0) {
-    return Bad(which + ".format", format,
-               "1 to 4: a frame has two pictures, unless the rig is of one camera (kind: monocular)");
+    return Bad(
+        which + ".format", format,
+        "1 to 4: a frame has two pictures, unless the rig is of one camera (kind: monocular)");
   }
   if ((format == CORBSLAM_PUSH_DEPTH16) == depth) return absl::OkStatus();
   return Bad(which + ".format", format,

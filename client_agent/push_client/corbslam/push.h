@@ -82,8 +82,8 @@ typedef struct corbslam_push_pose {
   uint32_t points_matched;
   uint64_t local_map;    /* Poses of one local map have one frame; 0: none. */
   uint64_t dropped;      /* Frames so far that a newer one replaced. */
-  double translation[3]; /* local_from_camera, metres (of rigs with one camera in the local map's own
-                            unit): x_local = R x_camera + t, with z forwards, */
+  double translation[3]; /* local_from_camera, metres (of rigs with one camera in the local map's
+                            own unit): x_local = R x_camera + t, with z forwards, */
   double rotation[4];    /* x right, y down, of the (left) camera as it records. x, y, z, w. */
 } corbslam_push_pose;
 

@@ -104,8 +104,8 @@ absl::Status ValidateRgbd(const Rig& rig) {
 
 absl::Status ValidateMonocular(const Rig& rig) {
   if (rig.close_depth_m.has_value()) {
-    return absl::InvalidArgumentError(absl::StrCat(
-        "close_depth_m is ", *rig.close_depth_m, ": one camera alone measures no depth"));
+    return absl::InvalidArgumentError(absl::StrCat("close_depth_m is ", *rig.close_depth_m,
+                                                   ": one camera alone measures no depth"));
   }
   if (rig.cameras.size() == 1) return absl::OkStatus();
   return absl::InvalidArgumentError(

@@ -165,8 +165,9 @@ TEST(RigFileTest, OneCameraHasNothingOfTwo) {
       {one + "close_depth_m: 3\n", "close_depth_m"},
       {one + "baseline_m: 0.1\n", "baseline_m"},
       {one + "depth:\n  units_per_m: 1000\n", "depth"},
-      {absl::StrReplaceAll(one, {{"body_from", "  - {size_px: [512, 512], focal_px: [190, 190], "
-                                               "principal_px: [254, 256]}\nbody_from"}}),
+      {absl::StrReplaceAll(one, {{"body_from",
+                                  "  - {size_px: [512, 512], focal_px: [190, 190], "
+                                  "principal_px: [254, 256]}\nbody_from"}}),
        "given 2"},
       {absl::StrReplaceAll(one, {{"monocular", "mono"}}), "must be stereo, rgbd or monocular"}};
   for (const auto& [text, says] : cases) {

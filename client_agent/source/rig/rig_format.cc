@@ -104,9 +104,9 @@ void AppendKind(const Rig& rig, std::string& text) {
 }  // namespace
 
 std::string FormatRig(const Rig& rig, const std::string& origin) {
-  std::string text = absl::StrCat(
-      "# A rig file of CORB-SLAM (docs/rig.md), made of ", origin, "\nrig: ", kRigFormat,
-      "\nkind: ", WordOf(rig.kind), "\ncameras:\n");
+  std::string text =
+      absl::StrCat("# A rig file of CORB-SLAM (docs/rig.md), made of ", origin,
+                   "\nrig: ", kRigFormat, "\nkind: ", WordOf(rig.kind), "\ncameras:\n");
   for (const RigCamera& camera : rig.cameras) {
     absl::StrAppend(&text, "  - ");
     AppendCamera(camera, text);

@@ -153,9 +153,8 @@ TEST_F(FrameRecorderTest, WhatAnImuMeasuredComesBackWithItsFrames) {
   RgbdCalibration rgbd;
   rgbd.camera = SmallCamera();
   rgbd.imu = SomeImu();
-  for (const SensorCalibration& calibration :
-       {SensorCalibration(stereo), SensorCalibration(rgbd),
-        SensorCalibration(FirstCameraOf(rgbd))}) {
+  for (const SensorCalibration& calibration : {SensorCalibration(stereo), SensorCalibration(rgbd),
+                                               SensorCalibration(FirstCameraOf(rgbd))}) {
     std::filesystem::remove_all(folder_);
     Start(calibration);
     std::vector<SensorImages> frames;

@@ -69,10 +69,9 @@ absl::Status CheckKind(const SensorImages& images, SensorKind kind) {
   const char* const wanted = kind == SensorKind::kStereo ? ", and a right one"
                              : kind == SensorKind::kRgbd ? ", and depth of 16 bits"
                                                          : "";
-  return absl::UnimplementedError(absl::StrCat("a frame of ", cv::typeToString(images.grey.type()),
-                                               " and ", cv::typeToString(last.type()),
-                                               ": recordings hold grey pictures of 8 bits",
-                                               wanted));
+  return absl::UnimplementedError(absl::StrCat(
+      "a frame of ", cv::typeToString(images.grey.type()), " and ", cv::typeToString(last.type()),
+      ": recordings hold grey pictures of 8 bits", wanted));
 }
 
 absl::Status CheckFree(const std::string& folder, uint64_t least_free_bytes) {
@@ -108,8 +107,7 @@ std::vector<std::pair<std::string, std::string>> ListsOf(const std::string& fold
   return lists;
 }
 
-std::vector<std::string> ListLines(SensorKind kind, int64_t timestamp_ns,
-                                   const std::string& name) {
+std::vector<std::string> ListLines(SensorKind kind, int64_t timestamp_ns, const std::string& name) {
   if (kind != SensorKind::kRgbd) {
     return std::vector<std::string>(kind == SensorKind::kStereo ? 2 : 1,
                                     absl::StrCat(timestamp_ns, ",", name));
@@ -193,7 +191,8 @@ uint32_t PictureChecksum(const cv::Mat& picture) {
 }
 
 std::string SourceOfRecording(const std::string& folder, SensorKind kind) {
-  return absl::StrCat(kind == SensorKind::kRgbd ? "tum:" : "euroc:", folder, "?rig=", folder, "/rig.yaml");
+  return absl::StrCat(kind == SensorKind::kRgbd ? "tum:" : "euroc:", folder, "?rig=", folder,
+                      "/rig.yaml");
 }
 
 absl::Status CheckRecordingFolder(const std::string& folder) {
@@ -213,8 +212,7 @@ absl::Status CheckRecordingFolder(const std::string& folder) {
 absl::StatusOr<std::unique_ptr<RecordingFiles>> RecordingFiles::Create(
     const std::string& folder, const RecordingHead& head, std::optional<double> rate_hz) {
   RETURN_IF_ERROR(CheckRecordingFolder(folder));
-  std::unique_ptr<RecordingFiles> files(
-      new RecordingFiles(folder, KindOf(head.calibration)));
+  std::unique_ptr<RecordingFiles> files(new RecordingFiles(folder, KindOf(head.calibration)));
   for (const std::string& pictures : PictureFolders(folder, files->kind_)) {
     RETURN_IF_ERROR(MakeFolder(pictures));
   }
@@ -284,8 +282,8 @@ absl::Status RecordingFiles::WriteHead(RecordingHead head) {
 std::string RecordingFiles::NameOf(const FrameLine& line) {
   const bool grows = !latest_ns_.has_value() || line.timestamp_ns > *latest_ns_;
   if (grows) latest_ns_ = line.timestamp_ns;
-  const std::string time =
-      kind_ == SensorKind::kRgbd ? FormatSeconds(line.timestamp_ns) : absl::StrCat(line.timestamp_ns);
+  const std::string time = kind_ == SensorKind::kRgbd ? FormatSeconds(line.timestamp_ns)
+                                                      : absl::StrCat(line.timestamp_ns);
   return grows ? absl::StrCat(time, ".png") : absl::StrCat(time, "-", line.frame, ".png");
 }
 

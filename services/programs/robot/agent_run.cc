@@ -202,11 +202,12 @@ SourceFindings CollectWarnings(const SourceFindings& at_start, const Agent& agen
   if (status.tracked > 0 && status.without_metres) {
     warnings.push_back(
         {FindingLevel::kWarning, "without-metres",
-         absl::StrCat("one camera alone: the robot's map is in a unit of its own",
-                      status.global_without_metres
-                          ? ", and so is the mission's, for no stereo or RGB-D robot's map is merged "
-                            "with it. Hold it against the truth with --align sim3"
-                          : "; the mission's is in metres, by a map that it is merged with")});
+         absl::StrCat(
+             "one camera alone: the robot's map is in a unit of its own",
+             status.global_without_metres
+                 ? ", and so is the mission's, for no stereo or RGB-D robot's map is merged "
+                   "with it. Hold it against the truth with --align sim3"
+                 : "; the mission's is in metres, by a map that it is merged with")});
   }
   const bool had_any = played.played > 0 || stream.left_out().count > 0 || !played.stopped;
   if (status.tracked == 0 && had_any) {

@@ -205,8 +205,9 @@ std::string FormatWithoutMetres(const MissionSummary& summary, const LocalMapNam
                     " (made with one camera alone; no map with metres is merged with them)\n");
   }
   if (!own.empty()) {
-    absl::StrAppend(&text, "without metres of their own: ", absl::StrJoin(own, ", "),
-                    " (made with one camera alone; the maps that they are merged with give them)\n");
+    absl::StrAppend(
+        &text, "without metres of their own: ", absl::StrJoin(own, ", "),
+        " (made with one camera alone; the maps that they are merged with give them)\n");
   }
   return text;
 }

@@ -165,8 +165,7 @@ absl::Status ReadRgbd(const Settings& settings, const RigFiles& files, const std
   return absl::OkStatus();
 }
 
-absl::Status ReadCameras(const Settings& settings, const RigFiles& files,
-                         ConvertedRig& converted) {
+absl::Status ReadCameras(const Settings& settings, const RigFiles& files, ConvertedRig& converted) {
   Rig& rig = converted.rig;
   ASSIGN_OR_RETURN(const auto units2, settings.Maybe("DepthMapFactor"));
   ASSIGN_OR_RETURN(const auto units3, settings.Maybe("RGBD.DepthMapFactor"));

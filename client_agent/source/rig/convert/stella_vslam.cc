@@ -132,8 +132,8 @@ absl::Status Read(const YAML::Node& file, const std::string& path, ConvertedRig&
     UseOneCamera("Camera.setup is 'monocular'", camera, converted);
     return absl::OkStatus();
   }
-  return Bad(path, absl::StrCat("Camera.setup is '", setup,
-                                "', must be stereo, RGBD or monocular"));
+  return Bad(path,
+             absl::StrCat("Camera.setup is '", setup, "', must be stereo, RGBD or monocular"));
 }
 
 }  // namespace
