@@ -107,6 +107,9 @@ struct AgentStatus {
   int64_t timestamp_ns = 0;
   Rigid3d local_from_camera;
   std::optional<Similarity3d> global_from_local;
+  // As TrackingResult's.
+  bool without_metres = false;
+  bool global_without_metres = false;
 
   int frames = 0;
   int tracked = 0;

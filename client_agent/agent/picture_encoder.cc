@@ -67,9 +67,9 @@ absl::StatusOr<PictureEncoder> PictureEncoder::Make(const SensorCalibration& cal
     ASSIGN_OR_RETURN(encoder.rectifier_, StereoRectifier::Make(*stereo->raw));
     return encoder;
   }
-  const auto& rgbd = std::get<RgbdCalibration>(calibration);
-  RETURN_IF_ERROR(Validate(rgbd.camera));
-  if (Distorts(rgbd.lens)) encoder.undistortion_ = UndistortionOf(rgbd.camera, rgbd.lens);
+  const MonocularCalibration one = FirstCameraOf(calibration);
+  RETURN_IF_ERROR(Validate(one.camera));
+  if (Distorts(one.lens)) encoder.undistortion_ = UndistortionOf(one.camera, one.lens);
   return encoder;
 }
 

@@ -29,7 +29,20 @@ uint64_t SeedOf(const AgentOptions& options) {
   return hash;
 }
 
-StoreLinkOptions MakeStoreLinkOptions(const AgentOptions& options,
+// Others' keyframes and points are placed in an own map by rigid motions, which a map without
+// metres is not to theirs: its robot is told where its own keyframes stand, and no more.
+ShareScope ShareOf(ShareScope share, bool may_take_others) {
+  const bool has_others = share.mode == ShareMode::kNearby || share.mode == ShareMode::kEverything;
+  if (has_others && !may_take_others) share.mode = ShareMode::kCorrections;
+  return share;
+}
+
+// A robot that only localises has no map of its own that could lack metres.
+bool MayTakeOthers(const AgentOptions& options, const Camera& camera) {
+  return camera.IsMetric() || options.localise_only;
+}
+
+StoreLinkOptions MakeStoreLinkOptions(const AgentOptions& options, const Camera& camera,
                                       const RecordedCamera& recorded_camera) {
   StoreLinkOptions link;
   link.mission = options.mission;
@@ -40,7 +53,7 @@ StoreLinkOptions MakeStoreLinkOptions(const AgentOptions& options,
   link.features = options.upload_features;
   link.uplink_bytes_per_second = options.uplink_bytes_per_second;
   link.downlink_bytes_per_second = options.downlink_bytes_per_second;
-  link.share = options.share;
+  link.share = ShareOf(options.share, MayTakeOthers(options, camera));
   link.localise_only = options.localise_only;
   link.spool_within = options.spool_within;
   link.resumable = options.resume;
@@ -101,6 +114,15 @@ absl::Status CheckParts(const AgentOptions& options, const Vocabulary* vocabular
   return absl::OkStatus();
 }
 
+absl::Status CheckCamera(const AgentOptions& options, const Camera& camera) {
+  if (camera.IsMetric() || options.max_map_bytes == 0) return absl::OkStatus();
+  return absl::InvalidArgumentError(absl::StrCat(
+      "agent options: max_map_bytes is ", options.max_map_bytes,
+      ", and the camera is one alone: its map can't go on in another one, which would begin "
+      "without "
+      "depths and in another scale; leave the memory budget out, or use a stereo or RGB-D camera"));
+}
+
 // What an earlier process left: NOT_FOUND if there is nothing, or nothing is wanted of it.
 absl::StatusOr<SpooledMap> TakeOverSpool(const AgentOptions& options, Spool* spool,
                                          const Camera& camera, const RecordedCamera& recorded) {
@@ -118,6 +140,7 @@ absl::StatusOr<std::unique_ptr<Agent>> Agent::Create(const AgentOptions& options
                                                      Uplink* uplink, std::unique_ptr<Spool> spool) {
   RETURN_IF_ERROR(CheckParts(options, vocabulary.get(), uplink, spool.get()));
   ASSIGN_OR_RETURN(std::unique_ptr<Sensor> sensor, MakeSensor(calibration, options.sensor));
+  RETURN_IF_ERROR(CheckCamera(options, sensor->camera()));
   ASSIGN_OR_RETURN(const RecordedCamera recorded_camera, RecordedCameraOf(calibration));
   absl::StatusOr<SpooledMap> spooled_map =
       TakeOverSpool(options, spool.get(), sensor->camera(), recorded_camera);
@@ -132,7 +155,7 @@ SingleAgent::SingleAgent(const AgentOptions& options, std::unique_ptr<Sensor> se
                          std::shared_ptr<const Vocabulary> vocabulary, Uplink* uplink,
                          std::unique_ptr<Spool> spool, absl::StatusOr<SpooledMap> spooled_map)
     : options_(options),
-      is_stereo_(std::holds_alternative<StereoCalibration>(calibration)),
+      kind_(KindOf(calibration)),
       created_(absl::Now()),
       sensor_(std::move(sensor)),
       input_watch_(calibration),
@@ -144,7 +167,7 @@ SingleAgent::SingleAgent(const AgentOptions& options, std::unique_ptr<Sensor> se
       share_mode_(options.share.mode),
       inquiry_(options.ask_place, MakeInquiryOptions(options), !options.deterministic),
       link_(std::make_unique<StoreLink>(
-          MakeStoreLinkOptions(options, recorded_camera), uplink,
+          MakeStoreLinkOptions(options, *camera_, recorded_camera), uplink,
           [vocabulary = vocabulary_](const std::vector<Descriptor>& descriptors) {
             return std::make_shared<const Words>(vocabulary->Transform(descriptors));
           },
@@ -153,7 +176,13 @@ SingleAgent::SingleAgent(const AgentOptions& options, std::unique_ptr<Sensor> se
       pictures_(uplink != nullptr ? MakePictureMaker(calibration) : nullptr),
       after_work_(/*threaded=*/!options.deterministic) {
   const auto imu = std::visit([](const auto& of) { return of.imu; }, calibration);
-  if (imu.has_value()) inertial_.emplace(*imu, recorded_camera.camera_from_recorded);
+  if (imu.has_value() && kind_ != SensorKind::kMonocular) {
+    inertial_.emplace(*imu, recorded_camera.camera_from_recorded);
+  } else if (imu.has_value()) {
+    SayFinding({FindingLevel::kWarning, "imu-unused",
+                "the IMU is not used: it measures metres, and the map of one camera alone has "
+                "none. Use a stereo or RGB-D camera beside it"});
+  }
   if (options_.orders != nullptr) options_.orders->SetCamera(*camera_);
   if (spooled_map.ok()) resuming_ = Resuming{spooled_map->newest_ns(), std::nullopt};
   OpenLocalMap(std::nullopt, spooled_map.ok() ? &*spooled_map : nullptr);
@@ -186,8 +215,9 @@ void SingleAgent::OpenLocalMap(const std::optional<Similarity3d>& global_from_lo
   while (!options.local_map.IsValid()) options.local_map.value = random_();
   options.tracker.seed = options_.seed;
   // Depths of RGB-D cameras are coarser than disparities.
-  options.tracker.local_map_widening = is_stereo_ ? 1 : 3;
-  options.tracker.has_stereo = is_stereo_;
+  options.tracker.local_map_widening = kind_ == SensorKind::kRgbd ? 3 : 1;
+  options.tracker.has_stereo = kind_ == SensorKind::kStereo;
+  if (kind_ == SensorKind::kMonocular) options.tracker.keyframe = OfOneCamera();
   options.tracker.localise_only = options_.localise_only;
   options.tracker.max_lost_at_start_ns = absl::ToInt64Nanoseconds(options_.resume_wait);
   options.mapper.local_bundle.threads = options_.solver_threads;
@@ -291,6 +321,15 @@ absl::Status SingleAgent::KeepPicture(KeyframeId keyframe, const SensorImages& i
   return absl::OkStatus();
 }
 
+bool SingleAgent::HasMetres() const {
+  if (camera_->IsMetric()) return true;
+  return options_.localise_only && link_->GlobalIsInMetres();
+}
+
+bool SingleAgent::GlobalHasMetres() const {
+  return camera_->IsMetric() || link_->GlobalIsInMetres();
+}
+
 absl::Status SingleAgent::UsePause() {
   if (!undescribed_.has_value()) return absl::OkStatus();
   auto [images, result] = *std::exchange(undescribed_, std::nullopt);
@@ -312,6 +351,8 @@ absl::StatusOr<TrackingResult> SingleAgent::Track(const SensorImages& images) {
   ExpectByImu(images);
   ASSIGN_OR_RETURN(TrackingResult result, FindPose(images));
   LearnByImu(result);
+  result.without_metres = !HasMetres();
+  result.global_without_metres = !GlobalHasMetres();
   smooth_pose_.Add(result);
   LeaveOutContradicting();
   const bool is_placed = link_->GlobalFromLocal().has_value();
@@ -361,6 +402,8 @@ bool SingleAgent::Use(const PlaceAnswer& answer) {
   const PlaceQuestion& question = answer.question;
   if (question.local_map != current().map().local_map()) return false;
   if (question.camera_from_local.has_value()) {
+    // One place says nothing about the scale of a map without metres.
+    if (!camera_->IsMetric() && !options_.localise_only) return false;
     const Rigid3d global_from_local =
         answer.camera_from_global.Inverse() * *question.camera_from_local;
     absl::MutexLock lock(&mutex_);
@@ -372,17 +415,25 @@ bool SingleAgent::Use(const PlaceAnswer& answer) {
   // The store is told this place, so that it shares what lies around it, though the map does not
   // show that yet.
   link_->AddLocalised({question.frame->timestamp_ns, answer.camera_from_global});
-  return current().tracker().ResumeAt(question.frame,
-                                      answer.camera_from_global * global_from_local->ToRigid());
+  const Similarity3d camera_from_local =
+      Similarity3d::FromRigid(answer.camera_from_global) * *global_from_local;
+  return current().tracker().ResumeAt(question.frame, camera_from_local.ToRigid());
 }
 
 void SingleAgent::Follow(const ChangedLimits& limits) {
-  max_map_bytes_ = limits.max_map_bytes.value_or(max_map_bytes_);
-  shedder_.SetMaxMapBytes(max_map_bytes_);
+  if (camera_->IsMetric()) {
+    max_map_bytes_ = limits.max_map_bytes.value_or(max_map_bytes_);
+    shedder_.SetMaxMapBytes(max_map_bytes_);
+  } else if (limits.max_map_bytes.value_or(0) > 0) {
+    SayFinding({FindingLevel::kWarning, "memory-budget-unused",
+                "the memory budget that was ordered is not kept: the map of one camera alone "
+                "can't go on in another one"});
+  }
   if (limits.uplink_bytes_per_second) link_->SetUplinkRate(*limits.uplink_bytes_per_second);
   if (limits.share) {
-    share_mode_ = limits.share->mode;
-    link_->SetShare(*limits.share);
+    const ShareScope share = ShareOf(*limits.share, MayTakeOthers(options_, *camera_));
+    share_mode_ = share.mode;
+    link_->SetShare(share);
   }
 }
 
@@ -539,6 +590,8 @@ AgentStatus SingleAgent::GetStatus() const {
   }
   status.mapping_paused = options_.orders != nullptr && options_.orders->mapping_paused();
   status.global_from_local = GlobalFromLocal();
+  status.without_metres = !HasMetres();
+  status.global_without_metres = !GlobalHasMetres();
   status.map_bytes = sessions.back()->map_bytes();
   status.foreign_keyframes = static_cast<int>(link_->shared_keyframes());
   status.shared_updates = link_->shared_updates();

@@ -73,6 +73,9 @@ class SingleAgent : public Agent {
   // Tells tracking what the IMU says of the frame, and learns from what tracking found.
   void ExpectByImu(const SensorImages& images);
   void LearnByImu(TrackingResult& result);
+  // The local map of one camera alone has no metres; in others' map a robot has theirs.
+  bool HasMetres() const;
+  bool GlobalHasMetres() const;
   // Has a keyframe's picture serve tracking, and people.
   absl::Status KeepPicture(KeyframeId keyframe, const SensorImages& images);
   // Gives up those of others' local maps that contradict the camera from this frame on.
@@ -113,7 +116,7 @@ class SingleAgent : public Agent {
   void LetGoOf(std::shared_ptr<const LocalMapSession> session);
 
   const AgentOptions options_;
-  const bool is_stereo_;
+  const SensorKind kind_;
   const absl::Time created_;
   const std::unique_ptr<Sensor> sensor_;
   InputWatch input_watch_;

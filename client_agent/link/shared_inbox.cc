@@ -98,6 +98,7 @@ void SharedInbox::Place(const PlacementPlan& plan, Map& map) {
   {
     absl::MutexLock lock(&mutex_);
     global_from_local_ = shared_.GlobalFromLocal();
+    global_is_in_metres_ = shared_.in_metres();
     keyframes_ = shared_.keyframe_count();
   }
   jobs_.OnPlaced(change, map);
@@ -126,6 +127,11 @@ void SharedInbox::LeaveOut(LocalMapId foreign) {
 std::optional<Similarity3d> SharedInbox::GlobalFromLocal() const {
   absl::MutexLock lock(&mutex_);
   return global_from_local_;
+}
+
+bool SharedInbox::GlobalIsInMetres() const {
+  absl::MutexLock lock(&mutex_);
+  return global_is_in_metres_;
 }
 
 size_t SharedInbox::keyframes() const {

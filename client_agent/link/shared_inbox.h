@@ -54,6 +54,7 @@ class SharedInbox : public std::enable_shared_from_this<SharedInbox> {
 
   LocalMapId local_map() const { return local_map_; }
   std::optional<Similarity3d> GlobalFromLocal() const;
+  bool GlobalIsInMetres() const;
   // Returns how many keyframes of others are held.
   size_t keyframes() const;
 
@@ -81,6 +82,7 @@ class SharedInbox : public std::enable_shared_from_this<SharedInbox> {
   std::vector<ArrivedUpdate> updates_ ABSL_GUARDED_BY(mutex_);
   size_t bytes_ ABSL_GUARDED_BY(mutex_) = 0;
   std::optional<Similarity3d> global_from_local_ ABSL_GUARDED_BY(mutex_);
+  bool global_is_in_metres_ ABSL_GUARDED_BY(mutex_) = false;
   size_t keyframes_ ABSL_GUARDED_BY(mutex_) = 0;
 };
 

@@ -166,6 +166,8 @@ class StoreLink : private UplinkListener {
 
   // Returns where the robot's frame is in the global one; none before fusion.
   std::optional<Similarity3d> GlobalFromLocal() const;
+  // Returns whether the store said that the global frame is in metres.
+  bool GlobalIsInMetres() const;
   // Returns when the first keyframe was acknowledged.
   std::optional<absl::Time> first_acknowledged() const;
   // Returns true if the local map can't go on at the store (it lost what it had acknowledged, or

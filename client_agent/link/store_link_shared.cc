@@ -119,6 +119,11 @@ std::optional<Similarity3d> StoreLink::GlobalFromLocal() const {
   return inbox == nullptr ? std::nullopt : inbox->GlobalFromLocal();
 }
 
+bool StoreLink::GlobalIsInMetres() const {
+  const std::shared_ptr<SharedInbox> inbox = CurrentInbox();
+  return inbox != nullptr && inbox->GlobalIsInMetres();
+}
+
 uint64_t StoreLink::shared_updates() const {
   absl::MutexLock lock(&mutex_);
   return shared_updates_;

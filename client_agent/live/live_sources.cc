@@ -22,8 +22,12 @@ struct KnownSource {
 };
 
 constexpr KnownSource kSources[] = {
-    {"kitti", "kitti:DIR", "recordings in KITTI's layouts: stereo, rectified or with a rig", ""},
-    {"euroc", "euroc:DIR", "recordings in EuRoC's (ASL) layout: stereo, rectified while played",
+    {"kitti", "kitti:DIR",
+     "recordings in KITTI's layouts: stereo, rectified or with a rig; or one camera (cameras=1)",
+     ""},
+    {"euroc", "euroc:DIR",
+     "recordings in EuRoC's (ASL) layout: stereo, rectified while played; or one camera "
+     "(cameras=1)",
      ""},
     {"tum", "tum:DIR", "recordings in TUM RGB-D's layout", ""},
     {"7scenes", "7scenes:DIR", "recordings in 7-Scenes' layout: RGB-D", ""},

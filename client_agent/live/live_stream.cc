@@ -18,10 +18,6 @@
 namespace corbslam::client_agent {
 namespace {
 
-bool IsStereo(const SensorCalibration& calibration) {
-  return std::holds_alternative<StereoCalibration>(calibration);
-}
-
 // Returns the size that pictures must have, as they are recorded.
 cv::Size SizeOf(const SensorCalibration& calibration) {
   const Intrinsics recorded = RecordedIntrinsics(calibration);
@@ -85,7 +81,8 @@ LiveStream::LiveStream(const Rig& rig, SensorCalibration calibration, DepthPrepa
       rate_hz_(rig.rate_hz),
       calibration_(std::move(calibration)),
       depth_(std::move(depth)),
-      pairing_(/*both=*/true, options.pair_within_ns, UsedOffset_ns(rig, options)),
+      pairing_(/*both=*/rig.kind != RigKind::kMonocular, options.pair_within_ns,
+               UsedOffset_ns(rig, options)),
       rate_(rig.rate_hz),
       findings_(FindUnusedOffset(rig, options)),
       camera_(std::move(camera)) {
@@ -158,15 +155,17 @@ absl::StatusOr<StreamFrame> LiveStream::FrameOf(const LivePair& pair) const {
   if (LiveImu* const imu = camera_->imu(); imu != nullptr) {
     frame.images.imu = imu->Take(frame.images.timestamp_ns);
   }
-  if (IsStereo(calibration_)) {
+  const SensorKind kind = KindOf(calibration_);
+  if (kind == SensorKind::kStereo) {
     frame.images.right = pair.second.image;
-  } else {
+  } else if (kind == SensorKind::kRgbd) {
     ASSIGN_OR_RETURN(frame.images.depth, depth_.Prepare(pair.second.image));
   }
   return frame;
 }
 
 absl::Status LiveStream::CheckPaired() const {
+  if (KindOf(calibration_) == SensorKind::kMonocular) return absl::OkStatus();
   const CameraCounts counts = pairing_.counts();
   if (counts.frames > 0 || std::min(counts.pictures[0], counts.pictures[1]) < kMostAlone) {
     return absl::OkStatus();
@@ -198,9 +197,10 @@ std::string LiveStream::AdvicePairs(const CameraCounts& counts) const {
 }
 
 absl::Status LiveStream::CheckPictures(const LivePair& pair) const {
-  const bool stereo = IsStereo(calibration_);
+  const bool stereo = KindOf(calibration_) == SensorKind::kStereo;
   const cv::Size size = SizeOf(calibration_);
   RETURN_IF_ERROR(CheckPicture(stereo ? "left" : "grey", pair.first.image, CV_8UC1, size));
+  if (KindOf(calibration_) == SensorKind::kMonocular) return absl::OkStatus();
   return CheckPicture(stereo ? "right" : "depth", pair.second.image, stereo ? CV_8UC1 : CV_16UC1,
                       depth_.raw_size().value_or(size));
 }

@@ -10,8 +10,9 @@ namespace {
 
 constexpr double kMinFoundRatio = 0.25;
 // Observations with depth count twice: three are one keyframe with depth and one without, two are
-// one with depth.
+// one with depth. Without depths two are the keyframes that located the point.
 constexpr int kTooFewObservations = 3;
+constexpr int kTooFewWithoutDepth = 2;
 constexpr int kWeakObservations = 2;
 constexpr uint32_t kAgeToBeSeen = 2;
 constexpr uint32_t kAgeToBeKept = 3;
@@ -24,6 +25,13 @@ bool IsClose(const Keyframe& keyframe, const Keypoint& keypoint) {
   const Camera& camera = keyframe.camera();
   return !camera.IsMetric() ||
          keypoint.disparity_px >= DisparityFromDepth(camera, camera.close_depth_m);
+}
+
+// Those of the camera that the point was first seen by.
+int TooFewObservations(const Map& map, const MapPoint& point) {
+  const Keyframe* keyframe = map.FindKeyframe(point.reference);
+  const bool has_depths = keyframe == nullptr || keyframe->camera().IsMetric();
+  return has_depths ? kTooFewObservations : kTooFewWithoutDepth;
 }
 
 // True if the keyframe saw what is at its keypoint at the same or a finer scale; one level of
@@ -64,7 +72,7 @@ RecentPoints::Verdict RecentPoints::Judge(const Map& map, const Recent& recent,
   if (statistics_->FoundRatio(recent.id) < kMinFoundRatio) return Verdict::kRemove;
   // Keyframes are inserted while an older one is mapped: their points are not old yet.
   const uint32_t age = newest > recent.made_at ? newest - recent.made_at : 0;
-  if (age >= kAgeToBeSeen && CountObservations(map, *point) <= kTooFewObservations) {
+  if (age >= kAgeToBeSeen && CountObservations(map, *point) <= TooFewObservations(map, *point)) {
     return Verdict::kRemove;
   }
   return age >= kAgeToBeKept ? Verdict::kKeep : Verdict::kWait;

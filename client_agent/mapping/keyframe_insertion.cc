@@ -64,6 +64,29 @@ void ChooseBestParent(const KeyframeId id, LocalMapId own, Map& map) {
   }
 }
 
+void AddFirst(const MapBeginning& beginning, Map& map) {
+  Keyframe first;
+  first.payload = beginning.first;
+  first.words = beginning.words;
+  map.AddKeyframe(std::move(first));
+}
+
+void AddFoundPoints(const MapBeginning& beginning, KeyframeId second, GuardedMap& guarded,
+                    Map& map) {
+  const KeyframeId first = beginning.first->id;
+  for (const FoundPoint& found : beginning.points) {
+    MapPoint point;
+    point.id = guarded.NewPointId();
+    point.position_in_map = found.position_in_map;
+    point.reference = second;
+    const MapPointId id = point.id;
+    map.AddPoint(std::move(point));
+    map.AddObservation(id, first, found.in_first);
+    map.AddObservation(id, second, found.in_second);
+    map.UpdatePointAppearance(id);
+  }
+}
+
 }  // namespace
 
 std::vector<MapPointId> InsertKeyframe(const NewKeyframe& fresh, GuardedMap& guarded) {
@@ -74,8 +97,10 @@ std::vector<MapPointId> InsertKeyframe(const NewKeyframe& fresh, GuardedMap& gua
   keyframe.words = fresh.words;
   keyframe.camera_from_map = resolved.camera_from_map;
   return guarded.Write([&](Map& map) {
+    if (fresh.beginning != nullptr) AddFirst(*fresh.beginning, map);
     keyframe.parent = ChooseParent(map, id.local_map, resolved.parent);
     map.AddKeyframe(std::move(keyframe));
+    if (fresh.beginning != nullptr) AddFoundPoints(*fresh.beginning, id, guarded, map);
     for (size_t i = 0; i < resolved.points.size(); ++i) {
       if (!map.AddObservation(resolved.points[i], id, static_cast<uint32_t>(i))) continue;
       if (resolved.points[i].local_map == id.local_map) {

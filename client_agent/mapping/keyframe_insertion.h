@@ -12,7 +12,9 @@
 namespace corbslam::client_agent {
 
 // Adds the keyframe, the observations that tracking found, and points for its close keypoints that
-// see none (ORB-SLAM2, T-RO 2017). Returns the new points. Mapping thread only; writes.
+// see none (ORB-SLAM2, T-RO 2017); of a map that begins both keyframes and all that they see.
+// Returns the new points that are on probation: those that a map begins with are not. Mapping
+// thread only; writes.
 std::vector<MapPointId> InsertKeyframe(const NewKeyframe& keyframe, GuardedMap& map);
 
 // Counts an observation twice where it has depth (ORB-SLAM2).

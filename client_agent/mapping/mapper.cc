@@ -104,6 +104,7 @@ void Mapper::InsertWaiting() {
 void Mapper::Insert(const NewKeyframe& keyframe) {
   const KeyframeId id = keyframe.payload->id;
   recent_points_.Add(InsertKeyframe(keyframe, *parts_.map), id);
+  if (keyframe.beginning != nullptr) pending_.push_back(keyframe.beginning->first->id);
   pending_.push_back(id);
 }
 

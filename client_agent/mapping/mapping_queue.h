@@ -3,7 +3,9 @@
 #ifndef CORBSLAM_CLIENT_AGENT_MAPPING_MAPPING_QUEUE_H_
 #define CORBSLAM_CLIENT_AGENT_MAPPING_MAPPING_QUEUE_H_
 
+#include <Eigen/Core>
 #include <cstddef>
+#include <cstdint>
 #include <deque>
 #include <functional>
 #include <memory>
@@ -18,6 +20,21 @@
 
 namespace corbslam::client_agent {
 
+// A point that two keyframes see and that parallax located.
+struct FoundPoint {
+  uint32_t in_first = 0;  // Keypoints.
+  uint32_t in_second = 0;
+  Eigen::Vector3d position_in_map = Eigen::Vector3d::Zero();
+};
+
+// What the map of one camera begins with beside its second keyframe. The map's frame is the first
+// one's.
+struct MapBeginning {
+  std::shared_ptr<const KeyframePayload> first;
+  std::shared_ptr<const Words> words;  // Of the first.
+  std::vector<FoundPoint> points;
+};
+
 // A frame that tracking chose to keep.
 struct NewKeyframe {
   std::shared_ptr<const KeyframePayload> payload;
@@ -29,6 +46,8 @@ struct NewKeyframe {
   Rigid3d camera_from_reference;
   // The map points that tracking found, one entry a keypoint. Some may be gone meanwhile.
   std::vector<MapPointId> points;
+  // Only of the second keyframe of a map without depths. Both come into the map together.
+  std::shared_ptr<const MapBeginning> beginning;
 };
 
 using MappingJob = std::function<void(GuardedMap&)>;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "slam/map/scene_depth.h"
 #include "slam/matching/triangulation_matching.h"
 #include "slam/solvers/triangulation.h"
 
@@ -11,6 +12,11 @@ namespace corbslam::client_agent {
 namespace {
 
 constexpr int kNeighbours = 10;
+// Without depths points come from pairs of views alone, of which more are looked at.
+constexpr int kNeighboursWithoutDepth = 20;
+// Keyframes that are nearer to each other than this share of the scene's depth say no depths
+// (ORB-SLAM, T-RO 2015, VI.C).
+constexpr double kLeastOfDepth = 0.01;
 constexpr double kMaxParallaxCosine = 0.9998;
 constexpr double kMaxChi2Monocular = 5.991;
 constexpr double kMaxChi2Stereo = 7.815;
@@ -67,17 +73,19 @@ bool FitsScales(const Keyframe& a, const Keypoint& keypoint_a, const Keyframe& b
   return distances * kMaxScaleMismatch >= scales && distances <= scales * kMaxScaleMismatch;
 }
 
-bool IsFarEnough(const Keyframe& a, const Keyframe& b) {
+bool IsFarEnough(const Map& map, const Keyframe& a, const Keyframe& b) {
   const double distance =
       (CameraCentre(a.camera_from_map) - CameraCentre(b.camera_from_map)).norm();
-  return distance > (b.camera().IsMetric() ? b.camera().baseline_m : 0.0);
+  if (b.camera().IsMetric()) return distance > b.camera().baseline_m;
+  const std::optional<double> depth = MedianDepth(map, b);
+  return depth.has_value() && distance > kLeastOfDepth * *depth;
 }
 
 std::vector<NewPoint> FindNewPoints(const Map& map, KeyframeId id_a, KeyframeId id_b) {
   std::vector<NewPoint> found;
   const Keyframe* a = map.FindKeyframe(id_a);
   const Keyframe* b = map.FindKeyframe(id_b);
-  if (a == nullptr || b == nullptr || !IsFarEnough(*a, *b)) return found;
+  if (a == nullptr || b == nullptr || !IsFarEnough(map, *a, *b)) return found;
   for (const auto& [i, j] : MatchForTriangulation(*a, *b)) {
     if (const auto position = LocatePoint(*a, i, *b, j)) found.push_back({*position, i, j});
   }
@@ -113,8 +121,11 @@ std::optional<Eigen::Vector3d> LocatePoint(const Keyframe& a, uint32_t index_a, 
 
 std::vector<MapPointId> CreatePoints(KeyframeId keyframe, GuardedMap& guarded) {
   std::vector<MapPointId> made;
-  const std::vector<CovisibleKeyframe> neighbours =
-      guarded.Read([&](const Map& map) { return map.BestCovisible(keyframe, kNeighbours); });
+  const std::vector<CovisibleKeyframe> neighbours = guarded.Read([&](const Map& map) {
+    const Keyframe* const centre = map.FindKeyframe(keyframe);
+    const bool has_depths = centre == nullptr || centre->camera().IsMetric();
+    return map.BestCovisible(keyframe, has_depths ? kNeighbours : kNeighboursWithoutDepth);
+  });
   for (const CovisibleKeyframe& neighbour : neighbours) {
     // Another robot extends what it made itself.
     if (!guarded.IsOwn(neighbour.id)) continue;

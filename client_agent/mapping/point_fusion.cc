@@ -9,6 +9,7 @@ namespace corbslam::client_agent {
 namespace {
 
 constexpr int kNeighbours = 10;
+constexpr int kNeighboursWithoutDepth = 20;
 constexpr int kSecondNeighbours = 5;
 
 std::vector<KeyframeId> Targets(const Map& map, KeyframeId centre) {
@@ -17,7 +18,10 @@ std::vector<KeyframeId> Targets(const Map& map, KeyframeId centre) {
   const auto add = [&](KeyframeId id) {
     if (known.insert(id).second) targets.push_back(id);
   };
-  const std::vector<CovisibleKeyframe> first = map.BestCovisible(centre, kNeighbours);
+  const Keyframe* const keyframe = map.FindKeyframe(centre);
+  const bool has_depths = keyframe == nullptr || keyframe->camera().IsMetric();
+  const std::vector<CovisibleKeyframe> first =
+      map.BestCovisible(centre, has_depths ? kNeighbours : kNeighboursWithoutDepth);
   for (const CovisibleKeyframe& neighbour : first) {
     add(neighbour.id);
     for (const CovisibleKeyframe& second : map.BestCovisible(neighbour.id, kSecondNeighbours)) {

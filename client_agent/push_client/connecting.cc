@@ -44,6 +44,10 @@ corbslam_push_status LayOut(const char* which, const corbslam_push_picture& want
   return CORBSLAM_PUSH_OK;
 }
 
+bool IsNone(const corbslam_push_picture& picture) {
+  return picture.format == 0 && picture.width_px == 0 && picture.height_px == 0;
+}
+
 corbslam_push_status CheckTexts(const corbslam_push_options& options, ErrorText& error) {
   sockaddr_un address;
   if (options.socket_path == nullptr || options.socket_path[0] == 0 ||
@@ -109,8 +113,10 @@ corbslam_push_status MakeHello(const corbslam_push_options& options, push_wire::
   uint64_t end = 0;
   status = LayOut("first", options.first, hello.first, end, error);
   if (status != CORBSLAM_PUSH_OK) return status;
-  status = LayOut("second", options.second, hello.second, end, error);
-  if (status != CORBSLAM_PUSH_OK) return status;
+  if (!IsNone(options.second)) {
+    status = LayOut("second", options.second, hello.second, end, error);
+    if (status != CORBSLAM_PUSH_OK) return status;
+  }
   hello.magic = push_wire::kMagic;
   hello.version = push_wire::kVersion;
   hello.slots = options.slots != 0 ? options.slots : kDefaultSlots;

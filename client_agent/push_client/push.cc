@@ -153,7 +153,9 @@ corbslam_push_status corbslam_push_begin(corbslam_push* connection, int32_t time
   c.free_slots &= ~Bit(index);
   c.taken_slots |= Bit(index);
   uint8_t* const begin = c.memory.bytes + index * c.hello.slot_bytes;
-  *slot = {begin + c.hello.first.offset_bytes, begin + c.hello.second.offset_bytes, index};
+  const bool has_second = c.hello.second.format != 0;
+  *slot = {begin + c.hello.first.offset_bytes,
+           has_second ? begin + c.hello.second.offset_bytes : nullptr, index};
   return CORBSLAM_PUSH_OK;
 }
 
@@ -201,7 +203,9 @@ corbslam_push_status corbslam_push_frame(corbslam_push* connection, const void* 
   if (status != CORBSLAM_PUSH_OK) return status;
   const wire::Hello& hello = connection->hello;
   CopyRows(hello.first, first, first_stride_bytes, static_cast<uint8_t*>(slot.first));
-  CopyRows(hello.second, second, second_stride_bytes, static_cast<uint8_t*>(slot.second));
+  if (slot.second != nullptr) {
+    CopyRows(hello.second, second, second_stride_bytes, static_cast<uint8_t*>(slot.second));
+  }
   status = corbslam_push_commit(connection, slot.index, timestamp_ns);
   if (status != CORBSLAM_PUSH_OK) corbslam_push_cancel(connection, slot.index);
   return status;

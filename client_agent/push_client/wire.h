@@ -61,7 +61,7 @@ struct Hello {
   uint64_t slot_bytes;  // Slot i begins at i * slot_bytes.
   uint64_t memory_bytes;
   Picture first;          // Left, or that beside the depth.
-  Picture second;         // Right, or depth.
+  Picture second;         // Right, or depth; all 0: a frame has one picture.
   char name[kNameBytes];  // Of the driver, for the robot's log; ends with a zero.
 };
 

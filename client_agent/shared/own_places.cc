@@ -33,9 +33,17 @@ std::ptrdiff_t CountContained(const std::vector<OwnCorrection::Motion>& motions,
 
 }  // namespace
 
+Similarity3d OwnPlaces::Place::GlobalFromLocal() const {
+  if (local_per_global == 1) return Similarity3d::FromRigid(LocalFromGlobal().Inverse());
+  const Similarity3d camera_from_global_units = {local_per_global, camera_from_global.rotation,
+                                                 local_per_global * camera_from_global.translation};
+  return camera_from_global_units.Inverse() * Similarity3d::FromRigid(camera_from_local);
+}
+
 void OwnPlaces::Tell(const OwnKeyframePose& told) {
   Place& place = places_[told.id];
-  place = {told.camera_from_global.ToRigid(), told.camera_from_local};
+  place = {told.camera_from_global.ToRigid(), told.camera_from_local,
+           told.camera_from_global.scale};
   const auto it = motions_.find(told.id);
   if (it == motions_.end()) return;
   Motions& motions = it->second;

@@ -21,7 +21,9 @@ class OwnPlaces {
   struct Place {
     Rigid3d camera_from_global;
     Rigid3d camera_from_local;
+    double local_per_global = 1;  // Units of the local map: of one without metres others than 1.
     Rigid3d LocalFromGlobal() const { return camera_from_local.Inverse() * camera_from_global; }
+    Similarity3d GlobalFromLocal() const;
   };
 
   // Takes in a place from the store, which may not know the robot's last corrections yet: the told

@@ -38,5 +38,20 @@ TEST(OwnPlacesTest, AnythingThatTheStoreWasNotToldForLongIsAdded) {
   EXPECT_NEAR(XOf(places), 50, 1e-9);
 }
 
+TEST(OwnPlacesTest, AMapWithoutMetresLiesInTheGlobalFrameByASimilarity) {
+  const Similarity3d global_from_local = {
+      2.5,
+      Eigen::Quaterniond(Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 2, -1).normalized())),
+      {3, -4, 5}};
+  const Rigid3d camera_from_local = CameraAt(2);
+  OwnPlaces places;
+  places.Tell({kKeyframe, Similarity3d::FromRigid(camera_from_local) * global_from_local.Inverse(),
+               camera_from_local});
+  const Similarity3d found = places.places().at(kKeyframe).GlobalFromLocal();
+  EXPECT_NEAR(found.scale, 2.5, 1e-12);
+  EXPECT_LT(found.rotation.angularDistance(global_from_local.rotation), 1e-9);
+  EXPECT_LT((found.translation - global_from_local.translation).norm(), 1e-9);
+}
+
 }  // namespace
 }  // namespace corbslam::client_agent

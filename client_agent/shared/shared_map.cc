@@ -9,6 +9,7 @@ void SharedMap::Apply(const ArrivedUpdate& arrived) {
   has_all_places_ = !arrived.update.more_places;
   const SharedUpdate& update = arrived.update;
   apart_ = update.apart;
+  in_metres_ = update.in_metres;
   if (update.restart) told_global_from_local_.reset();
   if (update.global_from_local.has_value()) told_global_from_local_ = update.global_from_local;
   // What is said of the local map as a whole is older than its keyframes' places.
@@ -19,7 +20,7 @@ std::optional<Similarity3d> SharedMap::GlobalFromLocal() const {
   if (apart_) return std::nullopt;
   const auto& places = content_.own_places().places();
   if (places.empty()) return told_global_from_local_;
-  return Similarity3d::FromRigid(places.rbegin()->second.LocalFromGlobal().Inverse());
+  return places.rbegin()->second.GlobalFromLocal();
 }
 
 void SharedMap::Correct(const OwnCorrection& correction, Map& map) {

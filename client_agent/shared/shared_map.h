@@ -57,6 +57,8 @@ class SharedMap {
   // or, before fusion placed any, as the store said of the local map as a whole. None where the
   // store said neither, or that the island is not connected to the global frame.
   std::optional<Similarity3d> GlobalFromLocal() const;
+  // Returns whether the store said that places are in metres.
+  bool in_metres() const { return in_metres_; }
 
   size_t keyframe_count() const { return content_.keyframes().size(); }
 
@@ -82,6 +84,7 @@ class SharedMap {
   PlacementPlanner planner_;
   bool has_all_places_ = true;
   bool apart_ = false;
+  bool in_metres_ = false;
   std::optional<Similarity3d> told_global_from_local_;
   // Own keyframes that saw points of what is left out since the last Place.
   absl::btree_set<KeyframeId> released_;

@@ -27,7 +27,24 @@ absl::Status CheckCamera(const EurocCamera& camera, const std::string& path, boo
   return absl::OkStatus();
 }
 
-absl::StatusOr<StereoCalibration> ReadCalibration(const std::string& root, bool trust,
+// Returns what cam0 says, whatever there is beside it.
+absl::StatusOr<MonocularCalibration> ReadFirstCalibration(const std::string& root, bool trust,
+                                                          SourceRemarks& remarks) {
+  const std::string path = root + "/cam0/sensor.yaml";
+  ASSIGN_OR_RETURN(const EurocCamera first, ReadEurocCamera(path));
+  RETURN_IF_ERROR(CheckCamera(first, path, trust, remarks));
+  const RawCamera& raw = first.intrinsics;
+  return MonocularCalibration{.camera = {.fx_px = raw.fx_px,
+                                         .fy_px = raw.fy_px,
+                                         .cx_px = raw.cx_px,
+                                         .cy_px = raw.cy_px,
+                                         .width_px = first.width_px,
+                                         .height_px = first.height_px},
+                              .lens = raw.lens,
+                              .body_from_raw = first.body_from_camera};
+}
+
+absl::StatusOr<SensorCalibration> ReadCalibration(const std::string& root, bool trust,
                                                   SourceRemarks& remarks) {
   const std::string left_path = root + "/cam0/sensor.yaml";
   const std::string right_path = root + "/cam1/sensor.yaml";
@@ -56,6 +73,18 @@ absl::StatusOr<StereoCalibration> ReadCalibration(const std::string& root, bool 
   calibration.raw = raw;
   calibration.body_from_raw_left = left.body_from_camera;
   return calibration;
+}
+
+absl::StatusOr<std::vector<ListedFrame>> ListFirst(const std::string& root,
+                                                   SourceRemarks& remarks) {
+  ASSIGN_OR_RETURN(const auto pictures, ReadCameraList(root + "/cam0", remarks));
+  std::vector<ListedFrame> frames;
+  for (const ListedPicture& picture : pictures) {
+    frames.push_back(
+        {picture.timestamp_ns, 0, absl::StrCat(root, "/cam0/data/", picture.file), ""});
+  }
+  if (!frames.empty()) return frames;
+  return absl::InvalidArgumentError(absl::StrCat(root, "/cam0/data.csv: lists no picture"));
 }
 
 absl::Status NoPairs(const std::string& root, const std::vector<ListedPicture>& left,
@@ -96,8 +125,8 @@ absl::Status TakeEurocImu(const SourceSpec& spec, const std::string& root,
   const bool is_wanted = spec.opening.imu != "0" && !(list.empty() && spec.opening.imu.empty());
   if (is_wanted && spec.opening.rig_file.empty() && std::filesystem::exists(sensor, ignored)) {
     ASSIGN_OR_RETURN(EurocImu imu, ReadEurocImu(sensor));
-    const auto& stereo = std::get<StereoCalibration>(sequence.calibration);
-    imu.stated.imu_from_camera = imu.body_from_imu.Inverse() * *stereo.body_from_raw_left;
+    const MonocularCalibration first = FirstCameraOf(sequence.calibration);
+    imu.stated.imu_from_camera = imu.body_from_imu.Inverse() * *first.body_from_raw;
     ASSIGN_OR_RETURN(SourceFindings findings,
                      JudgeImu(imu.stated, sensor, spec.opening.trust_calibration));
     sequence.description.remarks.Add(std::move(findings));
@@ -110,20 +139,28 @@ absl::Status TakeEurocImu(const SourceSpec& spec, const std::string& root,
 
 absl::StatusOr<std::unique_ptr<FrameReader>> OpenEuroc(const SourceSpec& spec) {
   const std::string root = EurocRoot(spec.directory);
+  ASSIGN_OR_RETURN(const bool one_camera, PlaysOneCamera(spec));
   ListedSequence sequence;
   SourceDescription& description = sequence.description;
   const bool has_rig = !spec.opening.rig_file.empty();
-  if (!has_rig) {
-    ASSIGN_OR_RETURN(sequence.calibration,
-                     ReadCalibration(root, spec.opening.trust_calibration, description.remarks));
+  const bool trust = spec.opening.trust_calibration;
+  if (!has_rig && one_camera) {
+    ASSIGN_OR_RETURN(sequence.calibration, ReadFirstCalibration(root, trust, description.remarks));
+  } else if (!has_rig) {
+    ASSIGN_OR_RETURN(sequence.calibration, ReadCalibration(root, trust, description.remarks));
   }
-  const auto tolerance_ns = static_cast<int64_t>(1e6 * spec.opening.pair_within_ms);
-  ASSIGN_OR_RETURN(const int64_t right_offset_ns, SecondTimeOffsetOf_ns(spec));
-  ASSIGN_OR_RETURN(sequence.frames,
-                   ListFrames(root, tolerance_ns, right_offset_ns, description.remarks));
+  if (one_camera) {
+    ASSIGN_OR_RETURN(sequence.frames, ListFirst(root, description.remarks));
+  } else {
+    const auto tolerance_ns = static_cast<int64_t>(1e6 * spec.opening.pair_within_ms);
+    ASSIGN_OR_RETURN(const int64_t right_offset_ns, SecondTimeOffsetOf_ns(spec));
+    ASSIGN_OR_RETURN(sequence.frames,
+                     ListFrames(root, tolerance_ns, right_offset_ns, description.remarks));
+  }
   sequence.paired_by_time = true;
-  description.layout = "EuRoC (ASL), cam0 and cam1";
-  description.intrinsics_from = root + "/cam0/sensor.yaml, cam1/sensor.yaml";
+  description.layout = one_camera ? "EuRoC (ASL), cam0" : "EuRoC (ASL), cam0 and cam1";
+  description.intrinsics_from =
+      absl::StrCat(root, "/cam0/sensor.yaml", one_camera ? "" : ", cam1/sensor.yaml");
   if (has_rig) RETURN_IF_ERROR(TakeRig(spec, RigKind::kStereo, sequence));
   RETURN_IF_ERROR(TakeEurocImu(spec, root, sequence));
   sequence.times_file = root + "/cam0/data.csv";

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "client_agent/source/first_camera_reader.h"
 #include "client_agent/source/layout_hints.h"
 #include "client_agent/source/perturb.h"
 #include "client_agent/source/scaled_reader.h"
@@ -52,6 +53,7 @@ absl::StatusOr<std::unique_ptr<FrameReader>> OpenAnyReader(const SourceSpec& spe
 
 absl::StatusOr<std::unique_ptr<FrameReader>> OpenReader(const SourceSpec& spec) {
   ASSIGN_OR_RETURN(std::unique_ptr<FrameReader> reader, OpenAnyReader(spec));
+  if (spec.one_camera) reader = FirstCameraAlone(std::move(reader));
   if (!spec.selection.reverse) return reader;
   return WithoutImu(std::move(reader),
                     "the frames are played backwards (reverse), an IMU's samples can't be");

@@ -42,18 +42,18 @@ KittiFolders Raw(const std::string& directory, bool colour) {
 
 }  // namespace
 
-absl::StatusOr<KittiFolders> FindKittiFolders(const SourceSpec& spec) {
+absl::StatusOr<KittiFolders> FindKittiFolders(const SourceSpec& spec, bool one_camera) {
   for (const bool colour : {false, true}) {
     if (!spec.opening.images.empty() && (spec.opening.images == "colour") != colour) continue;
     for (const KittiFolders& folders :
          {Odometry(spec.directory, colour), Raw(spec.directory, colour)}) {
-      if (IsFolder(folders.left) && IsFolder(folders.right)) return folders;
+      if (IsFolder(folders.left) && (one_camera || IsFolder(folders.right))) return folders;
     }
   }
-  return absl::NotFoundError(absl::StrCat(
-      spec.directory,
-      ": no pictures of a stereo pair: KITTI has image_0 and image_1 (grey) or image_2 and image_3 "
-      "(colour), KITTI raw has image_00/data and image_01/data"));
+  return absl::NotFoundError(
+      absl::StrCat(spec.directory, one_camera ? ": no pictures" : ": no pictures of a stereo pair",
+                   ": KITTI has image_0 and image_1 (grey) or image_2 and image_3 "
+                   "(colour), KITTI raw has image_00/data and image_01/data"));
 }
 
 }  // namespace corbslam::client_agent

@@ -23,8 +23,8 @@ struct KittiFolders {
 // and times.txt; or, of KITTI's raw recordings, image_00 and image_01, or image_02 and image_03,
 // each with data/ and timestamps.txt, and calib_cam_to_cam.txt in DIR or the folder above. Grey
 // goes before colour unless ?images=colour says otherwise. Returns NOT_FOUND, saying what was
-// looked for, where there is no pair of folders.
-absl::StatusOr<KittiFolders> FindKittiFolders(const SourceSpec& spec);
+// looked for, where there is no pair of folders; of `one_camera` the first will do.
+absl::StatusOr<KittiFolders> FindKittiFolders(const SourceSpec& spec, bool one_camera);
 
 }  // namespace corbslam::client_agent
 

@@ -34,10 +34,14 @@ std::vector<std::string> PathsOf(const Numbered& pictures) {
   return paths;
 }
 
-absl::StatusOr<Pictures> ListPictures(const KittiFolders& folders) {
+absl::StatusOr<Pictures> ListPictures(const KittiFolders& folders, bool one_camera) {
   Pictures pictures;
   ASSIGN_OR_RETURN(pictures.left, ListNumberedPictures(folders.left, "", ""));
-  ASSIGN_OR_RETURN(pictures.right, ListNumberedPictures(folders.right, "", ""));
+  // What isn't looked at is taken to be there.
+  pictures.right = pictures.left;
+  if (!one_camera) {
+    ASSIGN_OR_RETURN(pictures.right, ListNumberedPictures(folders.right, "", ""));
+  }
   for (const auto& [folder, list] :
        {std::pair(folders.left, &pictures.left), std::pair(folders.right, &pictures.right)}) {
     if (list->empty()) {
@@ -117,13 +121,15 @@ absl::Status TakeCalibration(const SourceSpec& spec, const KittiFolders& folders
 }  // namespace
 
 absl::StatusOr<std::unique_ptr<FrameReader>> OpenKitti(const SourceSpec& spec) {
-  ASSIGN_OR_RETURN(const KittiFolders folders, FindKittiFolders(spec));
-  ASSIGN_OR_RETURN(const Pictures pictures, ListPictures(folders));
+  ASSIGN_OR_RETURN(const bool one_camera, PlaysOneCamera(spec));
+  ASSIGN_OR_RETURN(const KittiFolders folders, FindKittiFolders(spec, one_camera));
+  ASSIGN_OR_RETURN(const Pictures pictures, ListPictures(folders, one_camera));
   ListedSequence sequence;
   const bool has_rig = !spec.opening.rig_file.empty();
   if (!has_rig) RETURN_IF_ERROR(TakeCalibration(spec, folders, pictures, sequence));
   ASSIGN_OR_RETURN(sequence.frames, ListFrames(spec, folders, pictures, sequence.description));
   if (has_rig) RETURN_IF_ERROR(TakeRig(spec, RigKind::kStereo, sequence));
+  if (one_camera) LeaveOutSecond(sequence);
   RETURN_IF_ERROR(TakeImu(spec, /*own_list=*/"", sequence));
   sequence.times_file = folders.times;
   sequence.description.layout = folders.layout;

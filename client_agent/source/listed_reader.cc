@@ -25,7 +25,7 @@ class ListedReader : public FrameReader {
         frames_(std::move(sequence.frames)),
         imu_(std::move(sequence.imu_samples)),
         description_(std::move(sequence.description)),
-        is_stereo_(std::holds_alternative<StereoCalibration>(calibration_)),
+        kind_(KindOf(calibration_)),
         white_(white) {}
 
   const SensorCalibration& calibration() const override { return calibration_; }
@@ -38,11 +38,11 @@ class ListedReader : public FrameReader {
     SensorImages images;
     images.timestamp_ns = files.timestamp_ns;
     ASSIGN_OR_RETURN(images.grey, ReadGrey(files.first));
-    if (is_stereo_) {
+    if (kind_ == SensorKind::kStereo) {
       ASSIGN_OR_RETURN(images.right, ReadGrey(files.second));
-      return images;
+    } else if (kind_ == SensorKind::kRgbd) {
+      ASSIGN_OR_RETURN(images.depth, ReadDepth(files.second));
     }
-    ASSIGN_OR_RETURN(images.depth, ReadDepth(files.second));
     return images;
   }
   ImuSamples Imu(int64_t after_ns, int64_t until_ns) const override {
@@ -79,7 +79,7 @@ class ListedReader : public FrameReader {
   const std::vector<ListedFrame> frames_;
   const ImuSamples imu_;
   const SourceDescription description_;
-  const bool is_stereo_;
+  const SensorKind kind_;
   const int white_;  // Of grey pictures of 16 bits.
 };
 
@@ -111,8 +111,8 @@ absl::StatusOr<std::unique_ptr<FrameReader>> MakeListedReader(ListedSequence seq
   DescribeCamera(sequence.calibration, description);
   description.frames = sequence.frames.size();
   if (description.times_from.empty()) description.times_from = sequence.times_file;
-  GreyDepth grey = LookAtGreyDepth(sequence.frames,
-                                   std::holds_alternative<StereoCalibration>(sequence.calibration));
+  GreyDepth grey =
+      LookAtGreyDepth(sequence.frames, KindOf(sequence.calibration) == SensorKind::kStereo);
   description.remarks.Add(std::move(grey.findings));
   return std::make_unique<ListedReader>(std::move(sequence), grey.White());
 }
@@ -122,6 +122,7 @@ absl::Status TellMissing(const std::vector<ListedFrame>& frames, SourceDescripti
   std::string first_missing;
   for (const ListedFrame& frame : frames) {
     for (const std::string& path : {frame.first, frame.second}) {
+      if (path.empty()) continue;
       std::error_code ignored;
       if (std::filesystem::exists(path, ignored)) continue;
       if (missing++ == 0) first_missing = path;

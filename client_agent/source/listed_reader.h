@@ -1,5 +1,5 @@
-// Reads every layout whose frames are two files each: a left picture with a right one, or a picture
-// with a depth image.
+// Reads every layout whose frames are files: a left picture with a right one, a picture with a
+// depth image, or a picture alone.
 #ifndef CORBSLAM_CLIENT_AGENT_SOURCE_LISTED_READER_H_
 #define CORBSLAM_CLIENT_AGENT_SOURCE_LISTED_READER_H_
 
@@ -19,7 +19,7 @@ struct ListedFrame {
   int64_t timestamp_ns = 0;
   int drive = 0;  // Number of the drive (Timeline::drive).
   std::string first;
-  std::string second;
+  std::string second;  // Empty where one camera is played alone.
 };
 
 // A layout's part of opening a sequence; the rest is alike for all.

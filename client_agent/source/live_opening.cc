@@ -11,8 +11,8 @@ namespace {
 bool IsPlain(const SourceSpec& spec) {
   const FrameSelection& frames = spec.selection;
   const FrameSelection all;
-  return frames.first == all.first && !frames.last.has_value() && frames.stride == all.stride &&
-         !frames.reverse && !frames.part.has_value() &&
+  return !spec.one_camera && frames.first == all.first && !frames.last.has_value() &&
+         frames.stride == all.stride && !frames.reverse && !frames.part.has_value() &&
          spec.perturbation.gamma == Perturbation().gamma &&
          spec.perturbation.noise_sigma == Perturbation().noise_sigma;
 }
@@ -22,7 +22,8 @@ absl::Status CheckPlain(const SourceSpec& spec) {
   return absl::InvalidArgumentError(
       absl::StrCat(FormatSourceSpec(spec),
                    ": a camera's frames are played as they come: frames, stride, reverse, robot, "
-                   "gamma and noise are of recordings"));
+                   "gamma and noise are of recordings, and so is cameras=1: give the rig of one "
+                   "camera (kind: monocular, docs/rig.md)"));
 }
 
 }  // namespace

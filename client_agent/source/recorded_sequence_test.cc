@@ -92,6 +92,28 @@ TEST(KittiSourceTest, ReadsCalibrationAndFrames) {
               ElementsAre(10, 20, 30, 40, 50));
 }
 
+// Whatever lies beside the pictures of the first camera is not looked at.
+TEST(KittiSourceTest, PlaysOneCameraAlone) {
+  const std::string directory = MakeKitti("one");
+  std::filesystem::remove_all(directory + "/image_1");
+  EXPECT_FALSE(OpenSource("kitti:" + directory).ok());
+  const auto source = OpenSource("kitti:" + directory + "?cameras=1");
+  ASSERT_TRUE(source.ok()) << source.status();
+  const auto& calibration = std::get<MonocularCalibration>((*source)->calibration());
+  EXPECT_DOUBLE_EQ(calibration.camera.fx_px, 50);
+  EXPECT_FALSE(calibration.camera.IsMetric());
+  EXPECT_EQ((*source)->size(), 5u);
+  const auto first = (*source)->NextImages();
+  ASSERT_TRUE(first.ok() && first->has_value());
+  EXPECT_EQ((*first)->grey.at<uint8_t>(0, 0), 10);
+  EXPECT_TRUE((*first)->right.empty());
+  EXPECT_TRUE((*first)->depth.empty());
+  EXPECT_THAT(std::string(OpenSource("kitti:" + directory + "?cameras=3").status().message()),
+              HasSubstr("cameras=3"));
+  EXPECT_EQ(FormatSourceSpec(*ParseSourceSpec("kitti:" + directory + "?cameras=1")),
+            "kitti:" + directory + "?cameras=1");
+}
+
 TEST(KittiSourceTest, PlaysASelectionBackwardsWithItsOwnTimes) {
   const auto source =
       OpenSource(absl::StrCat("kitti:", MakeKitti("back"), "?frames=1:4&stride=2&reverse=1"));
@@ -294,6 +316,26 @@ TEST(TumSourceTest, AssociatesByTime) {
   EXPECT_DOUBLE_EQ(calibration.camera.close_depth_m, 3.2);
 }
 
+TEST(TumSourceTest, PlaysOneCameraAloneWithPicturesThatHaveNoDepth) {
+  const std::string directory = MakeTum("tum_one");
+  std::filesystem::remove_all(directory + "/depth");
+  const auto source = OpenSource("tum:" + directory + "?cameras=1");
+  ASSERT_TRUE(source.ok()) << source.status();
+  EXPECT_EQ((*source)->size(), 3u);
+  EXPECT_EQ((*source)->frame(2).timestamp_ns, 1'200'000'000);
+  const auto& calibration = std::get<MonocularCalibration>((*source)->calibration());
+  EXPECT_DOUBLE_EQ(calibration.camera.cx_px, 20);
+  const auto first = (*source)->NextImages();
+  ASSERT_TRUE(first.ok() && first->has_value()) << first.status();
+  EXPECT_TRUE((*first)->depth.empty());
+  // Where they come with an association, its pictures are taken.
+  std::filesystem::remove(directory + "/rgb.txt");
+  WriteText(directory + "/associated.txt", "1.0 rgb/0.png 1.01 depth/2.png\n");
+  const auto associated = OpenSource("tum:" + directory + "?cameras=1");
+  ASSERT_TRUE(associated.ok()) << associated.status();
+  EXPECT_EQ((*associated)->size(), 1u);
+}
+
 TEST(TumSourceTest, TakesGivenAssociationsAndCalibration) {
   const std::string directory = MakeTum("tum_given");
   WriteText(directory + "/associated.txt", "1.0 rgb/0.png 1.01 depth/2.png\n");
@@ -463,6 +505,20 @@ TEST(EurocSourceTest, PairsCommonTimesAndReadsTheRawCalibration) {
   const auto first = (*source)->NextImages();
   ASSERT_TRUE(first.ok() && first->has_value()) << first.status();
   EXPECT_EQ((*first)->right.at<uint8_t>(0, 0), 11);
+}
+
+TEST(EurocSourceTest, PlaysOneCameraAloneThroughItsLens) {
+  const std::string directory = MakeEuroc("euroc_one", "radial-tangential");
+  std::filesystem::remove_all(directory + "/mav0/cam1");
+  WriteImage(directory + "/mav0/cam0/data/2000.png", CV_8UC1, 20);
+  const auto source = OpenSource("euroc:" + directory + "?cameras=1");
+  ASSERT_TRUE(source.ok()) << source.status();
+  EXPECT_EQ((*source)->size(), 3u) << "also pictures without a counterpart";
+  const auto& calibration = std::get<MonocularCalibration>((*source)->calibration());
+  EXPECT_DOUBLE_EQ(calibration.camera.fx_px, 50.5);
+  EXPECT_FALSE(std::get<RadialTangential>(calibration.lens).IsZero());
+  EXPECT_TRUE(calibration.body_from_raw.has_value());
+  EXPECT_TRUE(MakeSensor(calibration, {}).ok());
 }
 
 TEST(EurocSourceTest, PairsWhatIsNearlyOfOneTime) {

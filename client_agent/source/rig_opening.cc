@@ -11,10 +11,6 @@
 namespace corbslam::client_agent {
 namespace {
 
-absl::string_view NameOf(RigKind kind) {
-  return kind == RigKind::kStereo ? "a stereo pair" : "an RGB-D camera";
-}
-
 absl::Status CheckSize(const SourceSpec& spec, const RigCamera& camera,
                        const std::vector<ListedFrame>& frames) {
   std::vector<std::string> pictures;
@@ -65,6 +61,19 @@ absl::Status CheckNotDoneTwice(const SourceSpec& spec, const Rig& rig) {
 
 }  // namespace
 
+absl::StatusOr<bool> PlaysOneCamera(const SourceSpec& spec) {
+  if (spec.one_camera || spec.opening.rig_file.empty()) return spec.one_camera;
+  ASSIGN_OR_RETURN(const Rig rig, ReadRigFile(spec.opening.rig_file));
+  return rig.kind == RigKind::kMonocular;
+}
+
+void LeaveOutSecond(ListedSequence& sequence) {
+  sequence.calibration = FirstCameraOf(sequence.calibration);
+  sequence.depth = DepthPreparation();
+  sequence.description.depth_registration.clear();
+  for (ListedFrame& frame : sequence.frames) frame.second.clear();
+}
+
 absl::StatusOr<int64_t> SecondTimeOffsetOf_ns(const SourceSpec& spec) {
   if (spec.opening.rig_file.empty()) return 0;
   ASSIGN_OR_RETURN(const Rig rig, ReadRigFile(spec.opening.rig_file));
@@ -75,7 +84,8 @@ absl::StatusOr<int64_t> SecondTimeOffsetOf_ns(const SourceSpec& spec) {
 absl::Status TakeRig(const SourceSpec& spec, RigKind kind, ListedSequence& sequence) {
   const std::string& path = spec.opening.rig_file;
   ASSIGN_OR_RETURN(const Rig rig, ReadRigFile(path));
-  if (rig.kind != kind) {
+  const bool is_one = spec.one_camera || rig.kind == RigKind::kMonocular;
+  if (rig.kind != kind && !is_one) {
     return absl::InvalidArgumentError(
         absl::StrCat(path, ": is of ", NameOf(rig.kind), ", this recording is of ", NameOf(kind)));
   }
@@ -84,13 +94,13 @@ absl::Status TakeRig(const SourceSpec& spec, RigKind kind, ListedSequence& seque
   ASSIGN_OR_RETURN(SourceFindings findings, JudgeRig(rig, path, spec.opening.trust_calibration));
   ASSIGN_OR_RETURN(sequence.calibration, CalibrationOf(rig));
   sequence.imu = rig.imu;
-  if (SecondTimeOffset_ns(rig) != 0 && !sequence.paired_by_time) {
+  if (SecondTimeOffset_ns(rig) != 0 && !sequence.paired_by_time && !is_one) {
     findings.push_back({FindingLevel::kWarning, "time-offset-unused",
                         absl::StrCat(path,
                                      ": time_offset_s is not applied: this recording's pairs "
                                      "are told by their numbers, not by their times")});
   }
-  if (kind == RigKind::kRgbd) {
+  if (kind == RigKind::kRgbd && !is_one) {
     absl::StatusOr<DepthPreparation> depth = DepthPreparation::Make(rig, spec.opening.registers);
     if (!depth.ok()) {
       return absl::InvalidArgumentError(absl::StrCat(path, ": ", depth.status().message()));
@@ -101,6 +111,7 @@ absl::Status TakeRig(const SourceSpec& spec, RigKind kind, ListedSequence& seque
   sequence.description.remarks.Add(std::move(findings));
   sequence.description.intrinsics_from = path;
   sequence.description.depth_units_from = path;
+  if (is_one) LeaveOutSecond(sequence);
   return absl::OkStatus();
 }
 

@@ -16,7 +16,14 @@ namespace corbslam::client_agent {
 // A robot's recording takes no time offset and no depth.camera but its own rig's: both were applied
 // before it was written. A time offset of its cameras is noted where the layout pairs pictures by
 // something else.
+// Where one camera is played alone (PlaysOneCamera) any rig will do, and its first camera is taken.
 absl::Status TakeRig(const SourceSpec& spec, RigKind kind, ListedSequence& sequence);
+
+// Returns whether the first camera of a recording is played alone: by ?cameras=1, or because the
+// rig is of one. Errors as TakeRig's.
+absl::StatusOr<bool> PlaysOneCamera(const SourceSpec& spec);
+// Leaves out the second camera of a sequence whose frames and calibration are there.
+void LeaveOutSecond(ListedSequence& sequence);
 
 // Returns by how much the second pictures of frames are stamped too early, as ?rig=FILE says it; 0
 // without a rig. Errors as TakeRig's.

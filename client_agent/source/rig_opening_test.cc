@@ -202,5 +202,25 @@ TEST(RigOpeningTest, TheOptionIsWrittenBack) {
   EXPECT_FALSE(ParseSourceSpec("kitti:" + MakeFolder() + "?rig=").ok());
 }
 
+TEST(RigOpeningTest, ARigOfOneCameraPlaysTheFirstAlone) {
+  const std::string rig = WriteRig(absl::StrCat("kind: monocular\n", kCameras));
+  const auto reader = Open("rig=" + rig);
+  ASSERT_TRUE(reader.ok()) << reader.status();
+  EXPECT_EQ(KindOf((*reader)->calibration()), SensorKind::kMonocular);
+  const auto images = (*reader)->Read(2);
+  ASSERT_TRUE(images.ok()) << images.status();
+  EXPECT_EQ(images->grey.at<uint8_t>(0, 0), 52);
+  EXPECT_TRUE(images->right.empty());
+}
+
+TEST(RigOpeningTest, OfAPairsRigTheFirstCameraIsTaken) {
+  const auto reader = Open(absl::StrCat("cameras=1&scale=0.5&rig=", PairOf(kCameras)));
+  ASSERT_TRUE(reader.ok()) << reader.status();
+  const auto& one = std::get<MonocularCalibration>((*reader)->calibration());
+  EXPECT_EQ(one.camera.width_px, 80);
+  EXPECT_DOUBLE_EQ(one.camera.fx_px, 50);
+  EXPECT_DOUBLE_EQ(one.camera.baseline_m, 0);
+}
+
 }  // namespace
 }  // namespace corbslam::client_agent

@@ -56,7 +56,9 @@ void Scale(const Scaling& scaling, StereoCalibration& calibration) {
   SetSize(scaling, *calibration.raw);
 }
 
-void Scale(const Scaling& scaling, RgbdCalibration& calibration) {
+// Of an RGB-D camera or one camera alone.
+template <typename OneCamera>
+void Scale(const Scaling& scaling, OneCamera& calibration) {
   calibration.mask = Nearest(scaling, calibration.mask);
   ScaleIntrinsics(scaling, calibration.camera);
   SetSize(scaling, calibration.camera);

@@ -10,6 +10,7 @@
 #include "client_agent/source/lists/frame_rate.h"
 #include "client_agent/source/lists/numbered_pictures.h"
 #include "client_agent/source/rgbd_opening.h"
+#include "client_agent/source/rig_opening.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::client_agent {
@@ -42,7 +43,9 @@ absl::StatusOr<std::vector<ListedFrame>> ListFrames(const SourceSpec& spec) {
 absl::StatusOr<std::unique_ptr<FrameReader>> OpenSevenScenes(const SourceSpec& spec) {
   ListedSequence sequence;
   ASSIGN_OR_RETURN(sequence.frames, ListFrames(spec));
+  ASSIGN_OR_RETURN(const bool one_camera, PlaysOneCamera(spec));
   RETURN_IF_ERROR(CalibrateRgbd(spec, sequence));
+  if (one_camera) LeaveOutSecond(sequence);
   RETURN_IF_ERROR(TakeImu(spec, /*own_list=*/"", sequence));
   sequence.description.layout = "7-Scenes";
   sequence.description.times_from = absl::StrCat("?fps=", *spec.opening.fps);

@@ -54,6 +54,13 @@ void Describe(const RgbdCalibration& calibration, SourceDescription& description
   description.depth_units_per_m = calibration.depth_units_per_m;
 }
 
+void Describe(const MonocularCalibration& calibration, SourceDescription& description) {
+  description.camera_model = absl::StrCat("one camera alone, ", CameraModelOf(calibration.lens),
+                                          "; its map has no metres");
+  description.baseline_m.reset();
+  description.depth_units_per_m.reset();
+}
+
 std::string DescribeDepth(const SourceDescription& description) {
   const std::string text = absl::StrFormat(
       "%.6g units a metre, from %s", *description.depth_units_per_m, description.depth_units_from);
@@ -64,14 +71,7 @@ std::string DescribeDepth(const SourceDescription& description) {
 }  // namespace
 
 Intrinsics RecordedIntrinsics(const SensorCalibration& calibration) {
-  if (const auto* const rgbd = std::get_if<RgbdCalibration>(&calibration)) {
-    return IntrinsicsOf(rgbd->camera);
-  }
-  const auto& stereo = std::get<StereoCalibration>(calibration);
-  if (!stereo.raw.has_value()) return IntrinsicsOf(stereo.camera);
-  const RawStereo& raw = *stereo.raw;
-  return {raw.left.fx_px, raw.left.fy_px, raw.left.cx_px,
-          raw.left.cy_px, raw.width_px,   raw.height_px};
+  return IntrinsicsOf(FirstCameraOf(calibration).camera);
 }
 
 void DescribeCamera(const SensorCalibration& calibration, SourceDescription& description) {

@@ -72,7 +72,8 @@ std::string ListKnownOptions(const SourceSpec& spec) {
   std::vector<absl::string_view> names;
   // A camera's frames are played as they come.
   if (spec.settings == nullptr || !spec.settings->is_live()) {
-    names = {"frames", "stride", "offset", "reverse", "robot", "overlap", "gamma", "noise"};
+    names = {"frames",  "stride", "offset", "reverse", "robot",
+             "overlap", "gamma",  "noise",  "cameras"};
   }
   if (spec.settings == nullptr) names.insert(names.end(), {"seed", "truth_frame"});
   const std::vector<absl::string_view> more =
@@ -101,6 +102,11 @@ absl::Status ApplyOption(absl::string_view key, absl::string_view value, SourceS
   if (key == "offset") return ParseCount(key, value, spec.selection.offset);
   if (key == "reverse") {
     return ParseFlag(key, value, spec.selection.reverse);
+  }
+  if (key == "cameras") {
+    if (value != "1") return BadOption(key, value, "1, or left out for all that there are");
+    spec.one_camera = true;
+    return absl::OkStatus();
   }
   if (key == "robot") return ParseRobot(value, PartOf(spec));
   if (key == "overlap") return ParseCount(key, value, PartOf(spec).overlap);
@@ -255,6 +261,7 @@ std::string FormatSourceSpec(const SourceSpec& spec) {
   if (spec.settings == nullptr && spec.perturbation.seed != plain.perturbation.seed) {
     options.push_back(absl::StrCat("seed=", spec.perturbation.seed));
   }
+  if (spec.one_camera) options.push_back("cameras=1");
   if (!spec.truth_frame.empty()) {
     options.push_back(absl::StrCat("truth_frame=", Encoded(spec.truth_frame)));
   }

@@ -70,6 +70,8 @@ struct SourceSpec {
   // truth_frame=NAME, of recorded sequences: those with the same name have their ground truth in
   // one frame. Empty: it is in no frame but their own.
   std::string truth_frame;
+  // cameras=1: of a pair or an RGB-D camera the first camera is played alone.
+  bool one_camera = false;
 };
 
 // Returns the numbers of the selected frames in the sequence itself, in the order in which they are

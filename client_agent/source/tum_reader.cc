@@ -25,6 +25,22 @@ absl::Status NoLists(const std::string& directory) {
                    "/rgb.txt with depth.txt, which say which picture goes with which depth image"));
 }
 
+// Returns the pictures alone: of rgb.txt, which lists those without a depth image too, where that
+// is there.
+absl::StatusOr<Listed> ReadPictures(const std::string& directory, SourceRemarks& remarks) {
+  Listed listed;
+  listed.file = directory + "/rgb.txt";
+  std::error_code ignored;
+  if (std::filesystem::exists(listed.file, ignored)) {
+    ASSIGN_OR_RETURN(listed.pairs, ListPicturesAlone(directory, remarks));
+    return listed;
+  }
+  listed.file = FindAssociations(directory);
+  if (listed.file.empty()) return NoLists(directory);
+  ASSIGN_OR_RETURN(listed.pairs, ReadAssociations(directory, listed.file, 0, remarks));
+  return listed;
+}
+
 absl::StatusOr<Listed> ReadLists(const std::string& directory, int64_t depth_offset_ns,
                                  SourceRemarks& remarks) {
   Listed listed;
@@ -67,13 +83,17 @@ absl::StatusOr<std::unique_ptr<FrameReader>> OpenTum(const SourceSpec& spec) {
   const std::string& directory = spec.directory;
   ListedSequence sequence;
   SourceDescription& description = sequence.description;
+  ASSIGN_OR_RETURN(const bool one_camera, PlaysOneCamera(spec));
   ASSIGN_OR_RETURN(const int64_t depth_offset_ns, SecondTimeOffsetOf_ns(spec));
-  ASSIGN_OR_RETURN(const Listed listed, ReadLists(directory, depth_offset_ns, description.remarks));
+  ASSIGN_OR_RETURN(const Listed listed,
+                   one_camera ? ReadPictures(directory, description.remarks)
+                              : ReadLists(directory, depth_offset_ns, description.remarks));
   sequence.paired_by_time = true;
   ASSIGN_OR_RETURN(sequence.frames, ListFrames(listed, description.remarks));
   RETURN_IF_ERROR(CalibrateRgbd(spec, sequence));
+  if (one_camera) LeaveOutSecond(sequence);
   RETURN_IF_ERROR(TakeImu(spec, FindImuList(directory), sequence));
-  description.layout = "TUM RGB-D";
+  description.layout = one_camera ? "TUM RGB-D, pictures alone" : "TUM RGB-D";
   sequence.times_file = listed.file;
   return MakeListedReader(std::move(sequence));
 }

@@ -26,11 +26,11 @@ double Share(size_t part, size_t whole) {
 
 }  // namespace
 
-InputWatch::InputWatch(const SensorCalibration& calibration)
-    : is_stereo_(std::holds_alternative<StereoCalibration>(calibration)) {}
+InputWatch::InputWatch(const SensorCalibration& calibration) : kind_(KindOf(calibration)) {}
 
 std::optional<SourceFinding> InputWatch::Add(const Features& features) {
-  if (features.keypoints.size() < kFewestFeatures) return std::nullopt;
+  if (kind_ == SensorKind::kMonocular || features.keypoints.size() < kFewestFeatures)
+    return std::nullopt;
   Count count;
   count.features = features.keypoints.size();
   for (const Keypoint& keypoint : features.keypoints) {
@@ -68,25 +68,26 @@ std::optional<SourceFinding> InputWatch::AddRows(double correction_px) {
 }
 
 std::optional<SourceFinding> InputWatch::Judge() const {
+  const bool is_stereo = kind_ == SensorKind::kStereo;
   const double with_depth = Share(sum_.with_depth, sum_.features);
   // A finding is over when it would not be told at the start either.
   const bool strict = is_start_ || told_;
-  const double least = is_stereo_ ? (strict ? kLeastStereoAtStart : kLeastStereo)
-                                  : (strict ? kLeastDepthAtStart : kLeastDepth);
+  const double least = is_stereo ? (strict ? kLeastStereoAtStart : kLeastStereo)
+                                 : (strict ? kLeastDepthAtStart : kLeastDepth);
   if (with_depth < least) {
     return SourceFinding{
-        FindingLevel::kWarning, is_stereo_ ? "stereo-points-few" : "depth-points-few",
+        FindingLevel::kWarning, is_stereo ? "stereo-points-few" : "depth-points-few",
         absl::StrFormat("%s %.1f %% of the features in the last %d frames: less than %.0f %% is no "
                         "basis for a map. %s",
-                        is_stereo_ ? "stereo points are" : "depth was found for", 100 * with_depth,
+                        is_stereo ? "stereo points are" : "depth was found for", 100 * with_depth,
                         kFrames, 100 * least,
-                        is_stereo_ ? "Are left and right pictures of one time and rectified, and "
-                                     "is neither covered?"
-                                   : "Is the scene out of the sensor's range, or the depth "
-                                     "camera covered?")};
+                        is_stereo ? "Are left and right pictures of one time and rectified, and "
+                                    "is neither covered?"
+                                  : "Is the scene out of the sensor's range, or the depth "
+                                    "camera covered?")};
   }
   const double at_infinity = Share(sum_.at_infinity, sum_.with_depth);
-  if (!is_stereo_ || at_infinity <= kMostAtInfinity) return std::nullopt;
+  if (!is_stereo || at_infinity <= kMostAtInfinity) return std::nullopt;
   return SourceFinding{
       FindingLevel::kWarning, "stereo-points-without-parallax",
       absl::StrFormat("%.0f %% of the stereo points of the last %d frames have a disparity below "

@@ -13,8 +13,8 @@
 namespace corbslam::client_agent {
 
 // Counts how many features have depth: a pair that is none, or depth that fails, gives hardly any.
-// A frame costs one look at each feature. Says, too, where a pair's rows had to be put right.
-// Thread-compatible.
+// A frame costs one look at each feature; of one camera alone nothing is counted. Says, too, where
+// a pair's rows had to be put right. Thread-compatible.
 class InputWatch {
  public:
   explicit InputWatch(const SensorCalibration& calibration);
@@ -35,7 +35,7 @@ class InputWatch {
   };
   std::optional<SourceFinding> Judge() const;
 
-  const bool is_stereo_;
+  const SensorKind kind_;
   std::deque<Count> window_;
   Count sum_;
   bool is_start_ = true;  // True until the window is full for the first time.

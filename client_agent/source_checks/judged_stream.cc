@@ -64,7 +64,7 @@ std::optional<SourceFinding> LateWatch::Take(bool waits, absl::Time now) {
 JudgedStream::JudgedStream(std::unique_ptr<FrameStream> stream, const JudgedStreamOptions& options)
     : stream_(std::move(stream)),
       options_(options),
-      judges_(std::holds_alternative<StereoCalibration>(stream_->calibration())) {
+      judges_(KindOf(stream_->calibration()) == SensorKind::kStereo) {
   if (judges_) late_.emplace(stream_->calibration());
 }
 

@@ -48,12 +48,8 @@ struct CameraPictures {
 };
 
 cv::Size SizeOf(const SensorCalibration& calibration) {
-  if (const auto* rgbd = std::get_if<RgbdCalibration>(&calibration)) {
-    return {rgbd->camera.width_px, rgbd->camera.height_px};
-  }
-  const auto& stereo = std::get<StereoCalibration>(calibration);
-  if (stereo.raw.has_value()) return {stereo.raw->width_px, stereo.raw->height_px};
-  return {stereo.camera.width_px, stereo.camera.height_px};
+  const Camera first = FirstCameraOf(calibration).camera;
+  return {first.width_px, first.height_px};
 }
 
 SourceFinding TellSize(const CameraPictures& camera, size_t number, const cv::Size& given,
@@ -245,7 +241,7 @@ bool AreSame(const cv::Mat& a, const cv::Mat& b) {
 
 SourceFindings CheckPictures(const SensorCalibration& calibration, const Sample& sample) {
   const cv::Size size = SizeOf(calibration);
-  const bool is_stereo = std::holds_alternative<StereoCalibration>(calibration);
+  const bool is_stereo = KindOf(calibration) == SensorKind::kStereo;
   SourceFindings findings;
   std::vector<CameraPictures> cameras(is_stereo ? 2 : 1);
   cameras[0].name = is_stereo ? "left" : "grey";

@@ -9,9 +9,8 @@ std::vector<size_t> ChooseSampleFrames(const SensorCalibration& calibration, siz
                                        size_t end, const SampleOptions& options) {
   if (begin >= end) return {};
   const size_t count = end - begin;
-  const size_t row =
-      std::min(count, std::holds_alternative<StereoCalibration>(calibration) ? options.stereo_row
-                                                                             : options.rgbd_row);
+  const size_t row = std::min(
+      count, KindOf(calibration) == SensorKind::kRgbd ? options.rgbd_row : options.stereo_row);
   const size_t places = std::max<size_t>(options.places, 1);
   std::set<size_t> chosen;
   for (size_t place = 0; place < places; ++place) {

@@ -20,11 +20,12 @@ StereoJudgement Judge(const SensorCalibration& calibration, const Sample& sample
     return f.level == FindingLevel::kError;
   });
   if (hopeless) return judgement;
-  const auto* const stereo = std::get_if<StereoCalibration>(&calibration);
-  StereoJudgement others =
-      stereo != nullptr
-          ? JudgeStereoPair(*stereo, sample)
-          : StereoJudgement{CheckDepth(std::get<RgbdCalibration>(calibration), sample), {}};
+  StereoJudgement others;
+  if (const auto* const stereo = std::get_if<StereoCalibration>(&calibration)) {
+    others = JudgeStereoPair(*stereo, sample);
+  } else if (const auto* const rgbd = std::get_if<RgbdCalibration>(&calibration)) {
+    others.findings = CheckDepth(*rgbd, sample);
+  }
   std::move(others.findings.begin(), others.findings.end(), std::back_inserter(findings));
   judgement.pairs = std::move(others.pairs);
   return judgement;

@@ -99,20 +99,33 @@ std::vector<PoseObservation> ObservationsOf(const Frame& frame) {
 void AddTemporaryPoints(Frame& frame) {
   constexpr size_t kAtLeast = 100;
   const Rigid3d map_from_camera = frame.camera_from_map.Inverse();
-  for (const uint32_t i : NearestKeypoints(frame.camera(), frame.keypoints(), kAtLeast)) {
+  const auto add = [&](uint32_t i, double depth) {
     Association& association = frame.associations[i];
-    if (association.kind != Association::Kind::kNone) continue;
+    if (association.kind != Association::Kind::kNone) return;
     const Keypoint& keypoint = frame.keypoints()[i];
-    const double depth_m = DepthFromDisparity(frame.camera(), keypoint.disparity_px);
     association.kind = Association::Kind::kTemporary;
     association.position_in_map =
-        map_from_camera * Unproject(frame.camera(), keypoint.x_px, keypoint.y_px, depth_m);
+        map_from_camera * Unproject(frame.camera(), keypoint.x_px, keypoint.y_px, depth);
+  };
+  for (const uint32_t i : NearestKeypoints(frame.camera(), frame.keypoints(), kAtLeast)) {
+    add(i, DepthFromDisparity(frame.camera(), frame.keypoints()[i].disparity_px));
   }
+  for (const FoundDepth& found : frame.found_depths) add(found.keypoint, found.depth);
 }
 
 void DropTemporaryPoints(Frame& frame) {
   for (Association& association : frame.associations) {
     if (association.kind == Association::Kind::kTemporary) association = {};
+  }
+}
+
+void KeepFoundDepths(Frame& frame) {
+  frame.found_depths.clear();
+  for (size_t i = 0; i < frame.associations.size(); ++i) {
+    const Association& association = frame.associations[i];
+    if (association.kind != Association::Kind::kTemporary) continue;
+    const double depth = (frame.camera_from_map * association.position_in_map).z();
+    if (depth > 0) frame.found_depths.push_back({static_cast<uint32_t>(i), depth});
   }
 }
 

@@ -24,12 +24,18 @@ struct Association {
     kNone,
     kMapPoint,
     // A point made from the depth of one earlier frame, which is in no map ("visual odometry
-    // point", ORB-SLAM2).
+    // point", ORB-SLAM2), or which mapping has not made yet.
     kTemporary,
   };
   Kind kind = Kind::kNone;
   MapPointId id;  // Id of a map point.
   Eigen::Vector3d position_in_map = Eigen::Vector3d::Zero();
+};
+
+// What parallax said of how far away a keypoint is, along the camera's axis, in the map's unit.
+struct FoundDepth {
+  uint32_t keypoint = 0;
+  double depth = 0;
 };
 
 struct Frame {
@@ -45,6 +51,9 @@ struct Frame {
   KeyframeId keyframe;
   // The associations have one entry a keypoint.
   std::vector<Association> associations;
+  // One camera alone: of the frame that a map begins with, and of those after it until mapping has
+  // made its points.
+  std::vector<FoundDepth> found_depths;
 
   const Camera& camera() const { return *payload->camera; }
   const std::vector<Keypoint>& keypoints() const { return payload->features.keypoints; }
@@ -83,9 +92,11 @@ std::vector<MapPointId> SeenPoints(const Frame& frame);
 std::vector<PoseObservation> ObservationsOf(const Frame& frame);
 
 // Adds temporary associations for keypoints with depth that see no map point: all close ones, and
-// the nearest hundred (ORB-SLAM2, Mur-Artal and Tardos, T-RO 2017).
+// the nearest hundred (ORB-SLAM2, Mur-Artal and Tardos, T-RO 2017); and those of found_depths.
 void AddTemporaryPoints(Frame& frame);
 void DropTemporaryPoints(Frame& frame);
+// Has the depths of temporary associations be found_depths, for the frame after this one.
+void KeepFoundDepths(Frame& frame);
 
 }  // namespace corbslam::client_agent
 

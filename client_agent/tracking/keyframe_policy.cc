@@ -2,6 +2,13 @@
 
 namespace corbslam::client_agent {
 
+KeyframePolicyOptions OfOneCamera() {
+  KeyframePolicyOptions options;
+  options.max_tracked_ratio = 0.9;
+  options.max_tracked_ratio_at_start = 0.9;
+  return options;
+}
+
 void CountClosePoints(const Frame& frame, KeyframeEvidence& evidence) {
   if (!frame.camera().IsMetric()) return;
   const double least_px = DisparityFromDepth(frame.camera(), frame.camera().close_depth_m);

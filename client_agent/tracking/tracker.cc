@@ -15,7 +15,8 @@ Tracker::Tracker(const TrackerOptions& options, std::shared_ptr<const Camera> ca
     : options_(options),
       camera_(std::move(camera)),
       parts_(parts),
-      mapping_paused_(options.localise_only) {}
+      mapping_paused_(options.localise_only),
+      monocular_start_(options.seed) {}
 
 TrackingResult Tracker::Track(KeyframePayload seen) {
   seen.camera = camera_;
@@ -47,6 +48,7 @@ TrackingResult Tracker::Track(KeyframePayload seen) {
 
 std::optional<HandedFrame> Tracker::HandOver() const {
   if (state_ != TrackingState::kTracking || mapping_paused_) return std::nullopt;
+  if (!camera_->IsMetric()) return std::nullopt;
   if (JudgePicture(*previous_) != WhyNoPose::kHasOne) return std::nullopt;
   HandedFrame handed;
   handed.frame.payload = previous_->payload;
@@ -86,7 +88,31 @@ WhyNoPose Tracker::Begin(Frame& frame) {
   if (mapping_paused_) return WhyNoPose::kMappingPaused;
   if (const WhyNoPose picture = JudgePicture(frame); picture != WhyNoPose::kHasOne) return picture;
   if (!parts_.queue->HasRoom()) return WhyNoPose::kMappingBusy;
+  if (!camera_->IsMetric()) return BeginByParallax(frame);
   MakeKeyframe(frame);
+  return WhyNoPose::kHasOne;
+}
+
+WhyNoPose Tracker::BeginByParallax(Frame& frame) {
+  std::optional<MonocularBeginning> found = monocular_start_.Add(frame);
+  if (!found.has_value()) return WhyNoPose::kLittleParallax;
+  auto beginning = std::make_shared<MapBeginning>();
+  EnsureWords(found->first);
+  KeyframePayload first = *found->first.payload;
+  first.id = parts_.map->NewKeyframeId();
+  beginning->first = std::make_shared<const KeyframePayload>(std::move(first));
+  beginning->words = found->first.words;
+  beginning->points = std::move(found->points);
+  frame = std::move(found->second);
+  frame.reference = beginning->first->id;
+  frame.camera_from_reference = frame.camera_from_map;
+  MakeKeyframe(frame, beginning);
+  AddTemporaryPoints(frame);
+  // The camera went on as it went all the time since the first of both frames.
+  const int64_t since_ns = frame.payload->timestamp_ns - beginning->first->timestamp_ns;
+  const double frames = rhythm_.FramesIn(since_ns);
+  velocity_ = CameraMotion{GoOnFor(1 / frames, frame.camera_from_map),
+                           static_cast<int64_t>(static_cast<double>(since_ns) / frames)};
   return WhyNoPose::kHasOne;
 }
 
@@ -95,6 +121,7 @@ WhyNoPose Tracker::JudgePicture(const Frame& frame) const {
   if (static_cast<int>(keypoints.size()) < options_.min_keypoints_to_begin) {
     return WhyNoPose::kFewKeypoints;
   }
+  if (!camera_->IsMetric()) return WhyNoPose::kHasOne;
   const auto with_depth = std::count_if(keypoints.begin(), keypoints.end(),
                                         [](const Keypoint& k) { return k.HasDepth(); });
   return with_depth < options_.min_keypoints_to_begin / 5 ? WhyNoPose::kFewDepths
@@ -195,7 +222,7 @@ void Tracker::ConsiderKeyframe(Frame& frame) {
     MakeKeyframe(frame);
 }
 
-void Tracker::MakeKeyframe(Frame& frame) {
+void Tracker::MakeKeyframe(Frame& frame, std::shared_ptr<const MapBeginning> beginning) {
   EnsureWords(frame);
   const KeyframeId id = parts_.map->NewKeyframeId();
   NewKeyframe keyframe;
@@ -203,6 +230,7 @@ void Tracker::MakeKeyframe(Frame& frame) {
   payload.id = id;
   keyframe.payload = std::make_shared<const KeyframePayload>(std::move(payload));
   keyframe.words = frame.words;
+  keyframe.beginning = std::move(beginning);
   keyframe.reference = frame.reference;
   keyframe.camera_from_reference =
       frame.reference.IsValid() ? frame.camera_from_reference : frame.camera_from_map;
@@ -273,6 +301,8 @@ void Tracker::ConcludeTracked(Frame frame, TrackingResult& result) {
   }
   previous_covariance_ = result.covariance;
   result.motion = MotionTo(frame);
+  const bool waits_for_points = !camera_->IsMetric() && local_map_.map_keyframes == 0;
+  if (waits_for_points) KeepFoundDepths(frame);
   DropTemporaryPoints(frame);
   // Its features measure better.
   if (!wants_features_) KeepMeasurements(frame);

@@ -16,6 +16,7 @@
 #include "client_agent/tracking/frame.h"
 #include "client_agent/tracking/keyframe_policy.h"
 #include "client_agent/tracking/local_map_view.h"
+#include "client_agent/tracking/monocular_start.h"
 #include "client_agent/tracking/others_scale.h"
 #include "client_agent/tracking/others_shape.h"
 #include "client_agent/tracking/patch_following.h"
@@ -28,7 +29,8 @@
 namespace corbslam::client_agent {
 
 struct TrackerOptions {
-  // A local map begins with a frame of so many keypoints, a fifth of them with depth.
+  // A local map begins with a frame of so many keypoints, a fifth of them with depth; of one camera
+  // alone with two frames of so many.
   int min_keypoints_to_begin = 500;
   // Search radius around the constant-velocity prediction, pixels at the finest level.
   double previous_frame_radius_px = 7;
@@ -113,7 +115,8 @@ class Tracker {
   void KeepPicture(const HalvedPicture& picture) { pictures_.Add(last_keyframe_, picture); }
 
   // Returns the newest frame, for the tracker of another local map to go on from. Nullopt where
-  // that has no pose or shows too little for a map to begin with, and while mapping is paused.
+  // that has no pose or shows too little for a map to begin with, while mapping is paused, and of
+  // one camera alone: no map of it begins with one frame.
   std::optional<HandedFrame> HandOver() const;
   // Begins the map with a frame that another tracker handed over, at the pose that it has: poses go
   // on as if it had been tracked here. To be called instead of Track for the first frame. Returns
@@ -143,6 +146,8 @@ class Tracker {
 
  private:
   WhyNoPose Begin(Frame& frame);
+  // Begins the map of one camera, once it has moved aside.
+  WhyNoPose BeginByParallax(Frame& frame);
   // Returns kHasOne for a frame that shows enough to begin a map with.
   WhyNoPose JudgePicture(const Frame& frame) const;
   // Frames after a relocalisation in which tracking must prove itself, by features.
@@ -236,7 +241,7 @@ class Tracker {
   KeyframeEvidence Guess(const Solution& followed, size_t sought) const;
   // Learns from a frame that was searched for features how good guesses are.
   void LearnGuess(const KeyframeEvidence& evidence);
-  void MakeKeyframe(Frame& frame);
+  void MakeKeyframe(Frame& frame, std::shared_ptr<const MapBeginning> beginning = nullptr);
   void EnsureWords(Frame& frame) const;
   void KeepMeasurements(const Frame& frame) const;
   // Returns what the camera moved since the previous frame, by the map as it is now.
@@ -280,6 +285,7 @@ class Tracker {
   bool wants_features_ = false;
   bool became_keyframe_ = false;  // The newest frame, after its result was returned.
   bool mapping_paused_ = false;
+  MonocularStart monocular_start_;
   CameraDoubt camera_doubt_;
   OthersScale others_scale_;
   OthersShape others_shape_;

@@ -22,12 +22,13 @@ enum class TrackingState {
 // Why a frame has no pose.
 enum class WhyNoPose {
   kHasOne,
-  kFewKeypoints,   // Fewer corners than a map begins with: dark, blurred, covered or bare.
-  kFewDepths,      // Too few of them have a depth.
-  kMappingBusy,    // Mapping still works on earlier frames.
-  kMappingPaused,  // There is no map, and none may begin.
-  kNotRecognised,  // The picture is good, and the map doesn't show this place, or too differently.
-  kAnotherCamera,  // What others mapped shows this place, to another camera than the rig's.
+  kFewKeypoints,    // Fewer corners than a map begins with: dark, blurred, covered or bare.
+  kFewDepths,       // Too few of them have a depth.
+  kLittleParallax,  // One camera alone has not moved aside yet, so that nothing has a depth.
+  kMappingBusy,     // Mapping still works on earlier frames.
+  kMappingPaused,   // There is no map, and none may begin.
+  kNotRecognised,   // The picture is good, and the map doesn't show this place, or too differently.
+  kAnotherCamera,   // What others mapped shows this place, to another camera than the rig's.
 };
 
 // Where an IMU takes a frame to be that pictures give no pose of.
@@ -72,6 +73,10 @@ struct TrackingResult {
   std::optional<ReckonedPose> reckoned;
   // Where gravity pulls, in the camera's axes; nullopt where there is no IMU, or it is not known.
   std::optional<Down> down;
+  // What the agent adds: lengths in the local map are in a unit of its own, and in the global frame
+  // in an unknown one, too.
+  bool without_metres = false;
+  bool global_without_metres = false;
   // What SmoothPose adds, whether there is a pose or not.
   uint64_t epoch = 0;
   // The covariance of what the map near the camera has drifted since the epoch began (PoseDrift),

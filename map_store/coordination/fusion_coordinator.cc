@@ -12,6 +12,7 @@
 #include "map_store/mission/pausing_read.h"
 #include "map_store/records/record_application.h"
 #include "map_store/records/retraction.h"
+#include "map_store/view/metres.h"
 #include "slam/exchange/agent_report.h"
 #include "slam/util/status_macros.h"
 
@@ -24,6 +25,7 @@ constexpr int kMaxInterruptions = 20;
 
 FusionSummary::IslandSummary SummariseIsland(const MissionState& state, const Island& island) {
   FusionSummary::IslandSummary summary;
+  summary.in_metres = IsInMetres(state, island);
   summary.id = island.id;
   summary.order = state.FindLocalMap(island.local_maps.front())->order;
   summary.keyframes = CountKeyframes(state, island);

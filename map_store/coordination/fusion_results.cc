@@ -4,6 +4,7 @@
 #include "absl/strings/str_cat.h"
 #include "map_store/coordination/fusion_coordinator.h"
 #include "map_store/coordination/fusion_events.h"
+#include "map_store/fusion/overlap_units.h"
 #include "map_store/fusion/revision.h"
 #include "map_store/mission/pausing_read.h"
 #include "map_store/records/record_application.h"
@@ -86,7 +87,11 @@ absl::Status FusionCoordinator::Commit(const FusionJob& job, const FusionResult&
 
 absl::Status FusionCoordinator::CommitQuery(const QueryJob& job,
                                             const VerifyOverlapResult& result) {
-  const QueryRecord record{job.task, result.overlaps, strand_.environment().clock()};
+  QueryRecord record{job.task, result.overlaps, strand_.environment().clock()};
+  // Merges wait for this: islands' units are those of the worker's views still.
+  strand_.WithState([&record](const MissionState& state) {
+    for (Overlap& overlap : record.overlaps) ToOwnersUnits(state, overlap);
+  });
   RETURN_IF_ERROR(strand_.Append(record));
   // The tables of poses that it needs are made while others may read.
   strand_.WithState([&record](const MissionState& state) { PrepareToApply(record, state); });

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "map_store/fusion/overlap_query.h"
+#include "map_store/fusion/overlap_units.h"
 #include "map_store/view/placement.h"
 #include "slam/util/status_macros.h"
 
@@ -153,6 +154,7 @@ absl::StatusOr<std::optional<FusionRequest>> PrepareFuse(const MissionState& sta
   }
   CollectOverlaps(state, action, job);
   CallAgain(state, job.relaxed, job.request);
+  for (Overlap& overlap : job.request.overlaps) ToIslandsUnits(state, overlap);
   // Without new overlaps, the keyframes that called for the work have gone.
   if (job.request.new_overlaps.empty()) return std::nullopt;
   const std::set<KeyframeId> centres = CentresOf(job.request);

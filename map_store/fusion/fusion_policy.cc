@@ -19,12 +19,12 @@ const IslandSummary* Find(const FusionSummary& summary, IslandId id) {
   return nullptr;
 }
 
-// Returns whether `a` keeps its frame: the reference island does, then the larger one, then the
-// earlier.
+// Returns whether `a` keeps its frame: one in metres does before one that has none, so that both
+// have them; then the reference island, then the larger one, then the earlier.
 bool KeepsFrame(const IslandSummary& a, const IslandSummary& b) {
   const auto rank = [](const IslandSummary& island) {
-    return std::make_tuple(island.order != 0, -static_cast<int64_t>(island.keyframes),
-                           island.order);
+    return std::make_tuple(!island.in_metres, island.order != 0,
+                           -static_cast<int64_t>(island.keyframes), island.order);
   };
   return rank(a) < rank(b);
 }

@@ -17,6 +17,7 @@ struct FusionSummary {
     size_t order = 0;  // Order in which its first local map arrived; 0: the reference island.
     size_t keyframes = 0;
     bool fused = false;
+    bool in_metres = true;  // False: only maps of one camera alone are in it.
     // True: all its local maps are closed or their agents gone.
     bool quiet = false;
     bool dirty = false;

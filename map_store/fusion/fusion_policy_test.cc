@@ -40,6 +40,19 @@ TEST(FusionPolicyTest, QueriesRunWhenTheGraphLaneIsFree) {
   EXPECT_THAT(DecideActions(summary, {}), IsEmpty());
 }
 
+TEST(FusionPolicyTest, AnIslandInMetresKeepsItsFrameBeforeAll) {
+  FusionSummary summary = MakeSummary();
+  summary.islands[0].in_metres = false;
+  summary.islands[1].in_metres = false;
+  summary.waiting = {{7, kFirst, kThird, false}};
+  EXPECT_THAT(DecideActions(summary, {}),
+              ElementsAre(FusionAction{Kind::kFuse, kThird, kFirst, {7}}));
+  summary.waiting = {{7, kSecond, kFirst, false}};
+  EXPECT_THAT(DecideActions(summary, {}),
+              ElementsAre(FusionAction{Kind::kFuse, kFirst, kSecond, {7}}))
+      << "of two without metres the reference island keeps its frame";
+}
+
 TEST(FusionPolicyTest, TheReferenceIslandKeepsItsFrameElseTheLarger) {
   FusionSummary summary = MakeSummary();
   summary.queries = 3;

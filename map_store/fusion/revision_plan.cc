@@ -8,6 +8,7 @@
 #include "absl/container/flat_hash_map.h"
 #include "absl/container/flat_hash_set.h"
 #include "map_store/view/island_view.h"
+#include "map_store/view/metres.h"
 #include "map_store/view/placement.h"
 #include "slam/util/status_macros.h"
 
@@ -28,6 +29,11 @@ NewPoses Index(const std::vector<KeyframePose>& poses) {
 // Puts the scale back: the worker saw cameras whose units were rescaled to the view's.
 Similarity3d Rescale(const Similarity3d& pose, double scale) {
   return {pose.scale * scale, pose.rotation, pose.translation * scale};
+}
+
+bool HasMetres(const MissionState& state, IslandId id) {
+  const auto it = state.global.islands.find(id);
+  return it != state.global.islands.end() && IsInMetres(state, it->second);
 }
 
 // Points that were merged into each survivor, in the order of merging.
@@ -70,6 +76,7 @@ class Planner {
       : state_(state),
         steps_(read, kStepsInAPiece),
         plan_(plan),
+        in_metres_(HasMetres(state, plan.target)),
         culled_(plan.culled.begin(), plan.culled.end()) {}
 
   absl::Status AddKeyframes(const IslandSnapshot& snapshot, const NewPoses& new_poses,
@@ -78,8 +85,10 @@ class Planner {
       RETURN_IF_ERROR(steps_.Advance());
       if (!IsToBePlaced(id)) continue;
       const auto moved = new_poses.find(id);
-      const Similarity3d placed = moved == new_poses.end() ? pose * snapshot_from_target
-                                                           : Rescale(moved->second, pose.scale);
+      Similarity3d placed = moved == new_poses.end() ? pose * snapshot_from_target
+                                                     : Rescale(moved->second, pose.scale);
+      if (placed.scale != 1 && MeasuresMetres(id))
+        placed = Similarity3d::FromRigid(placed.ToRigid());
       plan_.keyframes.emplace_hint(
           plan_.keyframes.end(), id,
           PlacedKeyframe{placed, snapshot.local_poses.at(id), plan_.revision});
@@ -139,6 +148,12 @@ class Planner {
   }
 
  private:
+  // Both the camera and the island have metres: beside maps that have none the worker leaves scales
+  // free, of all.
+  bool MeasuresMetres(KeyframeId id) const {
+    return in_metres_ && IsInMetres(*state_.FindLocalMap(id.local_map));
+  }
+
   bool IsToBePlaced(KeyframeId id) const {
     const LocalMapState& local_map = *state_.FindLocalMap(id.local_map);
     return local_map.IsSettled(id) && local_map.map.FindKeyframe(id) != nullptr &&
@@ -190,6 +205,7 @@ class Planner {
   const MissionState& state_;
   StepsInPieces steps_;
   RevisionPlan& plan_;
+  const bool in_metres_;
   const absl::flat_hash_set<KeyframeId> culled_;
 };
 

@@ -6,6 +6,7 @@
 #include "map_store/sharing/global_place.h"
 #include "map_store/sharing/robot_places.h"
 #include "map_store/sharing/share_step.h"
+#include "map_store/view/metres.h"
 
 namespace corbslam::map_store {
 namespace {
@@ -50,6 +51,7 @@ std::optional<SharedUpdate> TakeOfIsland(const MissionState& state, const Island
   const bool apart = island.id != state.ReferenceIsland();
   SharedUpdate update = TakeShareStep(state, island, options, byte_budget, share, read);
   update.apart = apart;
+  update.in_metres = IsInMetres(state, island);
   update.local_map = share.local_map;
   const bool ends_places = std::exchange(share.more_places, update.more_places);
   if (update.IsEmpty() && !ends_places) return std::nullopt;
@@ -79,6 +81,7 @@ std::optional<SharedUpdate> TakeForLocalisation(const MissionState& state,
   first.revision = state.global.revision;
   first.restart = std::exchange(share.restart, false);
   first.global_from_local = share.global_from_local;
+  first.in_metres = IsInMetres(state, island);
   NoteSent(first.revision, share);
   return first;
 }

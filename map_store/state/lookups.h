@@ -113,6 +113,10 @@ struct LocalMapInfo {
   uint64_t number = 0;
   IslandId island;
   bool in_reference_island = false;
+  // Lengths in its own frame, and in its island's, are metres; or nothing is known of its camera
+  // yet.
+  bool in_metres = true;
+  bool island_in_metres = true;
   bool closed = false;
   uint64_t last_batch = 0;
   size_t keyframes = 0;

@@ -8,6 +8,7 @@
 #include "map_store/view/island_view.h"
 #include "map_store/view/last_pose.h"
 #include "map_store/view/memory_estimate.h"
+#include "map_store/view/metres.h"
 #include "map_store/view/placement.h"
 
 namespace corbslam::map_store {
@@ -109,6 +110,9 @@ LocalMapInfo DescribeLocalMap(const MissionState& state, const LocalMapState& lo
   info.number = state.arrivals.NumberOfAgent(local_map.id);
   info.island = state.global.island_of.at(local_map.id);
   info.in_reference_island = info.island == state.ReferenceIsland();
+  info.in_metres = local_map.cameras.empty() || IsInMetres(local_map);
+  info.island_in_metres =
+      local_map.cameras.empty() || IsInMetres(state, state.global.islands.at(info.island));
   info.closed = local_map.closed;
   info.last_batch = local_map.last_batch;
   info.keyframes = local_map.map.keyframes().size();

@@ -115,7 +115,9 @@ grpc::ServerUnaryReactor* AgentService::GetStatus(grpc::CallbackServerContext* c
     if (options_.session != nullptr) WriteSession(options_.session(), response);
     if (status.global_from_local) {
       ToProto(*status.global_from_local, response->mutable_global_from_local());
+      response->set_global_without_metres(status.global_without_metres);
     }
+    response->set_without_metres(status.without_metres);
     return absl::OkStatus();
   });
 }

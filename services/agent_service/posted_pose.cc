@@ -88,6 +88,7 @@ v1::WatchPoseResponse ToProto(const PostedPose& posted, PosesOf poses_of,
   response.set_poses_of(ToProto(poses_of));
   response.set_epoch(result.epoch);
   response.set_global_epoch(posted.global_epoch);
+  response.set_without_metres(result.without_metres);
   if (result.state == TrackingState::kTracking) WritePose(posted, wanted, response);
   if (result.reckoned.has_value()) {
     WriteReckoned(*result.reckoned, wanted, *response.mutable_reckoned());
@@ -97,6 +98,7 @@ v1::WatchPoseResponse ToProto(const PostedPose& posted, PosesOf poses_of,
   }
   if (posted.global_from_local.has_value()) {
     ToProto(*posted.global_from_local, response.mutable_global_from_local());
+    response.set_global_without_metres(result.global_without_metres);
   }
   return response;
 }
@@ -121,6 +123,8 @@ v1::WhyNoPose ToProto(WhyNoPose why) {
       return v1::WHY_NO_POSE_FEW_KEYPOINTS;
     case WhyNoPose::kFewDepths:
       return v1::WHY_NO_POSE_FEW_DEPTHS;
+    case WhyNoPose::kLittleParallax:
+      return v1::WHY_NO_POSE_LITTLE_PARALLAX;
     case WhyNoPose::kMappingBusy:
       return v1::WHY_NO_POSE_MAPPING_BUSY;
     case WhyNoPose::kMappingPaused:

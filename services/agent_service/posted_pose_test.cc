@@ -42,6 +42,28 @@ TrackingResult Lost() {
   return result;
 }
 
+TEST(PostedPoseTest, SaysWhereLengthsAreNoMetres) {
+  TrackingResult result = Tracked();
+  const auto metric = ToProto({.result = result}, PosesOf::kRectifiedCamera, std::nullopt);
+  EXPECT_FALSE(metric.without_metres());
+  result.without_metres = true;
+  result.global_without_metres = true;
+  const auto alone = ToProto({.result = result}, PosesOf::kRectifiedCamera, std::nullopt);
+  EXPECT_TRUE(alone.without_metres());
+  EXPECT_FALSE(alone.global_without_metres()) << "there is no global frame yet";
+  const auto placed = ToProto({.result = result, .global_from_local = Similarity3d::Identity()},
+                              PosesOf::kRectifiedCamera, std::nullopt);
+  EXPECT_TRUE(placed.global_without_metres());
+}
+
+TEST(PostedPoseTest, SaysWhileOneCameraWaitsForParallax) {
+  TrackingResult result;
+  result.why_no_pose = WhyNoPose::kLittleParallax;
+  const auto pose = ToProto({.result = result}, PosesOf::kRectifiedCamera, std::nullopt);
+  EXPECT_EQ(pose.state(), v1::TRACKING_STATE_INITIALISING);
+  EXPECT_EQ(pose.why_no_pose(), v1::WHY_NO_POSE_LITTLE_PARALLAX);
+}
+
 TEST(PostedPoseTest, SaysHowSureItIsAndHowItMoves) {
   const auto pose = ToProto({.result = Tracked(), .follows_a_pose = true},
                             PosesOf::kRectifiedCamera, std::nullopt);

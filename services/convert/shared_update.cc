@@ -188,6 +188,7 @@ void Append(SharedUpdate& update, SharedUpdate& part) {
   update.more_places = part.more_places;
   if (part.global_from_local.has_value()) update.global_from_local = part.global_from_local;
   update.apart |= part.apart;
+  update.in_metres |= part.in_metres;
   if (part.local_map.IsValid()) update.local_map = part.local_map;
   AppendAll(update.keyframes, part.keyframes);
   AppendAll(update.points, part.points);
@@ -215,6 +216,7 @@ std::vector<v1::SharedUpdate> ToProto(const SharedUpdate& update, CameraBook& se
     ToProto(*update.global_from_local, writer.part().mutable_global_from_local());
   }
   writer.part().set_apart_from_global_frame(update.apart);
+  writer.part().set_in_metres(update.in_metres);
   if (update.local_map.IsValid()) writer.part().set_local_map(update.local_map.value);
   for (const SharedKeyframe& keyframe : update.keyframes) {
     WriteKeyframe(keyframe, form, sent, writer);
@@ -250,6 +252,7 @@ absl::StatusOr<SharedUpdate> FromProto(const v1::SharedUpdate& proto, CameraBook
     update.global_from_local = *global_from_local;
   }
   update.apart = proto.apart_from_global_frame();
+  update.in_metres = proto.in_metres();
   update.local_map = LocalMapId{proto.local_map()};
   ASSIGN_OR_RETURN(const SlotReader slots, SlotReader::Create(proto.local_maps()));
   RETURN_IF_ERROR(ReadCameras(proto, slots, cameras));

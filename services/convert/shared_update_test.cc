@@ -29,6 +29,7 @@ void ExpectSame(const SharedUpdate& a, const SharedUpdate& b) {
   EXPECT_EQ(a.restart, b.restart);
   EXPECT_EQ(a.more_places, b.more_places);
   EXPECT_EQ(a.apart, b.apart);
+  EXPECT_EQ(a.in_metres, b.in_metres);
   EXPECT_EQ(a.local_map, b.local_map);
   ASSERT_EQ(a.global_from_local.has_value(), b.global_from_local.has_value());
   if (a.global_from_local.has_value()) {

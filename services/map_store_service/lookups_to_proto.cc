@@ -116,6 +116,8 @@ void ToProto(absl::string_view mission, const LocalMapInfo& info, v1::LocalMap* 
   }
   for (const uint64_t number : info.joined_numbers) proto->add_joined_numbers(Count(number));
   proto->set_faded_map_points(info.faded_points);
+  proto->set_without_metres(!info.in_metres);
+  proto->set_island_without_metres(!info.island_in_metres);
 }
 
 void ToProto(absl::string_view mission, const KeyframeInfo& info, v1::Keyframe* proto) {

@@ -215,17 +215,8 @@ absl::Status CheckBefore(const RobotFlags& flags) {
 
 // Returns the flags with what is known of the source.
 RobotFlags WithSource(const SensorCalibration& calibration, RobotFlags flags) {
-  Camera camera;
-  if (const auto* stereo = std::get_if<StereoCalibration>(&calibration)) {
-    camera = stereo->camera;
-    if (stereo->raw.has_value()) {
-      camera.width_px = stereo->raw->width_px;
-      camera.height_px = stereo->raw->height_px;
-    }
-  } else {
-    camera = std::get<RgbdCalibration>(calibration).camera;
-    flags.has_depth = true;
-  }
+  const Camera camera = FirstCameraOf(calibration).camera;
+  flags.has_depth = KindOf(calibration) == SensorKind::kRgbd;
   flags.width_px = camera.width_px;
   flags.height_px = camera.height_px;
   return flags;

@@ -21,8 +21,10 @@ bool IsFile(absl::string_view value) {
 absl::StatusOr<SimulatedPair> ReadSimulatedPair(const std::string& path) {
   ASSIGN_OR_RETURN(const Rig rig, ReadRigFile(path));
   if (rig.kind != RigKind::kStereo) {
-    return absl::InvalidArgumentError(
-        absl::StrCat(path, ": only stereo pairs are simulated from a rig file; RGB-D is rig=rgbd"));
+    return absl::InvalidArgumentError(absl::StrCat(
+        path,
+        ": only stereo pairs are simulated from a rig file; RGB-D is rig=rgbd, and one "
+        "camera alone is the first of any with cameras=1"));
   }
   if (rig.cameras[0].width_px != rig.cameras[1].width_px ||
       rig.cameras[0].height_px != rig.cameras[1].height_px) {

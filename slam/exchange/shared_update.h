@@ -88,6 +88,8 @@ struct SharedUpdate {
   // True: the island is not connected to the mission's global frame; what is called global here is
   // the island's own frame.
   bool apart = false;
+  // True: the frame is in metres. False: it is not, or the store doesn't say it.
+  bool in_metres = false;
 
   bool IsEmpty() const {
     return !restart && !global_from_local.has_value() && keyframes.empty() && points.empty() &&

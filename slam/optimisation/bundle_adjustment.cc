@@ -11,6 +11,7 @@
 #include "slam/optimisation/bundle_problem.h"
 #include "slam/optimisation/ceres_bundle_solver.h"
 #include "slam/optimisation/measurement_noise.h"
+#include "slam/optimisation/scale_gauge.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam {
@@ -184,6 +185,7 @@ absl::StatusOr<BundleResult> AdjustBundle(const Map& map, const BundleScope& sco
         absl::StrCat("bundle scope: none of its ", index.points.size(),
                      " map points is seen by any of its ", index.keyframes.size(), " keyframes"));
   }
+  const ScaleGauge gauge(problem);
   const Minimiser minimiser = MakeMinimiser(options, problem);
   std::vector<double> variances(problem.poses.size(), 1);
   BundleResult result;
@@ -210,6 +212,7 @@ absl::StatusOr<BundleResult> AdjustBundle(const Map& map, const BundleScope& sco
     if (options.measure_noise && round == 0) variances = MeasureNoise(problem);
     UseInliersOnly(variances, problem);
   }
+  gauge.Hold(problem);
   ReadOut(scope, index, problem, result);
   return result;
 }

@@ -81,9 +81,10 @@ struct BundleResult {
 };
 
 // Reads `map` and changes nothing. Only observations between the scope's keyframes and points
-// count. INVALID_ARGUMENT, naming the id, where the scope names an unknown or repeated item, or
-// nothing is free or nothing observed; FAILED_PRECONDITION where no keyframe is fixed; INTERNAL
-// where Ceres fails. Pure; any thread.
+// count. Where nothing measures a depth and one keyframe alone is fixed the result is as large as
+// the map was (scale_gauge.h). INVALID_ARGUMENT, naming the id, where the scope names an unknown or
+// repeated item, or nothing is free or nothing observed; FAILED_PRECONDITION where no keyframe is
+// fixed; INTERNAL where Ceres fails. Pure; any thread.
 absl::StatusOr<BundleResult> AdjustBundle(const Map& map, const BundleScope& scope,
                                           const BundleOptions& options);
 

@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
+#include <map>
 #include <set>
 #include <string>
 #include <utility>
@@ -148,6 +150,50 @@ TEST_P(AdjustBundleTest, MonocularMapKeepsItsReprojectionSmall) {
   const auto result = AdjustBundle(scene.map, GlobalBundleScope(scene.map, {}), Options(40));
   ASSERT_TRUE(result.ok()) << result.status();
   EXPECT_LT(result->final_cost, 1e-3 * result->initial_cost);
+}
+
+double ExtentOf(const std::map<KeyframeId, Rigid3d>& poses) {
+  double sum2 = 0;
+  for (const auto& [id, pose] : poses) {
+    sum2 += (CameraCentre(pose) - CameraCentre(poses.begin()->second)).squaredNorm();
+  }
+  return std::sqrt(sum2);
+}
+
+TEST_P(AdjustBundleTest, MonocularMapStaysAsLargeAsItWas) {
+  SyntheticSceneOptions scene_options = Disturbed();
+  scene_options.share_with_depth = 0;
+  const SyntheticScene scene = MakeSyntheticScene(scene_options);
+  const BundleScope scope = GlobalBundleScope(scene.map, {});
+  const auto result = AdjustBundle(scene.map, scope, Options(40));
+  ASSERT_TRUE(result.ok()) << result.status();
+  std::map<KeyframeId, Rigid3d> before;
+  for (const auto& [id, keyframe] : scene.map.keyframes()) before[id] = keyframe.camera_from_map;
+  std::map<KeyframeId, Rigid3d> after = before;
+  for (const PoseUpdate& pose : result->poses) after[pose.id] = pose.camera_from_map;
+  EXPECT_NEAR(ExtentOf(after) / ExtentOf(before), 1, 1e-9);
+  // It is the truth but for that size.
+  const double scale = ExtentOf(scene.true_camera_from_map) / ExtentOf(after);
+  for (const auto& [id, truth] : scene.true_camera_from_map) {
+    EXPECT_LT((scale * CameraCentre(after[id]) - CameraCentre(truth)).norm(), 0.01) << ToString(id);
+  }
+}
+
+TEST_P(AdjustBundleTest, WhereADepthIsMeasuredTheSizeIsToo) {
+  SyntheticSceneOptions scene_options = Disturbed();
+  scene_options.share_with_depth = 0.5;
+  SyntheticScene scene = MakeSyntheticScene(scene_options);
+  for (const auto& [id, pose] : scene.true_camera_from_map) {
+    Rigid3d larger = pose;
+    larger.translation *= 1.1;
+    scene.map.SetPose(id, larger);
+  }
+  for (const auto& [id, position] : scene.true_position_in_map) {
+    scene.map.SetPosition(id, 1.1 * position);
+  }
+  const auto result = AdjustBundle(scene.map, GlobalBundleScope(scene.map, {}), Options(40));
+  ASSERT_TRUE(result.ok()) << result.status();
+  EXPECT_LT(WorstPoseError(scene, *result), 0.02);
 }
 
 TEST_P(AdjustBundleTest, SparseSystemAgreesWithTheTruthToo) {

@@ -1,34 +1,11 @@
 #include "slam/sensor/rgbd_sensor.h"
 
-#include <algorithm>
-#include <cmath>
-#include <limits>
-#include <vector>
-
 #include "absl/strings/str_cat.h"
 #include "slam/sensor/corner_depth.h"
 #include "slam/sensor/image_check.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam {
-namespace {
-
-const Eigen::Vector2d kNowhere =
-    Eigen::Vector2d::Constant(std::numeric_limits<double>::quiet_NaN());
-
-// Takes out features that have no place in the undistorted picture (a fisheye's edge).
-void TakeOutUnseen(Features& features) {
-  size_t kept = 0;
-  for (size_t i = 0; i < features.keypoints.size(); ++i) {
-    if (std::isnan(features.keypoints[i].x_px)) continue;
-    features.keypoints[kept] = features.keypoints[i];
-    features.descriptors[kept++] = features.descriptors[i];
-  }
-  features.keypoints.resize(kept);
-  features.descriptors.resize(kept);
-}
-
-}  // namespace
 
 absl::StatusOr<std::unique_ptr<Sensor>> RgbdSensor::Make(const RgbdCalibration& calibration,
                                                          const SensorOptions& options) {
@@ -46,67 +23,30 @@ absl::StatusOr<std::unique_ptr<Sensor>> RgbdSensor::Make(const RgbdCalibration& 
   return sensor;
 }
 
-absl::Status RgbdSensor::SetMask(const PictureMask& mask) {
-  RETURN_IF_ERROR(CheckMask(mask, calibration_.camera));
-  calibration_.mask = mask;
-  extractor_.SetMask(mask);
-  return absl::OkStatus();
-}
-
 absl::StatusOr<Features> RgbdSensor::Process(const SensorImages& images) {
-  const Camera& camera = calibration_.camera;
-  RETURN_IF_ERROR(CheckGreyImage("grey", images.grey, camera));
-  RETURN_IF_ERROR(CheckDepthImage(images.depth, camera));
-  RETURN_IF_ERROR(extractor_.Begin(images.grey, pyramid_));
-  threads_.Run(ScalePyramid::kLevels, [this](size_t octave) {
-    extractor_.ExtractLevel(pyramid_, static_cast<int>(octave));
-  });
-  Features features;
-  RETURN_IF_ERROR(extractor_.Gather(features));
-  constexpr size_t kTask = 100;  // Number of keypoints.
-  std::vector<Keypoint>& keypoints = features.keypoints;
-  threads_.Run((keypoints.size() + kTask - 1) / kTask, [&](size_t task) {
-    const size_t end = std::min((task + 1) * kTask, keypoints.size());
-    for (size_t i = task * kTask; i < end; ++i) Complete(images.depth, keypoints[i]);
-  });
-  TakeOutUnseen(features);
-  return features;
+  RETURN_IF_ERROR(CheckGreyImage("grey", images.grey, camera_));
+  RETURN_IF_ERROR(CheckDepthImage(images.depth, camera_));
+  return grey_.FindFeatures(images.grey,
+                            [&](Keypoint& keypoint) { AddDepth(images.depth, keypoint); });
 }
 
 absl::StatusOr<cv::Mat> RgbdSensor::Picture(const SensorImages& images) {
-  RETURN_IF_ERROR(CheckGreyImage("grey", images.grey, calibration_.camera));
-  RETURN_IF_ERROR(CheckDepthImage(images.depth, calibration_.camera));
+  RETURN_IF_ERROR(CheckGreyImage("grey", images.grey, camera_));
+  RETURN_IF_ERROR(CheckDepthImage(images.depth, camera_));
   return images.grey;
-}
-
-std::optional<Eigen::Vector2d> RgbdSensor::InPicture(const Eigen::Vector2d& ideal_px) const {
-  const Camera& camera = calibration_.camera;
-  const std::optional<Eigen::Vector2d> seen =
-      SeenAt(calibration_.lens, Unproject(camera, ideal_px.x(), ideal_px.y(), 1));
-  if (!seen.has_value()) return std::nullopt;
-  const Eigen::Vector2d pixel(camera.fx_px * seen->x() + camera.cx_px,
-                              camera.fy_px * seen->y() + camera.cy_px);
-  if (!IsInImage(camera, pixel) || IsMasked(calibration_.mask, pixel)) return std::nullopt;
-  return pixel;
 }
 
 std::optional<Keypoint> RgbdSensor::FromPicture(const SensorImages& images,
                                                 const Keypoint& in_picture) const {
   Keypoint keypoint = in_picture;
   keypoint.disparity_px = 0;
-  Complete(images.depth, keypoint);
-  if (std::isnan(keypoint.x_px)) return std::nullopt;
-  return keypoint;
+  AddDepth(images.depth, keypoint);
+  return grey_.Undistorted(keypoint);
 }
 
-void RgbdSensor::Complete(const cv::Mat& depth, Keypoint& keypoint) const {
-  const Camera& camera = calibration_.camera;
-  const double depth_m = CornerDepth(depth, keypoint, calibration_.depth_units_per_m);
-  if (depth_m > 0) keypoint.disparity_px = static_cast<float>(DisparityFromDepth(camera, depth_m));
-  const Eigen::Vector2d ideal =
-      UndistortPixel(camera, calibration_.lens, keypoint.Pixel()).value_or(kNowhere);
-  keypoint.x_px = static_cast<float>(ideal.x());
-  keypoint.y_px = static_cast<float>(ideal.y());
+void RgbdSensor::AddDepth(const cv::Mat& depth, Keypoint& keypoint) const {
+  const double depth_m = CornerDepth(depth, keypoint, depth_units_per_m_);
+  if (depth_m > 0) keypoint.disparity_px = static_cast<float>(DisparityFromDepth(camera_, depth_m));
 }
 
 }  // namespace corbslam

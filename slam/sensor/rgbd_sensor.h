@@ -5,8 +5,8 @@
 #include <memory>
 #include <optional>
 
+#include "slam/sensor/monocular_sensor.h"
 #include "slam/sensor/sensor.h"
-#include "slam/sensor/thread_pair.h"
 
 namespace corbslam {
 
@@ -15,25 +15,27 @@ class RgbdSensor : public Sensor {
   static absl::StatusOr<std::unique_ptr<Sensor>> Make(const RgbdCalibration& calibration,
                                                       const SensorOptions& options);
 
-  const Camera& camera() const override { return calibration_.camera; }
+  const Camera& camera() const override { return camera_; }
   absl::StatusOr<Features> Process(const SensorImages& images) override;
   absl::StatusOr<cv::Mat> Picture(const SensorImages& images) override;
-  std::optional<Eigen::Vector2d> InPicture(const Eigen::Vector2d& ideal_px) const override;
+  std::optional<Eigen::Vector2d> InPicture(const Eigen::Vector2d& ideal_px) const override {
+    return grey_.InPicture(ideal_px);
+  }
   std::optional<Keypoint> FromPicture(const SensorImages& images,
                                       const Keypoint& in_picture) const override;
-  absl::Status SetMask(const PictureMask& mask) override;
+  absl::Status SetMask(const PictureMask& mask) override { return grey_.SetMask(mask); }
 
  private:
   RgbdSensor(const RgbdCalibration& calibration, const SensorOptions& options)
-      : calibration_(calibration), extractor_(options.orb), threads_(options.parallel) {}
-  // Gives a keypoint of the recorded picture its depth and its undistorted place. One that no
-  // undistorted picture shows gets a place that is no number.
-  void Complete(const cv::Mat& depth, Keypoint& keypoint) const;
+      : camera_(calibration.camera),
+        depth_units_per_m_(calibration.depth_units_per_m),
+        grey_(FirstCameraOf(calibration), options) {}
+  // Gives a keypoint of the recorded picture its depth.
+  void AddDepth(const cv::Mat& depth, Keypoint& keypoint) const;
 
-  RgbdCalibration calibration_;
-  OrbExtractor extractor_;
-  ImagePyramid pyramid_;
-  ThreadPair threads_;
+  const Camera camera_;
+  const double depth_units_per_m_;
+  MonocularSensor grey_;
 };
 
 }  // namespace corbslam

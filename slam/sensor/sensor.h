@@ -1,4 +1,5 @@
-// Turns the images of a camera into features with depth, by one interface for stereo and RGB-D.
+// Turns the images of a camera into features, by one interface for stereo and RGB-D, whose features
+// have depths, and for one camera alone, whose have none.
 #ifndef CORBSLAM_SLAM_SENSOR_SENSOR_H_
 #define CORBSLAM_SLAM_SENSOR_SENSOR_H_
 
@@ -68,7 +69,29 @@ struct RgbdCalibration {
   std::optional<ImuCalibration> imu = {};
 };
 
-using SensorCalibration = std::variant<StereoCalibration, RgbdCalibration>;
+// One camera alone: no depths, and maps without scale.
+struct MonocularCalibration {
+  // Its baseline_m and close_depth_m are 0.
+  Camera camera = {};
+  // Lens of the raw grey image, which has the camera's intrinsics.
+  LensModel lens = {};
+  // Pose of the camera, where the calibration says it.
+  std::optional<Rigid3d> body_from_raw = {};
+  PictureMask mask = {};
+  std::optional<ImuCalibration> imu = {};
+};
+
+using SensorCalibration = std::variant<StereoCalibration, RgbdCalibration, MonocularCalibration>;
+
+// In the order of SensorCalibration's alternatives.
+enum class SensorKind { kStereo, kRgbd, kMonocular };
+
+inline SensorKind KindOf(const SensorCalibration& calibration) {
+  return static_cast<SensorKind>(calibration.index());
+}
+
+// Returns the (left) camera of a pair or of an RGB-D camera alone, as it records.
+MonocularCalibration FirstCameraOf(const SensorCalibration& calibration);
 
 struct SensorOptions {
   OrbOptions orb = {};

@@ -250,6 +250,55 @@ TEST(RgbdSensorTest, ThreadsDoNotChangeTheResult) {
   }
 }
 
+// One camera sees what an RGB-D camera does, but for depths.
+TEST(MonocularSensorTest, FindsTheSameFeaturesWithoutDepths) {
+  const RgbdCalibration rgbd = {.camera = kCamera, .lens = RadialTangential{.k1 = -0.3, .k2 = 0.1}};
+  const MonocularCalibration one = FirstCameraOf(rgbd);
+  EXPECT_EQ(KindOf(one), SensorKind::kMonocular);
+  EXPECT_FALSE(one.camera.IsMetric());
+  const auto with_depth = MakeSensor(rgbd, {}).value()->Process(
+      {.grey = Scene(0), .depth = cv::Mat(480, 640, CV_16UC1, cv::Scalar(5000))});
+  const auto sensor = MakeSensor(one, {});
+  ASSERT_TRUE(sensor.ok()) << sensor.status();
+  EXPECT_FALSE((*sensor)->camera().IsMetric());
+  const auto alone = (*sensor)->Process({.grey = Scene(0)});
+  ASSERT_TRUE(with_depth.ok() && alone.ok());
+  ASSERT_GT(alone->keypoints.size(), 500U);
+  EXPECT_EQ(alone->descriptors, with_depth->descriptors);
+  for (size_t i = 0; i < alone->keypoints.size(); ++i) {
+    EXPECT_EQ(alone->keypoints[i].Pixel(), with_depth->keypoints[i].Pixel());
+    EXPECT_FALSE(alone->keypoints[i].HasDepth());
+  }
+}
+
+TEST(MonocularSensorTest, RefusesABaselineAndOtherPictures) {
+  EXPECT_THAT(MakeSensor(MonocularCalibration{.camera = kCamera}, {}).status().message(),
+              HasSubstr("must be 0 for one camera alone"));
+  const auto sensor = MakeSensor(FirstCameraOf(StereoCalibration{.camera = kCamera}), {});
+  ASSERT_TRUE(sensor.ok());
+  EXPECT_THAT((*sensor)->Process({.grey = cv::Mat(48, 64, CV_8UC1)}).status().message(),
+              HasSubstr("64x48"));
+}
+
+TEST(FirstCameraTest, OfARawPairIsTheLeftOneAsItRecords) {
+  StereoCalibration pair;
+  pair.raw.emplace();
+  pair.raw->left = {300, 301, 320, 240, Equidistant{.k1 = 0.01}};
+  pair.raw->right = pair.raw->left;
+  pair.raw->right_from_left.translation = {-0.1, 0, 0};
+  pair.raw->width_px = 640;
+  pair.raw->height_px = 480;
+  pair.body_from_raw_left = Rigid3d{Eigen::Quaterniond::Identity(), {1, 2, 3}};
+  const MonocularCalibration left = FirstCameraOf(pair);
+  EXPECT_EQ(left.camera.fy_px, 301);
+  EXPECT_EQ(left.camera.width_px, 640);
+  EXPECT_EQ(left.camera.baseline_m, 0);
+  EXPECT_EQ(std::get<Equidistant>(left.lens).k1, 0.01);
+  EXPECT_EQ(left.body_from_raw->translation.z(), 3);
+  EXPECT_EQ(RecordedCameraOf(left)->lens.fx_px, 300);
+  EXPECT_EQ(RecordedCameraOf(left)->camera_from_recorded.translation, Eigen::Vector3d::Zero());
+}
+
 TEST(RgbdSensorTest, RefusesWrongDepthImages) {
   const auto sensor = MakeSensor(RgbdCalibration{.camera = kCamera, .lens = {}}, {});
   ASSERT_TRUE(sensor.ok());

@@ -109,7 +109,7 @@ absl::StatusOr<std::vector<Posed>> Drive(const SimulatedSequence& sequence, size
                                          std::shared_ptr<const Vocabulary> vocabulary) {
   AgentOptions options;
   options.deterministic = true;
-  const bool stereo = std::holds_alternative<StereoCalibration>(sequence.calibration());
+  const bool stereo = KindOf(sequence.calibration()) == SensorKind::kStereo;
   options.sensor.orb.features = stereo ? 2000 : 1000;
   ASSIGN_OR_RETURN(const auto agent,
                    Agent::Create(options, sequence.calibration(), vocabulary, nullptr));

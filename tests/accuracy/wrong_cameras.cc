@@ -96,7 +96,7 @@ class Asker {
     camera_ = recorded.lens;
     AgentOptions options;
     options.deterministic = true;
-    const bool is_stereo = std::holds_alternative<StereoCalibration>(stream->calibration());
+    const bool is_stereo = KindOf(stream->calibration()) == SensorKind::kStereo;
     options.sensor.orb.features = is_stereo ? 2000 : 1000;
     ASSIGN_OR_RETURN(const auto agent,
                      Agent::Create(options, stream->calibration(), vocabulary_, nullptr));

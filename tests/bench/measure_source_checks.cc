@@ -111,7 +111,7 @@ void MeasureRgbd(const RgbdCalibration& calibration, const Sample& sample) {
 
 // Prints what a robot's sensor makes of the frames in turn.
 void MeasureWatch(const SensorCalibration& calibration, const ReadFrame& read, size_t frames) {
-  const bool is_stereo = std::holds_alternative<StereoCalibration>(calibration);
+  const bool is_stereo = KindOf(calibration) == SensorKind::kStereo;
   SensorOptions options;
   options.orb.features = is_stereo ? 2000 : 1000;
   const std::unique_ptr<Sensor> sensor = MakeSensor(calibration, options).value();

@@ -50,7 +50,7 @@ absl::StatusOr<std::unique_ptr<Spool>> OpenSpoolOf(const MortalRobot& robot) {
 absl::StatusOr<std::unique_ptr<Agent>> MakeAgent(const MortalRobot& robot,
                                                  const SensorCalibration& calibration) {
   AgentOptions options;
-  const bool stereo = std::holds_alternative<StereoCalibration>(calibration);
+  const bool stereo = KindOf(calibration) == SensorKind::kStereo;
   options.sensor.orb.features = stereo ? 2000 : 1000;
   options.keep_trajectory = false;
   options.seed = static_cast<uint64_t>(absl::GetCurrentTimeNanos());

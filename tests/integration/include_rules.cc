@@ -50,6 +50,7 @@ const std::map<absl::string_view, Heights>& Ladders() {
            {"optimisation", 6},
            {"solvers", 7},
            {"exchange", 7},
+           {"monocular", 8},
            {"verification", 8},
            {"fusing", 9},
        }},

@@ -122,7 +122,7 @@ absl::StatusOr<RecordedUploads> RecordUploads(const std::string& source,
   AgentOptions options;
   options.deterministic = true;
   options.upload_features = features;
-  const bool is_stereo = std::holds_alternative<StereoCalibration>(images->calibration());
+  const bool is_stereo = KindOf(images->calibration()) == SensorKind::kStereo;
   options.sensor.orb.features = is_stereo ? kStereoFeatures : kRgbdFeatures;
   RecordingUplink uplink;
   ASSIGN_OR_RETURN(const std::unique_ptr<Agent> agent,

@@ -102,7 +102,7 @@ TEST(AravisSourceTest, SaysWhatIsWrong) {
   RegisterGstSources();
   const struct {
     std::string options, says;
-  } cases[] = {{"aravis:A?rig=x", "name a second camera"},
+  } cases[] = {{"aravis:A?rig=" + StereoRig(), "name a second camera"},
                {"aravis:A,A?rig=x", "names the same camera twice"},
                {"aravis:A,B,C?rig=x", "names 3 cameras"},
                {"aravis:A?layout=side-by-side&format=YUY2", "wants GRAY8"},

@@ -197,7 +197,7 @@ class GstCamera : public LiveCamera {
     const int64_t time_ns = TimeOf(element, sample);
     sink.gave.Add(time_ns);
     if (!is_depth) image = grey_scaler_.ToEightBits(*image);
-    if (options_.layout == GstLayout::kTwoPipelines) {
+    if (options_.layout == GstLayout::kTwoPipelines || options_.layout == GstLayout::kOneCamera) {
       return pairing_->Push(sink.side, {time_ns, *std::move(image)});
     }
     auto [first, second] = SplitPicture(*image, options_.layout == GstLayout::kSideBySide);

@@ -11,8 +11,9 @@
 
 namespace corbslam::client_agent {
 
-// How the two pictures of a frame come.
+// How the pictures of a frame come.
 enum class GstLayout {
+  kOneCamera,     // A frame has one picture.
   kTwoPipelines,  // Each has its own pipeline; both run by one clock.
   kSideBySide,    // Left and right halves of one picture.
   kOneAbove,      // Upper (left camera) and lower half.

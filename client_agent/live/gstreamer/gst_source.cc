@@ -67,14 +67,9 @@ class GstSettings : public KindSettings {
                        ": names the same camera twice: a pair is of two cameras, or of one "
                        "whose picture holds both halves (?layout=side-by-side)"));
     }
-    if (one_picture != has_second) return absl::OkStatus();
+    if (!one_picture || !has_second) return absl::OkStatus();
     return absl::InvalidArgumentError(absl::StrCat(
-        kind_, ":", place_, ": ",
-        one_picture
-            ? "one picture with both halves (?layout=) and a second camera"
-            : "a frame has two pictures: name a second camera (gst:LEFT || RIGHT, v4l2:"
-              "/dev/video0,/dev/video1, aravis:LEFT,RIGHT), or say how one picture holds both "
-              "(?layout=side-by-side, ?layout=one-above)"));
+        kind_, ":", place_, ": one picture with both halves (?layout=) and a second camera"));
   }
   std::vector<std::pair<std::string, std::string>> FormatOptions() const override {
     auto formatted = FormatLiveOptions(options_.live);
@@ -98,6 +93,7 @@ class GstSettings : public KindSettings {
   absl::Status CheckLive() const override {
     RETURN_IF_ERROR(Validate());
     ASSIGN_OR_RETURN(const Rig rig, ReadLiveRig(kind_, options_.live));
+    RETURN_IF_ERROR(CheckPictures(rig));
     // Reads the mask.
     RETURN_IF_ERROR(LiveStream::Check(rig, StreamOptionsOf()));
     return CheckGstCamera(CameraOf(rig));
@@ -105,11 +101,25 @@ class GstSettings : public KindSettings {
   absl::StatusOr<std::unique_ptr<FrameStream>> OpenLive(
       const absl::Notification& /*stop*/) const override {
     ASSIGN_OR_RETURN(const Rig rig, ReadLiveRig(kind_, options_.live));
+    RETURN_IF_ERROR(CheckPictures(rig));
     ASSIGN_OR_RETURN(std::unique_ptr<LiveCamera> opened, MakeGstCamera(CameraOf(rig)));
     return LiveStream::Open(rig, std::move(opened), StreamOptionsOf());
   }
 
  private:
+  // Returns an error where a frame has other pictures than the rig cameras.
+  absl::Status CheckPictures(const Rig& rig) const {
+    const bool has_one = LayoutOf() == GstLayout::kOneCamera;
+    if (has_one == (rig.kind == RigKind::kMonocular)) return absl::OkStatus();
+    return absl::InvalidArgumentError(absl::StrCat(
+        kind_, ":", place_, ": ",
+        has_one ? "a frame has two pictures: name a second camera (gst:LEFT || RIGHT, v4l2:"
+                  "/dev/video0,/dev/video1, aravis:LEFT,RIGHT), or say how one picture holds both "
+                  "(?layout=side-by-side, ?layout=one-above), or give the rig of one camera alone "
+                  "(kind: monocular)"
+                : absl::StrCat("a frame has two pictures, and ", options_.live.rig,
+                               " is of one camera alone: name one camera, without ?layout=")));
+  }
   GstCameraOptions CameraOf(const Rig& rig) const {
     GstCameraOptions camera;
     camera.first = PipelineOf(0);
@@ -121,7 +131,7 @@ class GstSettings : public KindSettings {
   }
   LiveOptions StreamOptionsOf() const {
     LiveOptions options = StreamOptions(absl::StrCat(kind_, ":", place_), options_.live);
-    options.one_stamp = LayoutOf() != GstLayout::kTwoPipelines;
+    options.one_stamp = LayoutOf() == GstLayout::kSideBySide || LayoutOf() == GstLayout::kOneAbove;
     return options;
   }
   bool NamesDevices() const { return kind_ != "gst"; }
@@ -158,7 +168,7 @@ class GstSettings : public KindSettings {
   GstLayout LayoutOf() const {
     if (options_.layout == "side-by-side") return GstLayout::kSideBySide;
     if (options_.layout == "one-above") return GstLayout::kOneAbove;
-    return GstLayout::kTwoPipelines;
+    return Cameras().size() == 1 ? GstLayout::kOneCamera : GstLayout::kTwoPipelines;
   }
   std::string PipelineOf(size_t which) const {
     const std::vector<std::string> cameras = Cameras();

@@ -200,7 +200,7 @@ absl::Status PushCamera::OnFrame(int64_t timestamp_ns, cv::Mat first, cv::Mat se
   // A driver that said the rig and went before the robot began.
   if (pairing_ == nullptr) return absl::OkStatus();
   pairing_->Push(LiveSide::kFirst, {timestamp_ns, std::move(first)});
-  pairing_->Push(LiveSide::kSecond, {timestamp_ns, std::move(second)});
+  if (!second.empty()) pairing_->Push(LiveSide::kSecond, {timestamp_ns, std::move(second)});
   return absl::OkStatus();
 }
 

@@ -72,7 +72,8 @@ absl::Status PushDriver::TakeFrame(const Packet& packet) {
         absl::StrCat("slot is ", frame.slot, ", which was not given back yet"));
   }
   const cv::Mat first = grey_scaler_.ToEightBits(ring_->CopyFirst(frame.slot));
-  cv::Mat second = ring_->CopySecond(frame.slot);
+  cv::Mat second;
+  if (layout_.second.format != 0) second = ring_->CopySecond(frame.slot);
   if (layout_.second.format == CORBSLAM_PUSH_GREY16) second = grey_scaler_.ToEightBits(second);
   RETURN_IF_ERROR(host_.OnFrame(frame.timestamp_ns, first, second));
   free_slots_ |= bit;

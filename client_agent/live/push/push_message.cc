@@ -73,6 +73,11 @@ absl::Status CheckPicture(const std::string& which, const push_wire::Picture& pi
   return Bad(which + ".offset_bytes", picture.offset_bytes, "a multiple of 16");
 }
 
+bool IsNone(const push_wire::Picture& picture) {
+  return picture.format == 0 && picture.width_px == 0 && picture.height_px == 0 &&
+         picture.stride_bytes == 0 && picture.offset_bytes == 0;
+}
+
 absl::Status CheckLayout(const PushLayout& layout) {
   if (layout.slots < 1 || layout.slots > push_wire::kMostSlots) {
     return Bad("slots", layout.slots, absl::StrCat("1 to ", push_wire::kMostSlots));
@@ -89,6 +94,7 @@ absl::Status CheckLayout(const PushLayout& layout) {
         absl::StrCat("at least slots * slot_bytes, ", layout.slots, " * ", layout.slot_bytes));
   }
   RETURN_IF_ERROR(CheckPicture("first", layout.first, layout.slot_bytes));
+  if (IsNone(layout.second)) return absl::OkStatus();
   return CheckPicture("second", layout.second, layout.slot_bytes);
 }
 
@@ -104,6 +110,11 @@ absl::StatusOr<std::string> ReadName(const push_wire::Hello& hello) {
 }
 
 absl::Status CheckFormat(const std::string& which, uint32_t format, bool depth) {
+  if (format == 0) {
+    return Bad(
+        which + ".format", format,
+        "1 to 4: a frame has two pictures, unless the rig is of one camera (kind: monocular)");
+  }
   if ((format == CORBSLAM_PUSH_DEPTH16) == depth) return absl::OkStatus();
   return Bad(which + ".format", format,
              depth ? "4 (depth16): the rig is of an RGB-D camera"
@@ -218,8 +229,13 @@ absl::StatusOr<ImuSamples> ParseImu(absl::string_view packet) {
 absl::Status CheckPictures(const PushLayout& layout, const Rig& rig) {
   const bool rgbd = rig.kind == RigKind::kRgbd;
   RETURN_IF_ERROR(CheckFormat("first", layout.first.format, false));
-  RETURN_IF_ERROR(CheckFormat("second", layout.second.format, rgbd));
   RETURN_IF_ERROR(CheckSize("first", layout.first, rig.cameras.front()));
+  if (rig.kind == RigKind::kMonocular) {
+    if (IsNone(layout.second)) return absl::OkStatus();
+    return Bad("second.format", layout.second.format,
+               "0, as all of second: the rig is of one camera (kind: monocular)");
+  }
+  RETURN_IF_ERROR(CheckFormat("second", layout.second.format, rgbd));
   return CheckSize("second", layout.second, rig.cameras.back());
 }
 

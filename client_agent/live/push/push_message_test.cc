@@ -157,6 +157,22 @@ TEST(PushMessageTest, PicturesMustBeTheRigs) {
               HasSubstr("second.format is 4"));
 }
 
+TEST(PushMessageTest, ARigOfOneCameraTakesOnePicture) {
+  const auto pair = ReadRigText(kSmallRig, "rig");
+  const auto one = ReadRigText(kOneCameraRig, "rig");
+  ASSERT_TRUE(pair.ok() && one.ok()) << one.status();
+  Hello hello = GoodHello();
+  hello.second = {};
+  const auto alone = ParseHello(HelloPacket(hello));
+  ASSERT_TRUE(alone.ok()) << alone.status();
+  EXPECT_TRUE(CheckPictures(alone->layout, *one).ok());
+  EXPECT_THAT(std::string(CheckPictures(alone->layout, *pair).message()),
+              HasSubstr("second.format is 0"));
+  const auto both = ParseHello(HelloPacket(GoodHello()));
+  EXPECT_THAT(std::string(CheckPictures(both->layout, *one).message()),
+              HasSubstr("second.format is 1, must be 0"));
+}
+
 // Bytes of a hello or frame changed at random, and any bytes: nothing is taken that lies outside.
 TEST(PushMessageTest, TakesNothingImpossibleOfRandomBytes) {
   std::mt19937 random(7);

@@ -114,6 +114,27 @@ TEST_F(PushStreamTest, ARigsTimeOffsetDoesNotStarveIt) {
   EXPECT_EQ(stream_->findings()[0].code, "time-offset-unused");
 }
 
+TEST_F(PushStreamTest, OneCameraGivesOnePicture) {
+  auto opening = std::async(std::launch::async, [this] { return Open(); });
+  corbslam_push_options options = Options(kOneCameraRig);
+  options.second = {};
+  PushConnection driver(options);
+  auto opened = opening.get();
+  ASSERT_TRUE(opened.ok()) << opened.status();
+  stream_ = *std::move(opened);
+  EXPECT_EQ(KindOf(stream_->calibration()), SensorKind::kMonocular);
+  const auto slot = driver.Begin(kPatience_ms);
+  ASSERT_TRUE(slot.has_value());
+  EXPECT_EQ(slot->second, nullptr);
+  std::memset(slot->first, 40, 64 * 48);
+  driver.Commit(*slot, 1000);
+  const StreamFrame frame = Next();
+  EXPECT_EQ(frame.frame.timestamp_ns, 1000);
+  EXPECT_EQ(frame.images.grey.at<uint8_t>(5, 5), 40);
+  EXPECT_TRUE(frame.images.right.empty());
+  EXPECT_TRUE(frame.images.depth.empty());
+}
+
 std::vector<int64_t> MeasuredAt(const StreamFrame& frame) {
   std::vector<int64_t> times_ns;
   for (const ImuSample& sample : frame.images.imu) times_ns.push_back(sample.timestamp_ns);

@@ -56,7 +56,8 @@ typedef struct corbslam_push_options {
   const char* rig_text;    /* A rig file's text (docs/rig.md); NULL: the robot has --rig. */
   const char* name;        /* This driver's, for the robot's log, at most 63 bytes; NULL: none. */
   corbslam_push_picture first;  /* Left, or the one beside the depth. */
-  corbslam_push_picture second; /* Right, or depth. Of RGB-D rigs DEPTH16. */
+  corbslam_push_picture second; /* Right, or depth. Of RGB-D rigs DEPTH16; of rigs with one camera
+                                   (kind: monocular) all 0: a frame has one picture. */
   uint32_t slots;               /* 1 to 64 frames that fit the shared memory; 0: 4. */
   int32_t timeout_ms;           /* To wait for the robot's socket and answer; -1: for ever. */
 } corbslam_push_options;
@@ -64,7 +65,7 @@ typedef struct corbslam_push_options {
 /* Where the pictures of a frame are to be written. */
 typedef struct corbslam_push_slot {
   void* first;
-  void* second;
+  void* second; /* NULL where a frame has one picture. */
   uint32_t index;
 } corbslam_push_slot;
 
@@ -81,7 +82,8 @@ typedef struct corbslam_push_pose {
   uint32_t points_matched;
   uint64_t local_map;    /* Poses of one local map have one frame; 0: none. */
   uint64_t dropped;      /* Frames so far that a newer one replaced. */
-  double translation[3]; /* local_from_camera, metres: x_local = R x_camera + t, with z forwards, */
+  double translation[3]; /* local_from_camera, metres (of rigs with one camera in the local map's
+                            own unit): x_local = R x_camera + t, with z forwards, */
   double rotation[4];    /* x right, y down, of the (left) camera as it records. x, y, z, w. */
 } corbslam_push_pose;
 
@@ -122,8 +124,8 @@ CORBSLAM_PUSH_API corbslam_push_status corbslam_push_commit(corbslam_push* conne
 CORBSLAM_PUSH_API corbslam_push_status corbslam_push_cancel(corbslam_push* connection,
                                                             uint32_t index);
 
-/* Takes a slot, copies both pictures into it and commits it. Strides are those of the caller's
- * pictures, 0: rows follow each other. */
+/* Takes a slot, copies both pictures into it and commits it; where a frame has one picture `second`
+ * is not read. Strides are those of the caller's pictures, 0: rows follow each other. */
 CORBSLAM_PUSH_API corbslam_push_status corbslam_push_frame(
     corbslam_push* connection, const void* first, size_t first_stride_bytes, const void* second,
     size_t second_stride_bytes, int64_t timestamp_ns, int32_t timeout_ms);

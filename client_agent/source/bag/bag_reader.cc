@@ -105,7 +105,11 @@ class BagReader : public FrameReader {
 absl::StatusOr<std::optional<Rig>> ReadGivenRig(const BagOptions& options) {
   if (options.rig_file.empty()) return std::nullopt;
   ASSIGN_OR_RETURN(Rig rig, ReadRigFile(options.rig_file));
-  return rig;
+  if (rig.kind != RigKind::kMonocular) return rig;
+  return absl::InvalidArgumentError(absl::StrCat(
+      options.rig_file,
+      ": is of one camera alone (kind: monocular), which bags are not played with yet: "
+      "give the rig of a pair or an RGB-D camera, and cameras=1 beside it"));
 }
 
 // The named CameraInfo of what was chosen.

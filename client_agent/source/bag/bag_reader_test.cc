@@ -120,6 +120,22 @@ cameras:
   EXPECT_THAT(Refusal("depth.mcap?rig=" + rig), HasSubstr("no stereo pair"));
 }
 
+TEST(BagReaderTest, OneCameraOfAPairIsPlayedAlone) {
+  RegisterBagSource();
+  const auto sequence = OpenSource("bag:" + DrawnBag("stereo_bz2.bag") + "?cameras=1");
+  ASSERT_TRUE(sequence.ok()) << sequence.status();
+  EXPECT_EQ(KindOf((*sequence)->calibration()), SensorKind::kMonocular);
+  const auto first = (*sequence)->NextImages();
+  ASSERT_TRUE(first.ok() && first->has_value()) << first.status();
+  EXPECT_TRUE((*first)->right.empty());
+  const std::string rig = WriteBytes("one_rig.yaml", R"(rig: 1
+kind: monocular
+cameras:
+  - {size_px: [40, 30], focal_px: [41, 41], principal_px: [20, 15]}
+)");
+  EXPECT_THAT(Refusal("stereo_lz4.bag?rig=" + rig), HasSubstr("is of one camera alone"));
+}
+
 TEST(BagReaderTest, TheRecordersTimeIsTakenWhereAsked) {
   const auto reader = Open(DrawnBag("stereo_split?time=recording"));
   ASSERT_TRUE(reader.ok()) << reader.status();

@@ -148,6 +148,18 @@ absl::StatusOr<std::vector<RgbdPair>> ReadAssociations(const std::string& direct
   return pairs;
 }
 
+absl::StatusOr<std::vector<RgbdPair>> ListPicturesAlone(const std::string& directory,
+                                                        SourceRemarks& remarks) {
+  ASSIGN_OR_RETURN(const std::vector<TimedFile> pictures,
+                   ReadTimedFiles(directory, directory + "/rgb.txt", remarks));
+  std::vector<RgbdPair> alone;
+  for (const TimedFile& picture : pictures) {
+    alone.push_back({picture.timestamp_ns, 0, picture.line, picture.path, ""});
+  }
+  if (!alone.empty()) return alone;
+  return absl::InvalidArgumentError(absl::StrCat(directory, "/rgb.txt: lists no picture"));
+}
+
 absl::StatusOr<std::vector<RgbdPair>> PairLists(const std::string& directory,
                                                 int64_t depth_offset_ns, SourceRemarks& remarks) {
   ASSIGN_OR_RETURN(const std::vector<TimedFile> grey,

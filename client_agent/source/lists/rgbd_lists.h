@@ -34,6 +34,10 @@ absl::StatusOr<std::vector<RgbdPair>> ReadAssociations(const std::string& direct
                                                        int64_t depth_offset_ns,
                                                        SourceRemarks& remarks);
 
+// Reads DIR/rgb.txt alone, "time file" a line, in the order of the list; there are no depth images.
+absl::StatusOr<std::vector<RgbdPair>> ListPicturesAlone(const std::string& directory,
+                                                        SourceRemarks& remarks);
+
 // Reads DIR/rgb.txt and DIR/depth.txt, "time file" a line, and pairs them by growing difference in
 // time, each file once, at most 20 ms apart; returns them in the order of time. What has no
 // counterpart is counted.

@@ -102,6 +102,28 @@ absl::Status ValidateRgbd(const Rig& rig) {
   return absl::InvalidArgumentError(absl::StrCat("depth's ", possible.message()));
 }
 
+absl::Status ValidateMonocular(const Rig& rig) {
+  if (rig.close_depth_m.has_value()) {
+    return absl::InvalidArgumentError(absl::StrCat("close_depth_m is ", *rig.close_depth_m,
+                                                   ": one camera alone measures no depth"));
+  }
+  if (rig.cameras.size() == 1) return absl::OkStatus();
+  return absl::InvalidArgumentError(
+      absl::StrCat("one camera alone is 1 camera, given ", rig.cameras.size()));
+}
+
+absl::Status ValidateKind(const Rig& rig) {
+  switch (rig.kind) {
+    case RigKind::kStereo:
+      return ValidateStereo(rig);
+    case RigKind::kRgbd:
+      return ValidateRgbd(rig);
+    case RigKind::kMonocular:
+      break;
+  }
+  return ValidateMonocular(rig);
+}
+
 absl::Status ValidateTimeOffset(const Rig& rig) {
   const double offset_s = 1e-9 * static_cast<double>(SecondTimeOffset_ns(rig));
   if (std::abs(offset_s) <= kMostTimeOffset_s) return absl::OkStatus();
@@ -169,7 +191,37 @@ RgbdCalibration RgbdOf(const Rig& rig) {
   return calibration;
 }
 
+MonocularCalibration MonocularOf(const Rig& rig) {
+  return {.camera = PinholeOf(rig.cameras[0]),
+          .lens = rig.cameras[0].raw.lens,
+          .body_from_raw = rig.body_from_camera};
+}
+
+SensorCalibration CamerasOf(const Rig& rig) {
+  switch (rig.kind) {
+    case RigKind::kStereo:
+      return StereoOf(rig);
+    case RigKind::kRgbd:
+      return RgbdOf(rig);
+    case RigKind::kMonocular:
+      break;
+  }
+  return MonocularOf(rig);
+}
+
 }  // namespace
+
+absl::string_view NameOf(RigKind kind) {
+  switch (kind) {
+    case RigKind::kStereo:
+      return "a stereo pair";
+    case RigKind::kRgbd:
+      return "an RGB-D camera";
+    case RigKind::kMonocular:
+      break;
+  }
+  return "one camera alone";
+}
 
 absl::Status Validate(const Rig& rig) {
   for (const RigCamera& camera : rig.cameras) {
@@ -181,11 +233,12 @@ absl::Status Validate(const Rig& rig) {
   }
   if (rig.rate_hz.has_value()) RETURN_IF_ERROR(CheckRange("rate_hz", *rig.rate_hz, 0, 1000));
   if (rig.imu.has_value()) RETURN_IF_ERROR(Validate(*rig.imu));
-  RETURN_IF_ERROR(rig.kind == RigKind::kStereo ? ValidateStereo(rig) : ValidateRgbd(rig));
+  RETURN_IF_ERROR(ValidateKind(rig));
   return ValidateTimeOffset(rig);
 }
 
 int64_t SecondTimeOffset_ns(const Rig& rig) {
+  if (rig.kind == RigKind::kMonocular) return 0;
   const double second_s =
       rig.kind == RigKind::kStereo ? rig.cameras[1].time_offset_s : rig.depth.time_offset_s;
   // What no clock differs by is refused by Validate.
@@ -210,7 +263,7 @@ absl::StatusOr<SourceFindings> JudgeRig(const Rig& rig, absl::string_view from, 
     ASSIGN_OR_RETURN(const SourceFindings more, JudgeImu(*rig.imu, from, trust));
     findings.insert(findings.end(), more.begin(), more.end());
   }
-  if (rig.kind == RigKind::kRgbd) return findings;
+  if (rig.kind != RigKind::kStereo) return findings;
   ASSIGN_OR_RETURN(const SourceFindings more, CheckBaseline(Baseline_m(rig), from, trust));
   findings.insert(findings.end(), more.begin(), more.end());
   return findings;
@@ -219,16 +272,14 @@ absl::StatusOr<SourceFindings> JudgeRig(const Rig& rig, absl::string_view from, 
 absl::StatusOr<SensorCalibration> CalibrationOf(const Rig& rig) {
   RETURN_IF_ERROR(Validate(rig));
   ASSIGN_OR_RETURN(const PictureMask mask, ReadMask(rig));
-  if (rig.kind == RigKind::kStereo) {
-    StereoCalibration stereo = StereoOf(rig);
-    stereo.mask = mask;
-    if (rig.imu.has_value()) stereo.imu = CalibrationOf(*rig.imu);
-    return stereo;
-  }
-  RgbdCalibration rgbd = RgbdOf(rig);
-  rgbd.mask = mask;
-  if (rig.imu.has_value()) rgbd.imu = CalibrationOf(*rig.imu);
-  return rgbd;
+  SensorCalibration calibration = CamerasOf(rig);
+  std::visit(
+      [&](auto& kind) {
+        kind.mask = mask;
+        if (rig.imu.has_value()) kind.imu = CalibrationOf(*rig.imu);
+      },
+      calibration);
+  return calibration;
 }
 
 }  // namespace corbslam::client_agent

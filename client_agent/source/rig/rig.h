@@ -1,5 +1,5 @@
-// A robot's cameras as they are built: a stereo pair or an RGB-D camera, whatever plays or opens
-// them. Its file is described in docs/rig.md.
+// A robot's cameras as they are built: a stereo pair, an RGB-D camera or one camera alone, whatever
+// plays or opens them. Its file is described in docs/rig.md.
 #ifndef CORBSLAM_CLIENT_AGENT_SOURCE_RIG_RIG_H_
 #define CORBSLAM_CLIENT_AGENT_SOURCE_RIG_RIG_H_
 
@@ -19,7 +19,7 @@
 
 namespace corbslam::client_agent {
 
-enum class RigKind { kStereo, kRgbd };
+enum class RigKind { kStereo, kRgbd, kMonocular };
 
 struct RigCamera {
   RawCamera raw;
@@ -47,7 +47,7 @@ struct RigDepth {
 
 struct Rig {
   RigKind kind = RigKind::kStereo;
-  // Stereo: left and right. RGB-D: the camera of the grey or colour picture.
+  // Stereo: left and right. RGB-D: the camera of the grey or colour picture. Monocular: the one.
   std::vector<RigCamera> cameras;
   // Stereo only. The pictures are rectified already: no lens distorts, both cameras have one focal
   // length and principal row, and the right one lies baseline_m along +x of the left one.
@@ -79,6 +79,9 @@ absl::StatusOr<SourceFindings> JudgeRig(const Rig& rig, absl::string_view from, 
 // Returns by how much the second pictures of frames, right ones or depth, are stamped too early
 // against the first ones.
 int64_t SecondTimeOffset_ns(const Rig& rig);
+
+// Returns "a stereo pair", "an RGB-D camera" or "one camera alone".
+absl::string_view NameOf(RigKind kind);
 
 // Returns what sensors need; reads the mask. Errors name the field or the mask's file.
 absl::StatusOr<SensorCalibration> CalibrationOf(const Rig& rig);

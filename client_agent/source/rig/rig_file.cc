@@ -55,7 +55,7 @@ absl::StatusOr<RigCamera> ReadCamera(const Part& part, const std::set<std::strin
 absl::Status ReadCameras(const Part& top, Rig& rig) {
   const YAML::Node list = top["cameras"];
   if (!list.IsDefined() || !list.IsSequence() || list.size() == 0) {
-    return top.Bad("cameras is missing: a list of a left and a right one, or of one with depth");
+    return top.Bad("cameras is missing: a list of a left and a right one, or of one");
   }
   for (size_t i = 0; i < list.size(); ++i) {
     const Part part(top.path(), absl::StrCat("cameras[", i, "]."), list[i]);
@@ -134,10 +134,25 @@ absl::Status ReadKind(const Part& top, Rig& rig) {
   } else if (kind == "rgbd") {
     rig.kind = RigKind::kRgbd;
     known.insert("depth");
+  } else if (kind == "monocular") {
+    rig.kind = RigKind::kMonocular;
+    known.erase("close_depth_m");
   } else {
-    return top.Bad(absl::StrCat("kind is '", kind, "', must be stereo or rgbd"));
+    return top.Bad(absl::StrCat("kind is '", kind, "', must be stereo, rgbd or monocular"));
   }
   return top.CheckFields(known);
+}
+
+absl::Status ReadKindFields(const Part& top, Rig& rig) {
+  switch (rig.kind) {
+    case RigKind::kStereo:
+      return ReadStereoFields(top, rig);
+    case RigKind::kRgbd:
+      return ReadDepth(top, rig);
+    case RigKind::kMonocular:
+      break;
+  }
+  return absl::OkStatus();
 }
 
 absl::Status ReadFormat(const Part& top) {
@@ -160,7 +175,7 @@ absl::Status ReadAll(const Part& top, Rig& rig) {
   RETURN_IF_ERROR(ReadFormat(top));
   RETURN_IF_ERROR(ReadKind(top, rig));
   RETURN_IF_ERROR(ReadCameras(top, rig));
-  RETURN_IF_ERROR(rig.kind == RigKind::kStereo ? ReadStereoFields(top, rig) : ReadDepth(top, rig));
+  RETURN_IF_ERROR(ReadKindFields(top, rig));
   if (top.Has("body_from_camera")) {
     ASSIGN_OR_RETURN(rig.body_from_camera, top.Motion("body_from_camera"));
   }

@@ -70,6 +70,17 @@ depth:
 close_depth_m: 3
 )";
 
+constexpr char kOne[] = R"(rig: 1
+kind: monocular
+cameras:
+  - size_px: [512, 512]
+    focal_px: [190.9, 190.8]
+    principal_px: [254.9, 256.9]
+    lens: equidistant
+    lens_numbers: [0.0034, 0.0007, -0.0021, 0.0002]
+body_from_camera: [1, 0, 0, 0.1, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]
+)";
+
 constexpr char kImu[] = R"(imu:
   imu_from_camera: [[0.0148655429818, 0.999557249008, -0.0257744366974, 0.06],
                     [-0.999880929698, 0.0149672133247, 0.00375618835797, 0.01],
@@ -125,6 +136,42 @@ TEST(RigFileTest, YamlsTrueMayHaveCapitals) {
     const auto rig = Read(absl::StrReplaceAll(kRectified, {{"true", word}}));
     ASSERT_TRUE(rig.ok()) << rig.status();
     EXPECT_TRUE(rig->rectified);
+  }
+}
+
+TEST(RigFileTest, ReadsOneCameraAlone) {
+  const auto rig = Read(absl::StrCat(kOne, kImu));
+  ASSERT_TRUE(rig.ok()) << rig.status();
+  EXPECT_EQ(rig->kind, RigKind::kMonocular);
+  EXPECT_EQ(SecondTimeOffset_ns(*rig), 0);
+  const auto one = std::get<MonocularCalibration>(CalibrationOf(*rig).value());
+  EXPECT_FALSE(one.camera.IsMetric());
+  EXPECT_EQ(one.camera.close_depth_m, 0);
+  EXPECT_EQ(one.camera.fx_px, 190.9);
+  EXPECT_EQ(std::get<Equidistant>(one.lens).k3, -0.0021);
+  EXPECT_EQ(one.body_from_raw->translation.x(), 0.1);
+  EXPECT_TRUE(one.imu.has_value());
+  // What is written reads back.
+  const auto again = Read(FormatRig(*rig, "a test"));
+  ASSERT_TRUE(again.ok()) << again.status();
+  EXPECT_EQ(FormatRig(*again, ""), FormatRig(*rig, ""));
+}
+
+TEST(RigFileTest, OneCameraHasNothingOfTwo) {
+  const std::string one = kOne;
+  const struct {
+    std::string text, says;
+  } cases[] = {
+      {one + "close_depth_m: 3\n", "close_depth_m"},
+      {one + "baseline_m: 0.1\n", "baseline_m"},
+      {one + "depth:\n  units_per_m: 1000\n", "depth"},
+      {absl::StrReplaceAll(one, {{"body_from",
+                                  "  - {size_px: [512, 512], focal_px: [190, 190], "
+                                  "principal_px: [254, 256]}\nbody_from"}}),
+       "given 2"},
+      {absl::StrReplaceAll(one, {{"monocular", "mono"}}), "must be stereo, rgbd or monocular"}};
+  for (const auto& [text, says] : cases) {
+    EXPECT_THAT(std::string(Read(text).status().message()), HasSubstr(says)) << text;
   }
 }
 

@@ -75,7 +75,20 @@ void AppendImu(const StatedImu& imu, std::string& text) {
   if (imu.time_offset_s != 0) add("time_offset_s", imu.time_offset_s);
 }
 
+absl::string_view WordOf(RigKind kind) {
+  switch (kind) {
+    case RigKind::kStereo:
+      return "stereo";
+    case RigKind::kRgbd:
+      return "rgbd";
+    case RigKind::kMonocular:
+      break;
+  }
+  return "monocular";
+}
+
 void AppendKind(const Rig& rig, std::string& text) {
+  if (rig.kind == RigKind::kMonocular) return;
   if (rig.kind == RigKind::kRgbd) return AppendDepth(rig.depth, text);
   absl::StrAppend(&text, "rectified: ", rig.rectified ? "true" : "false", "\n");
   if (rig.rectified) {
@@ -91,9 +104,9 @@ void AppendKind(const Rig& rig, std::string& text) {
 }  // namespace
 
 std::string FormatRig(const Rig& rig, const std::string& origin) {
-  std::string text = absl::StrCat(
-      "# A rig file of CORB-SLAM (docs/rig.md), made of ", origin, "\nrig: ", kRigFormat,
-      "\nkind: ", rig.kind == RigKind::kStereo ? "stereo" : "rgbd", "\ncameras:\n");
+  std::string text =
+      absl::StrCat("# A rig file of CORB-SLAM (docs/rig.md), made of ", origin,
+                   "\nrig: ", kRigFormat, "\nkind: ", WordOf(rig.kind), "\ncameras:\n");
   for (const RigCamera& camera : rig.cameras) {
     absl::StrAppend(&text, "  - ");
     AppendCamera(camera, text);

@@ -118,6 +118,7 @@ SharedUpdate MakeSharedUpdate(std::mt19937& random) {
   update.more_places = true;
   update.global_from_local = MakeSimilarity(random);
   update.apart = true;
+  update.in_metres = true;
   update.local_map = kMap;
   for (uint32_t i = 0; i < 3; ++i) {
     SharedKeyframe keyframe;

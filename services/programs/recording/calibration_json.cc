@@ -79,6 +79,13 @@ Json ToJson(const RgbdCalibration& rgbd) {
           {"imu", ToJson(rgbd.imu)}};
 }
 
+Json ToJson(const MonocularCalibration& one) {
+  return {{"camera", ToJson(one.camera)},
+          {"lens", ToJson(one.lens)},
+          {"body_from_raw", ToJson(one.body_from_raw)},
+          {"imu", ToJson(one.imu)}};
+}
+
 Camera CameraOf(const Json& json) {
   return {.fx_px = json.at("fx_px"),
           .fy_px = json.at("fy_px"),
@@ -153,6 +160,15 @@ absl::StatusOr<SensorCalibration> RgbdOf(const Json& json) {
   return rgbd;
 }
 
+absl::StatusOr<SensorCalibration> MonocularOf(const Json& json) {
+  MonocularCalibration one;
+  one.camera = CameraOf(json.at("camera"));
+  ASSIGN_OR_RETURN(one.lens, LensOf(json.at("lens")));
+  ASSIGN_OR_RETURN(one.body_from_raw, MotionOf(json.at("body_from_raw")));
+  ASSIGN_OR_RETURN(one.imu, ImuOf(json));
+  return one;
+}
+
 client_agent::RigCamera RigCameraOf(const Camera& camera, double cx_px, const LensModel& lens) {
   return {
       {camera.fx_px, camera.fy_px, cx_px, camera.cy_px, lens}, camera.width_px, camera.height_px};
@@ -199,6 +215,15 @@ Rig RgbdRig(const RgbdCalibration& rgbd) {
   return rig;
 }
 
+Rig MonocularRig(const MonocularCalibration& one) {
+  Rig rig;
+  rig.kind = RigKind::kMonocular;
+  rig.cameras = {RigCameraOf(one.camera, one.camera.cx_px, one.lens)};
+  rig.body_from_camera = one.body_from_raw;
+  rig.imu = AlignedImu(one.imu);
+  return rig;
+}
+
 }  // namespace
 
 nlohmann::ordered_json ToJson(const Rigid3d& motion) {
@@ -211,7 +236,10 @@ nlohmann::ordered_json ToJson(const SensorCalibration& calibration) {
   if (const auto* const stereo = std::get_if<StereoCalibration>(&calibration)) {
     return {{"stereo", ToJson(*stereo)}};
   }
-  return {{"rgbd", ToJson(std::get<RgbdCalibration>(calibration))}};
+  if (const auto* const rgbd = std::get_if<RgbdCalibration>(&calibration)) {
+    return {{"rgbd", ToJson(*rgbd)}};
+  }
+  return {{"monocular", ToJson(std::get<MonocularCalibration>(calibration))}};
 }
 
 absl::StatusOr<Rigid3d> RigidFromJson(const nlohmann::ordered_json& json) {
@@ -231,6 +259,7 @@ absl::StatusOr<Rigid3d> RigidFromJson(const nlohmann::ordered_json& json) {
 
 absl::StatusOr<SensorCalibration> CalibrationFromJson(const nlohmann::ordered_json& json) {
   try {
+    if (json.contains("monocular")) return MonocularOf(json.at("monocular"));
     return json.contains("stereo") ? StereoOf(json.at("stereo")) : RgbdOf(json.at("rgbd"));
   } catch (const Json::exception& error) {
     return absl::DataLossError(absl::StrCat("the calibration: ", error.what()));
@@ -241,7 +270,8 @@ client_agent::Rig RigOf(const SensorCalibration& calibration) {
   if (const auto* const stereo = std::get_if<StereoCalibration>(&calibration)) {
     return StereoRig(*stereo);
   }
-  return RgbdRig(std::get<RgbdCalibration>(calibration));
+  if (const auto* const rgbd = std::get_if<RgbdCalibration>(&calibration)) return RgbdRig(*rgbd);
+  return MonocularRig(std::get<MonocularCalibration>(calibration));
 }
 
 }  // namespace corbslam::services

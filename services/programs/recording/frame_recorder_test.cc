@@ -153,18 +153,17 @@ TEST_F(FrameRecorderTest, WhatAnImuMeasuredComesBackWithItsFrames) {
   RgbdCalibration rgbd;
   rgbd.camera = SmallCamera();
   rgbd.imu = SomeImu();
-  for (const SensorCalibration& calibration :
-       {SensorCalibration(stereo), SensorCalibration(rgbd)}) {
+  for (const SensorCalibration& calibration : {SensorCalibration(stereo), SensorCalibration(rgbd),
+                                               SensorCalibration(FirstCameraOf(rgbd))}) {
     std::filesystem::remove_all(folder_);
-    const bool is_stereo = std::holds_alternative<StereoCalibration>(calibration);
     Start(calibration);
     std::vector<SensorImages> frames;
     for (int i = 0; i < 3; ++i) {
       SensorImages images = StereoFrame(i);
       images.timestamp_ns = kFirst_ns + i * 50'000'000ll;
       images.imu = MeasuredBefore(images.timestamp_ns);
-      if (!is_stereo) {
-        images.right = cv::Mat();
+      if (KindOf(calibration) != SensorKind::kStereo) images.right = cv::Mat();
+      if (KindOf(calibration) == SensorKind::kRgbd) {
         images.depth = Noise(CV_16UC1, 65536, i + 1);
       }
       frames.push_back(images);
@@ -172,12 +171,13 @@ TEST_F(FrameRecorderTest, WhatAnImuMeasuredComesBackWithItsFrames) {
     }
     ASSERT_TRUE(recorder_->Finish().ok());
     const Recording recording = Read();
-    const auto played = OpenSource(SourceOfRecording(folder_, is_stereo));
+    const auto played = OpenSource(SourceOfRecording(folder_, KindOf(calibration)));
     ASSERT_TRUE(played.ok()) << played.status();
     for (size_t i = 0; i < 3; ++i) {
       ExpectEqual(ImuOf(recording, recording.frames[i]), frames[i].imu);
       const auto from_source = (*played)->NextImages();
       ASSERT_TRUE(from_source.ok() && from_source->has_value()) << from_source.status();
+      EXPECT_EQ(cv::norm((*from_source)->grey, frames[i].grey, cv::NORM_INF), 0);
       ExpectEqual((*from_source)->imu, frames[i].imu);
     }
     // Samples are by the camera's clock already: the rig does not move them once more.
@@ -276,9 +276,9 @@ TEST_F(FrameRecorderTest, APictureThatWasReplacedIsNamed) {
   ASSERT_TRUE(recorder_->Finish().ok());
   const Recording recording = Read();
   const std::vector<std::string> first =
-      PicturePaths(folder_, /*is_stereo=*/true, recording.frames[0].line.pictures);
+      PicturePaths(folder_, SensorKind::kStereo, recording.frames[0].line.pictures);
   const std::vector<std::string> second =
-      PicturePaths(folder_, /*is_stereo=*/true, recording.frames[1].line.pictures);
+      PicturePaths(folder_, SensorKind::kStereo, recording.frames[1].line.pictures);
   std::filesystem::copy_file(first[1], second[1],
                              std::filesystem::copy_options::overwrite_existing);
   EXPECT_TRUE(ReadPictures(recording, recording.frames[0].line).ok());

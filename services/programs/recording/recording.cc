@@ -106,7 +106,7 @@ absl::Status ReadImu(Recording& recording) {
     samples += frame.line.imu_samples;
   }
   if (samples == 0) return absl::OkStatus();
-  const std::string path = ImuListPath(recording.folder, recording.is_stereo());
+  const std::string path = ImuListPath(recording.folder, recording.kind());
   ASSIGN_OR_RETURN(recording.imu, client_agent::ReadImuLines(path));
   if (recording.imu.size() >= samples) return absl::OkStatus();
   return absl::DataLossError(absl::StrCat(path, ": holds ", recording.imu.size(),
@@ -129,10 +129,6 @@ RecordedCounts CountLines(const std::vector<RecordedFrame>& frames) {
 }
 
 }  // namespace
-
-bool Recording::is_stereo() const {
-  return std::holds_alternative<StereoCalibration>(head.calibration);
-}
 
 absl::StatusOr<Recording> ReadRecording(const std::string& folder) {
   Recording recording;
@@ -175,13 +171,13 @@ absl::StatusOr<PictureMask> ReadOrderedMask(const Recording& recording, const Or
 
 absl::StatusOr<SensorImages> ReadPictures(const Recording& recording, const FrameLine& frame) {
   const std::vector<std::string> paths =
-      PicturePaths(recording.folder, recording.is_stereo(), frame.pictures);
+      PicturePaths(recording.folder, recording.kind(), frame.pictures);
   SensorImages images;
   images.timestamp_ns = frame.timestamp_ns;
   ASSIGN_OR_RETURN(images.grey, ReadGreyImage(paths[0]));
-  if (recording.is_stereo()) {
+  if (recording.kind() == SensorKind::kStereo) {
     ASSIGN_OR_RETURN(images.right, ReadGreyImage(paths[1]));
-  } else {
+  } else if (recording.kind() == SensorKind::kRgbd) {
     ASSIGN_OR_RETURN(images.depth, ReadDepthImage(paths[1]));
   }
   if (frame.checksums.empty()) return images;
@@ -191,8 +187,10 @@ absl::StatusOr<SensorImages> ReadPictures(const Recording& recording, const Fram
                                             " checksums, must have ", paths.size()));
   }
   RETURN_IF_ERROR(CheckPicture(paths[0], images.grey, frame.checksums[0]));
-  RETURN_IF_ERROR(CheckPicture(paths[1], recording.is_stereo() ? images.right : images.depth,
-                               frame.checksums[1]));
+  if (recording.kind() == SensorKind::kMonocular) return images;
+  const bool is_stereo = recording.kind() == SensorKind::kStereo;
+  RETURN_IF_ERROR(
+      CheckPicture(paths[1], is_stereo ? images.right : images.depth, frame.checksums[1]));
   return images;
 }
 

@@ -33,7 +33,7 @@ struct Recording {
   // What is odd: a last line that is cut short, a run that has no end.
   std::vector<std::string> notes;
 
-  bool is_stereo() const;
+  SensorKind kind() const { return KindOf(head.calibration); }
 };
 
 // NOT_FOUND where the folder holds no recording; DATA_LOSS names the file and the line.

@@ -53,16 +53,25 @@ absl::Status WritePng(const std::string& path, const cv::Mat& picture) {
   return WriteBytes(path, reinterpret_cast<const char*>(bytes.data()), bytes.size());
 }
 
-absl::Status CheckKind(const SensorImages& images, bool is_stereo) {
-  const cv::Mat& second = is_stereo ? images.right : images.depth;
-  if (images.grey.type() == CV_8UC1 && second.type() == (is_stereo ? CV_8UC1 : CV_16UC1) &&
-      !images.grey.empty() && !second.empty()) {
+// Returns the pictures in the order of PictureFolders.
+std::vector<cv::Mat> PicturesOf(const SensorImages& images, SensorKind kind) {
+  if (kind == SensorKind::kMonocular) return {images.grey};
+  return {images.grey, kind == SensorKind::kStereo ? images.right : images.depth};
+}
+
+absl::Status CheckKind(const SensorImages& images, SensorKind kind) {
+  const cv::Mat last = PicturesOf(images, kind).back();
+  const int last_type = kind == SensorKind::kRgbd ? CV_16UC1 : CV_8UC1;
+  if (images.grey.type() == CV_8UC1 && last.type() == last_type && !images.grey.empty() &&
+      !last.empty()) {
     return absl::OkStatus();
   }
-  return absl::UnimplementedError(absl::StrCat("a frame of ", cv::typeToString(images.grey.type()),
-                                               " and ", cv::typeToString(second.type()),
-                                               ": recordings hold grey pictures of 8 bits, and ",
-                                               is_stereo ? "a right one" : "depth of 16 bits"));
+  const char* const wanted = kind == SensorKind::kStereo ? ", and a right one"
+                             : kind == SensorKind::kRgbd ? ", and depth of 16 bits"
+                                                         : "";
+  return absl::UnimplementedError(absl::StrCat(
+      "a frame of ", cv::typeToString(images.grey.type()), " and ", cv::typeToString(last.type()),
+      ": recordings hold grey pictures of 8 bits", wanted));
 }
 
 absl::Status CheckFree(const std::string& folder, uint64_t least_free_bytes) {
@@ -74,25 +83,35 @@ absl::Status CheckFree(const std::string& folder, uint64_t least_free_bytes) {
                    least_free_bytes >> 20, " MiB stay free for others"));
 }
 
-std::vector<std::string> PictureFolders(const std::string& folder, bool is_stereo) {
-  if (is_stereo) return {folder + "/mav0/cam0/data", folder + "/mav0/cam1/data"};
-  return {folder + "/rgb", folder + "/depth"};
+// RGB-D is written in TUM's layout, all else in EuRoC's.
+std::vector<std::string> PictureFolders(const std::string& folder, SensorKind kind) {
+  if (kind == SensorKind::kRgbd) return {folder + "/rgb", folder + "/depth"};
+  std::vector<std::string> folders = {folder + "/mav0/cam0/data"};
+  if (kind == SensorKind::kStereo) folders.push_back(folder + "/mav0/cam1/data");
+  return folders;
 }
 
 // Each list's path and its heading.
 std::vector<std::pair<std::string, std::string>> ListsOf(const std::string& folder,
-                                                         bool is_stereo) {
-  if (is_stereo) {
-    return {{folder + "/mav0/cam0/data.csv", "#timestamp [ns],filename"},
-            {folder + "/mav0/cam1/data.csv", "#timestamp [ns],filename"}};
+                                                         SensorKind kind) {
+  if (kind == SensorKind::kRgbd) {
+    return {{folder + "/rgb.txt", "# timestamp filename"},
+            {folder + "/depth.txt", "# timestamp filename"},
+            {folder + "/associated.txt", "# timestamp rgb timestamp depth"}};
   }
-  return {{folder + "/rgb.txt", "# timestamp filename"},
-          {folder + "/depth.txt", "# timestamp filename"},
-          {folder + "/associated.txt", "# timestamp rgb timestamp depth"}};
+  std::vector<std::pair<std::string, std::string>> lists;
+  for (const std::string& pictures : PictureFolders(folder, kind)) {
+    lists.emplace_back(fs::path(pictures).parent_path().string() + "/data.csv",
+                       "#timestamp [ns],filename");
+  }
+  return lists;
 }
 
-std::vector<std::string> ListLines(bool is_stereo, int64_t timestamp_ns, const std::string& name) {
-  if (is_stereo) return std::vector<std::string>(2, absl::StrCat(timestamp_ns, ",", name));
+std::vector<std::string> ListLines(SensorKind kind, int64_t timestamp_ns, const std::string& name) {
+  if (kind != SensorKind::kRgbd) {
+    return std::vector<std::string>(kind == SensorKind::kStereo ? 2 : 1,
+                                    absl::StrCat(timestamp_ns, ",", name));
+  }
   const std::string rgb = absl::StrCat(FormatSeconds(timestamp_ns), " rgb/", name);
   const std::string depth = absl::StrCat(FormatSeconds(timestamp_ns), " depth/", name);
   return {rgb, depth, absl::StrCat(rgb, " ", depth)};
@@ -109,10 +128,7 @@ const std::optional<ImuCalibration>& ImuOf(const SensorCalibration& calibration)
 
 // Where the body is that T_BS is of: where a calibration says it, else at the IMU.
 Rigid3d BodyFromImu(const SensorCalibration& calibration) {
-  const auto* const stereo = std::get_if<StereoCalibration>(&calibration);
-  const std::optional<Rigid3d>& body_from_camera =
-      stereo != nullptr ? stereo->body_from_raw_left
-                        : std::get<RgbdCalibration>(calibration).body_from_raw;
+  const std::optional<Rigid3d> body_from_camera = FirstCameraOf(calibration).body_from_raw;
   if (!body_from_camera.has_value()) return {};
   return *body_from_camera * ImuOf(calibration)->imu_from_camera.Inverse();
 }
@@ -151,17 +167,17 @@ std::string MaskPath(const std::string& folder, uint64_t frame) {
   return absl::StrCat(folder, "/masks/", frame, ".png");
 }
 
-std::vector<std::string> PicturePaths(const std::string& folder, bool is_stereo,
+std::vector<std::string> PicturePaths(const std::string& folder, SensorKind kind,
                                       const std::string& pictures) {
   std::vector<std::string> paths;
-  for (const std::string& of_camera : PictureFolders(folder, is_stereo)) {
+  for (const std::string& of_camera : PictureFolders(folder, kind)) {
     paths.push_back(absl::StrCat(of_camera, "/", pictures));
   }
   return paths;
 }
 
-std::string ImuListPath(const std::string& folder, bool is_stereo) {
-  return absl::StrCat(folder, is_stereo ? "/mav0" : "", "/imu0/data.csv");
+std::string ImuListPath(const std::string& folder, SensorKind kind) {
+  return absl::StrCat(folder, kind == SensorKind::kRgbd ? "" : "/mav0", "/imu0/data.csv");
 }
 
 uint32_t PictureChecksum(const cv::Mat& picture) {
@@ -174,8 +190,9 @@ uint32_t PictureChecksum(const cv::Mat& picture) {
   return checksum;
 }
 
-std::string SourceOfRecording(const std::string& folder, bool is_stereo) {
-  return absl::StrCat(is_stereo ? "euroc:" : "tum:", folder, "?rig=", folder, "/rig.yaml");
+std::string SourceOfRecording(const std::string& folder, SensorKind kind) {
+  return absl::StrCat(kind == SensorKind::kRgbd ? "tum:" : "euroc:", folder, "?rig=", folder,
+                      "/rig.yaml");
 }
 
 absl::Status CheckRecordingFolder(const std::string& folder) {
@@ -195,9 +212,8 @@ absl::Status CheckRecordingFolder(const std::string& folder) {
 absl::StatusOr<std::unique_ptr<RecordingFiles>> RecordingFiles::Create(
     const std::string& folder, const RecordingHead& head, std::optional<double> rate_hz) {
   RETURN_IF_ERROR(CheckRecordingFolder(folder));
-  std::unique_ptr<RecordingFiles> files(
-      new RecordingFiles(folder, std::holds_alternative<StereoCalibration>(head.calibration)));
-  for (const std::string& pictures : PictureFolders(folder, files->is_stereo_)) {
+  std::unique_ptr<RecordingFiles> files(new RecordingFiles(folder, KindOf(head.calibration)));
+  for (const std::string& pictures : PictureFolders(folder, files->kind_)) {
     RETURN_IF_ERROR(MakeFolder(pictures));
   }
   RETURN_IF_ERROR(files->WriteRig(head, rate_hz));
@@ -208,7 +224,7 @@ absl::StatusOr<std::unique_ptr<RecordingFiles>> RecordingFiles::Create(
 }
 
 absl::Status RecordingFiles::MakeLists() {
-  std::vector<std::pair<std::string, std::string>> wanted = ListsOf(folder_, is_stereo_);
+  std::vector<std::pair<std::string, std::string>> wanted = ListsOf(folder_, kind_);
   wanted.emplace_back(LinesPath(folder_), "");
   for (const auto& [path, heading] : wanted) {
     List& list = lists_.emplace_back(List{path, std::ofstream(path, std::ios::trunc)});
@@ -220,7 +236,7 @@ absl::Status RecordingFiles::MakeLists() {
 
 absl::Status RecordingFiles::MakeImuFiles(const SensorCalibration& calibration) {
   if (!ImuOf(calibration).has_value()) return absl::OkStatus();
-  const std::string path = ImuListPath(folder_, is_stereo_);
+  const std::string path = ImuListPath(folder_, kind_);
   const std::string of_imu = fs::path(path).parent_path().string();
   RETURN_IF_ERROR(MakeFolder(of_imu));
   const std::string sensor = FormatImuSensor(calibration);
@@ -266,27 +282,29 @@ absl::Status RecordingFiles::WriteHead(RecordingHead head) {
 std::string RecordingFiles::NameOf(const FrameLine& line) {
   const bool grows = !latest_ns_.has_value() || line.timestamp_ns > *latest_ns_;
   if (grows) latest_ns_ = line.timestamp_ns;
-  const std::string time =
-      is_stereo_ ? absl::StrCat(line.timestamp_ns) : FormatSeconds(line.timestamp_ns);
+  const std::string time = kind_ == SensorKind::kRgbd ? FormatSeconds(line.timestamp_ns)
+                                                      : absl::StrCat(line.timestamp_ns);
   return grows ? absl::StrCat(time, ".png") : absl::StrCat(time, "-", line.frame, ".png");
 }
 
 absl::Status RecordingFiles::WriteFrame(const SensorImages& images, uint64_t least_free_bytes,
                                         FrameLine line) {
-  RETURN_IF_ERROR(CheckKind(images, is_stereo_));
+  RETURN_IF_ERROR(CheckKind(images, kind_));
   RETURN_IF_ERROR(CheckFree(folder_, least_free_bytes));
   line.pictures = NameOf(line);
-  const cv::Mat& second = is_stereo_ ? images.right : images.depth;
-  line.checksums = {PictureChecksum(images.grey), PictureChecksum(second)};
-  const std::vector<std::string> paths = PicturePaths(folder_, is_stereo_, line.pictures);
-  RETURN_IF_ERROR(WritePng(paths[0], images.grey));
-  RETURN_IF_ERROR(WritePng(paths[1], second));
+  const std::vector<cv::Mat> pictures = PicturesOf(images, kind_);
+  const std::vector<std::string> paths = PicturePaths(folder_, kind_, line.pictures);
+  line.checksums.clear();
+  for (size_t i = 0; i < pictures.size(); ++i) {
+    line.checksums.push_back(PictureChecksum(pictures[i]));
+    RETURN_IF_ERROR(WritePng(paths[i], pictures[i]));
+  }
   RETURN_IF_ERROR(AppendToLists(line.timestamp_ns, line.pictures));
   return WriteLine(line);
 }
 
 absl::Status RecordingFiles::AppendToLists(int64_t timestamp_ns, const std::string& pictures) {
-  const std::vector<std::string> lines = ListLines(is_stereo_, timestamp_ns, pictures);
+  const std::vector<std::string> lines = ListLines(kind_, timestamp_ns, pictures);
   for (size_t i = 0; i < lines.size(); ++i) {
     RETURN_IF_ERROR(AppendTo(lists_[i].path, lists_[i].file, lines[i]));
   }

@@ -24,15 +24,16 @@ std::string LinesPath(const std::string& folder);
 std::string MaskPath(const std::string& folder);
 // Of the mask that was ordered before a frame.
 std::string MaskPath(const std::string& folder, uint64_t frame);
-// Returns the paths of a frame's two pictures: left and right, or grey and depth.
-std::vector<std::string> PicturePaths(const std::string& folder, bool is_stereo,
+// Returns the paths of a frame's pictures: left and right, grey and depth, or the only one.
+std::vector<std::string> PicturePaths(const std::string& folder, SensorKind kind,
                                       const std::string& pictures);
 // Returns the path of the list of what an IMU measured, which a recording with one has.
-std::string ImuListPath(const std::string& folder, bool is_stereo);
+std::string ImuListPath(const std::string& folder, SensorKind kind);
 // Returns a number of a picture's size, type and pixels, whichever file holds them (CRC-32C).
 uint32_t PictureChecksum(const cv::Mat& picture);
-// Returns how client_agent names the recording as a source: "euroc:DIR?rig=DIR/rig.yaml".
-std::string SourceOfRecording(const std::string& folder, bool is_stereo);
+// Returns how client_agent names the recording as a source: "euroc:DIR?rig=DIR/rig.yaml", or "tum:"
+// of RGB-D.
+std::string SourceOfRecording(const std::string& folder, SensorKind kind);
 
 // Returns FAILED_PRECONDITION where the folder is there and holds something. Changes nothing.
 absl::Status CheckRecordingFolder(const std::string& folder);
@@ -64,8 +65,7 @@ class RecordingFiles {
     std::string path;
     std::ofstream file;
   };
-  RecordingFiles(std::string folder, bool is_stereo)
-      : folder_(std::move(folder)), is_stereo_(is_stereo) {}
+  RecordingFiles(std::string folder, SensorKind kind) : folder_(std::move(folder)), kind_(kind) {}
   absl::Status MakeLists();
   absl::Status MakeImuFiles(const SensorCalibration& calibration);
   absl::Status WriteRig(const RecordingHead& head, std::optional<double> rate_hz);
@@ -73,7 +73,7 @@ class RecordingFiles {
   std::string NameOf(const FrameLine& line);
 
   const std::string folder_;
-  const bool is_stereo_;
+  const SensorKind kind_;
   std::vector<List> lists_;  // The layout's, then frames.jsonl.
   std::optional<List> imu_list_;
   std::optional<int64_t> latest_ns_;

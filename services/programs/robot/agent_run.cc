@@ -124,6 +124,12 @@ std::string DescribeNothing(const FrameStream& stream, const PlayedFrames& playe
                         "map begins after ten seconds of good pictures. ",
                         AdviseOnPictures(stream));
   }
+  if (played.played > 0 && status.why_no_pose == WhyNoPose::kLittleParallax) {
+    return absl::StrCat(frames,
+                        ": there is no map, for one camera alone sees no depth before it has moved "
+                        "aside, by about a twentieth of how far away what it sees is. It stood, "
+                        "turned on the spot, or saw far things only");
+  }
   return absl::StrCat(frames, ": there is no map. ", AdviseOnPictures(stream));
 }
 
@@ -192,6 +198,16 @@ SourceFindings CollectWarnings(const SourceFindings& at_start, const Agent& agen
          absl::StrCat(status.upload.refused_items,
                       " items of the map had impossible values and were not told to the map store; "
                       "the log names them")});
+  }
+  if (status.tracked > 0 && status.without_metres) {
+    warnings.push_back(
+        {FindingLevel::kWarning, "without-metres",
+         absl::StrCat(
+             "one camera alone: the robot's map is in a unit of its own",
+             status.global_without_metres
+                 ? ", and so is the mission's, for no stereo or RGB-D robot's map is merged "
+                   "with it. Hold it against the truth with --align sim3"
+                 : "; the mission's is in metres, by a map that it is merged with")});
   }
   const bool had_any = played.played > 0 || stream.left_out().count > 0 || !played.stopped;
   if (status.tracked == 0 && had_any) {

@@ -184,6 +184,24 @@ TEST_F(PlayStreamTest, CountsWhatTheStreamLeftOut) {
   EXPECT_THAT(warnings[1].text, Not(HasSubstr("doctor")));
 }
 
+TEST_F(PlayStreamTest, SaysWhereLengthsAreNoMetres) {
+  stream_.PutFrame(0, 0);
+  stream_.Put(StreamEnd());
+  EXPECT_TRUE(Play().ok());
+  agent_.status.tracked = 1;
+  agent_.status.without_metres = true;
+  agent_.status.global_without_metres = true;
+  SourceFindings warnings = CollectWarnings({}, agent_, stream_, frames_);
+  ASSERT_THAT(warnings, SizeIs(1));
+  EXPECT_EQ(warnings[0].code, "without-metres");
+  EXPECT_THAT(warnings[0].text, HasSubstr("--align sim3"));
+  agent_.status.global_without_metres = false;
+  EXPECT_THAT(CollectWarnings({}, agent_, stream_, frames_)[0].text, HasSubstr("is in metres"));
+  agent_.status = AgentStatus();
+  agent_.status.why_no_pose = client_agent::WhyNoPose::kLittleParallax;
+  EXPECT_THAT(CollectWarnings({}, agent_, stream_, frames_)[0].text, HasSubstr("moved aside"));
+}
+
 // A stream that ends, or whose pictures were all left out, is no success; a robot that was stopped
 // before its camera gave anything is.
 TEST_F(PlayStreamTest, NoFrameAtAllIsNothingTracked) {

@@ -71,6 +71,9 @@ std::string Explain(const TrackingResult& result, const SensorImages& images,
                    "things out of its reach?"
                  : "too few corners of the left picture are found in the right one; is it covered, "
                    "late, or the rig another camera's (corbslam rig check)?";
+    case WhyNoPose::kLittleParallax:
+      return "one camera alone sees no depth before it has moved aside: move it sideways, by about "
+             "a twentieth of how far away what it sees is; turning on the spot does not help";
     case WhyNoPose::kMappingBusy:
       return "mapping still works on earlier frames";
     case WhyNoPose::kMappingPaused:

@@ -79,6 +79,8 @@ Json ToJson(const v1::LocalMap& local_map, const LocalMapNames& names) {
           {"agent", local_map.agent()},
           {"island", local_map.island()},
           {"in_global_frame", local_map.in_global_frame()},
+          {"without_metres", local_map.without_metres()},
+          {"island_without_metres", local_map.island_without_metres()},
           {"closed", local_map.closed()},
           {"keyframes", local_map.keyframes()},
           {"map_points", local_map.map_points()},

@@ -11,6 +11,7 @@ namespace {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 std::string MapName(int id) { return absl::StrCat("missions/lab/localMaps/", id); }
 
@@ -84,6 +85,20 @@ TEST(MissionSummaryTest, SaysWhichMapsRobotsGoWithout) {
   EXPECT_THAT(FormatSummary(summary),
               HasSubstr("bravo goes without 00000000000000ab, which is bent: over 4.5 m its camera "
                         "ends 0.13 m beside, turned by 0.70 degrees\n"));
+}
+
+TEST(MissionSummaryTest, SaysWhichLengthsAreNoMetres) {
+  MissionSummary summary = MakeSummary();
+  EXPECT_THAT(FormatSummary(summary), Not(HasSubstr("without metres")));
+  summary.local_maps[1].set_without_metres(true);
+  summary.local_maps[2].set_without_metres(true);
+  summary.local_maps[2].set_island_without_metres(true);
+  EXPECT_THAT(FormatSummary(summary),
+              AllOf(HasSubstr("without metres: alpha/2 (made with one camera alone; no map with"),
+                    HasSubstr("without metres of their own: bravo/1 (")));
+  const nlohmann::ordered_json json = ToJson(summary);
+  EXPECT_EQ(json["local_maps"][1]["without_metres"], true);
+  EXPECT_EQ(json["local_maps"][1]["island_without_metres"], false);
 }
 
 TEST(MissionSummaryTest, SaysWhatWasFusedAndWhyTheRestWasNot) {

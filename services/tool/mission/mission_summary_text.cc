@@ -191,6 +191,27 @@ std::string DescribeParts(const v1::LocalMap& local_map) {
   return DescribeNumbers(LastSegment(local_map.agent()), numbers);
 }
 
+// Says which lengths are no metres; nothing where all are.
+std::string FormatWithoutMetres(const MissionSummary& summary, const LocalMapNames& names) {
+  std::vector<std::string> own;
+  std::vector<std::string> all;
+  for (const v1::LocalMap& local_map : summary.local_maps) {
+    if (!local_map.without_metres()) continue;
+    (local_map.island_without_metres() ? all : own).push_back(names.at(local_map.name()));
+  }
+  std::string text;
+  if (!all.empty()) {
+    absl::StrAppend(&text, "without metres: ", absl::StrJoin(all, ", "),
+                    " (made with one camera alone; no map with metres is merged with them)\n");
+  }
+  if (!own.empty()) {
+    absl::StrAppend(
+        &text, "without metres of their own: ", absl::StrJoin(own, ", "),
+        " (made with one camera alone; the maps that they are merged with give them)\n");
+  }
+  return text;
+}
+
 std::string FormatLocalMaps(const MissionSummary& summary) {
   const LocalMapNames names = ShortNames(summary.local_maps);
   std::string text =
@@ -205,7 +226,7 @@ std::string FormatLocalMaps(const MissionSummary& summary) {
         local_map.in_global_frame() ? "yes" : "no", local_map.keyframes(), local_map.map_points(),
         local_map.closed() ? "yes" : "no", parts.empty() ? "-" : parts);
   }
-  return text;
+  return text + FormatWithoutMetres(summary, names);
 }
 
 // Says what the store itself let go of; nothing if that is nothing.

@@ -94,7 +94,7 @@ absl::Status CheckMapped(const Recording& recording) {
       "not hold. With a map store that has that map its frames are played again by client_agent "
       "--localise-only --server HOST:PORT --mission ",
       recording.head.flags.mission, " --source '",
-      SourceOfRecording(recording.folder, recording.is_stereo()), "'"));
+      SourceOfRecording(recording.folder, recording.kind()), "'"));
 }
 
 }  // namespace

@@ -129,7 +129,7 @@ TEST_F(ReplayTest, APictureThatWasReplacedIsSaidAndLeftOut) {
   Record("step");
   const Recording recording = Read();
   const auto of_frame = [&](size_t frame) {
-    return PicturePaths(folder_, recording.is_stereo(), recording.frames[frame].line.pictures)[0];
+    return PicturePaths(folder_, recording.kind(), recording.frames[frame].line.pictures)[0];
   };
   std::filesystem::copy_file(of_frame(2), of_frame(5),
                              std::filesystem::copy_options::overwrite_existing);

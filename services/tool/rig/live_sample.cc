@@ -85,10 +85,10 @@ double Share(uint64_t part, uint64_t whole) {
 
 absl::StatusOr<LiveSample> TakeLiveSample(FrameStream& stream, absl::Duration duration,
                                           const SampleOptions& options) {
-  const bool stereo = std::holds_alternative<StereoCalibration>(stream.calibration());
+  const bool rgbd = KindOf(stream.calibration()) == SensorKind::kRgbd;
   LiveSample sample;
   std::vector<SourceFrame> frames;
-  Keeper keeper(duration, options.places, stereo ? options.stereo_row : options.rgbd_row);
+  Keeper keeper(duration, options.places, rgbd ? options.rgbd_row : options.stereo_row);
   const absl::Time end = absl::Now() + duration;
   while (absl::Now() < end) {
     absl::StatusOr<NextFrame> next = stream.Next(std::min(end, absl::Now() + kWait));

@@ -101,7 +101,7 @@ absl::StatusOr<RigCheck> Report(const SensorCalibration& calibration,
   check.description.push_back({"exposure", DescribeExposure(inspection.sample)});
   const auto* const stereo = std::get_if<StereoCalibration>(&calibration);
   if (stereo == nullptr) {
-    check.picture = DrawDepth(inspection.sample);
+    if (KindOf(calibration) == SensorKind::kRgbd) check.picture = DrawDepth(inspection.sample);
     return check;
   }
   ASSIGN_OR_RETURN(const PairPreparation preparation, PairPreparation::Make(*stereo));
@@ -143,7 +143,7 @@ bool RigCheck::IsUsable() const {
 
 absl::StatusOr<RigCheck> CheckRig(const FrameReader& reader, const SourceSpec& spec) {
   Inspection inspection = LookIntoSource(reader, spec, kThorough);
-  const bool is_pair = std::holds_alternative<StereoCalibration>(reader.calibration());
+  const bool is_pair = KindOf(reader.calibration()) == SensorKind::kStereo;
   if (is_pair && spec.layout == SourceLayout::kRegistered) {
     // What a simulation draws is not checked for what a camera does; its rows are measured.
     inspection.pairs = JudgeSample(reader.calibration(), inspection.sample).pairs;

@@ -121,8 +121,8 @@ absl::Status Lockstep::OpenRobot(LockstepRobot& robot) {
   options.seed = options_.seed.value_or(kSeed);
   options.deterministic = true;
   if (options_.alone) options.share.mode = ShareMode::kNone;
-  const bool is_stereo = std::holds_alternative<StereoCalibration>(calibration);
-  options.sensor.orb.features = is_stereo ? kStereoFeatures : kRgbdFeatures;
+  const bool is_rgbd = KindOf(calibration) == SensorKind::kRgbd;
+  options.sensor.orb.features = is_rgbd ? kRgbdFeatures : kStereoFeatures;
   ASSIGN_OR_RETURN(const RecordedCamera recorded, RecordedCameraOf(calibration));
   robot.told.emplace(recorded);
   ASSIGN_OR_RETURN(robot.agent,

@@ -18,7 +18,11 @@ inline constexpr char kSmallRig[] =
     "  - {size_px: [64, 48], focal_px: [40, 40], principal_px: [32, 24]}\n"
     "rectified: true\nbaseline_m: 0.1\n";
 
-// Of that rig with an IMU, whose stamps are 2 ns too early.
+inline constexpr char kOneCameraRig[] =
+    "rig: 1\nkind: monocular\ncameras:\n"
+    "  - {size_px: [64, 48], focal_px: [40, 40], principal_px: [32, 24]}\n";
+
+// Of the pair with an IMU, whose stamps are 2 ns too early.
 inline std::string SmallRigWithImu() {
   return std::string(kSmallRig) +
          "imu: {imu_from_camera: [1, 0, 0, 0.05, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1], "

@@ -162,18 +162,18 @@ absl::Status ReadImu(const YAML::Node& file, const std::string& path, const ImuN
 absl::Status Read(const YAML::Node& file, const std::string& path, ReadListed read,
                   const ImuNames& imu, ConvertedRig& converted) {
   const YAML::Node cameras = file["cameras"];
-  if (!cameras.IsSequence() || cameras.size() < 2) {
-    return Bad(path,
-               "cameras lists one camera: a stereo pair has two, the left one first; with one "
-               "camera the map has no scale");
-  }
+  if (!cameras.IsSequence() || cameras.size() == 0) return Bad(path, "cameras lists no camera");
   if (cameras.size() > 2) {
     converted.notes.emplace_back("cameras after the first two are left out: a rig has two cameras");
   }
   ASSIGN_OR_RETURN(const Listed left, read(cameras[0], path, "cameras[0]"));
-  ASSIGN_OR_RETURN(const Listed right, read(cameras[1], path, "cameras[1]"));
-  converted.rig.cameras = {left.camera, right.camera};
-  converted.rig.right_from_left = right.body_from_camera.Inverse() * left.body_from_camera;
+  if (cameras.size() == 1) {
+    UseOneCamera("cameras lists one", left.camera, converted);
+  } else {
+    ASSIGN_OR_RETURN(const Listed right, read(cameras[1], path, "cameras[1]"));
+    converted.rig.cameras = {left.camera, right.camera};
+    converted.rig.right_from_left = right.body_from_camera.Inverse() * left.body_from_camera;
+  }
   converted.rig.body_from_camera = left.body_from_camera;
   return ReadImu(file, path, imu, converted);
 }

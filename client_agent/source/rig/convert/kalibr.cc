@@ -108,7 +108,7 @@ absl::Status ReadTimeShifts(const YAML::Node& file, const std::string& path, Rig
   }
   const bool is_zero = std::all_of(rig.cameras.begin(), rig.cameras.end(),
                                    [](const auto& camera) { return camera.time_offset_s == 0; });
-  if (given != 1 || is_zero) return absl::OkStatus();
+  if (given != 1 || is_zero || rig.cameras.size() == 1) return absl::OkStatus();
   return Bad(path, absl::StrCat(field,
                                 " is of one of cam0 and cam1 alone, so that nobody knows by "
                                 "how much they differ: give it of both, or of neither where the "
@@ -167,16 +167,14 @@ absl::Status AddImuFile(const std::string& path, ConvertedRig& converted) {
 }
 
 absl::Status Read(const YAML::Node& file, const std::string& path, ConvertedRig& converted) {
-  if (!file["cam1"].IsDefined()) {
-    return Bad(path,
-               "cam1 is missing: a stereo pair has cam0 (left) and cam1 (right); with one camera "
-               "the map has no scale");
-  }
+  if (!file["cam0"].IsDefined()) return Bad(path, "cam0 is missing");
+  const bool is_pair = file["cam1"].IsDefined();
   if (file["cam2"].IsDefined()) {
     converted.notes.emplace_back("cam2 and those after it are left out: a rig has two cameras");
   }
   Rig& rig = converted.rig;
-  for (const std::string name : {"cam0", "cam1"}) {
+  for (const std::string name :
+       is_pair ? std::vector<std::string>{"cam0", "cam1"} : std::vector<std::string>{"cam0"}) {
     ASSIGN_OR_RETURN(rig.cameras.emplace_back(), ReadCamera(file[name], path, name));
     if (file[name]["distortion_model"].IsDefined()) continue;
     converted.notes.push_back(
@@ -184,8 +182,12 @@ absl::Status Read(const YAML::Node& file, const std::string& path, ConvertedRig&
   }
   RETURN_IF_ERROR(ReadTimeShifts(file, path, rig));
   const double shift_s = KeepTimeDifference(rig);
-  ASSIGN_OR_RETURN(rig.right_from_left,
-                   ReadMotion(file["cam1"]["T_cn_cnm1"], path, "cam1.T_cn_cnm1"));
+  if (is_pair) {
+    ASSIGN_OR_RETURN(rig.right_from_left,
+                     ReadMotion(file["cam1"]["T_cn_cnm1"], path, "cam1.T_cn_cnm1"));
+  } else {
+    UseOneCamera("there is no cam1", RigCamera(rig.cameras[0]), converted);
+  }
   if (!file["cam0"]["T_cam_imu"].IsDefined()) {
     if (shift_s != 0) {
       converted.notes.push_back(absl::StrCat(

@@ -165,7 +165,8 @@ absl::Status ReadRgbd(const Settings& settings, const RigFiles& files, const std
   return absl::OkStatus();
 }
 
-absl::Status ReadCameras(const Settings& settings, const RigFiles& files, Rig& rig) {
+absl::Status ReadCameras(const Settings& settings, const RigFiles& files, ConvertedRig& converted) {
+  Rig& rig = converted.rig;
   ASSIGN_OR_RETURN(const auto units2, settings.Maybe("DepthMapFactor"));
   ASSIGN_OR_RETURN(const auto units3, settings.Maybe("RGBD.DepthMapFactor"));
   if (units3.has_value()) return ReadRgbd(settings, files, "Camera1", *units3, rig);
@@ -184,9 +185,11 @@ absl::Status ReadCameras(const Settings& settings, const RigFiles& files, Rig& r
   } else if (settings.Has("Camera.bf")) {
     return ReadRectified2(settings, files, rig);
   }
-  return settings.Bad(
-      "these settings are of one camera without depth (no Camera.bf, Stereo.T_c1_c2, Stereo.b or "
-      "DepthMapFactor): its map has no scale, which is not offered");
+  const std::string prefix = settings.Has("Camera1.fx") ? "Camera1" : "Camera";
+  ASSIGN_OR_RETURN(const RigCamera camera, ReadCamera(settings, files, prefix));
+  UseOneCamera("neither Camera.bf nor Stereo.T_c1_c2, Stereo.b or DepthMapFactor is there", camera,
+               converted);
+  return absl::OkStatus();
 }
 
 void NoteOtherSize(const Settings& settings, std::vector<std::string>& notes) {
@@ -231,7 +234,7 @@ absl::StatusOr<ConvertedRig> ReadOrbSlam(const RigFiles& files) {
   ConvertedRig converted;
   RETURN_IF_ERROR(UseYamlFields(path, [&](const YAML::Node& file) -> absl::Status {
     const Settings settings(path, file);
-    RETURN_IF_ERROR(ReadCameras(settings, files, converted.rig));
+    RETURN_IF_ERROR(ReadCameras(settings, files, converted));
     NoteOtherSize(settings, converted.notes);
     ASSIGN_OR_RETURN(converted.rig.rate_hz, settings.Maybe("Camera.fps"));
     RETURN_IF_ERROR(ReadBody(settings, converted.rig));

@@ -208,6 +208,14 @@ absl::Status CheckCameraMatrix(const std::vector<double>& k, const std::string& 
       absl::StrCat(path, ": ", field, " is no camera matrix by its rows: fx 0 cx, 0 fy cy, 0 0 1"));
 }
 
+void UseOneCamera(absl::string_view what_says_so, const RigCamera& camera,
+                  ConvertedRig& converted) {
+  converted.rig.kind = RigKind::kMonocular;
+  converted.rig.cameras = {camera};
+  converted.notes.push_back(absl::StrCat(
+      what_says_so, ": the rig is of one camera alone (kind: monocular), whose map has no metres"));
+}
+
 absl::StatusOr<PictureSize> NeedSize(const RigFiles& files) {
   if (files.size.has_value()) return *files.size;
   return absl::InvalidArgumentError(

@@ -16,6 +16,7 @@
 namespace corbslam::client_agent {
 namespace {
 
+using ::testing::Contains;
 using ::testing::HasSubstr;
 
 TEST(RigConvertTest, ReadsKalibr) {
@@ -47,6 +48,18 @@ TEST(RigConvertTest, ReadsKalibrsOmni) {
   EXPECT_EQ(lens.xi, 1.2);
   EXPECT_EQ(lens.distortion.k2, 0.02);
   EXPECT_EQ(converted->rig.cameras[1].raw.fx_px, 358.1);
+}
+
+TEST(RigConvertTest, ReadsOneCameraOfKalibr) {
+  const std::string both = kKalibr;
+  const auto one = ConvertRig(One("camchain.yaml", both.substr(0, both.find("cam1:"))));
+  ASSERT_TRUE(one.ok()) << one.status();
+  EXPECT_EQ(one->format, "kalibr");
+  EXPECT_EQ(one->rig.kind, RigKind::kMonocular);
+  ASSERT_EQ(one->rig.cameras.size(), 1U);
+  EXPECT_EQ(std::get<Equidistant>(one->rig.cameras[0].raw.lens).k1, 0.0034);
+  // It is said, for a file may have lost its second camera.
+  EXPECT_THAT(one->notes, Contains(HasSubstr("there is no cam1")));
 }
 
 // A pair of which R and P are those of its own rectification.
@@ -123,8 +136,11 @@ TEST(RigConvertTest, ReadsOrbSlam2) {
   EXPECT_NEAR(rectified->rig.baseline_m, 40 / 517.3, 1e-12);
 
   const std::string mono = absl::StrReplaceAll(stereo, {{"Camera.bf: 40.0\n", ""}});
-  EXPECT_THAT(std::string(ConvertRig(One("mono.yaml", mono)).status().message()),
-              HasSubstr("no scale"));
+  const auto one = ConvertRig(One("mono.yaml", mono));
+  ASSERT_TRUE(one.ok()) << one.status();
+  EXPECT_EQ(one->rig.kind, RigKind::kMonocular);
+  EXPECT_EQ(one->rig.cameras.size(), 1U);
+  EXPECT_THAT(one->notes, Contains(HasSubstr("no metres")));
 }
 
 TEST(RigConvertTest, ReadsOrbSlam3) {

@@ -59,6 +59,9 @@ std::string DescribeForeignCalibration(absl::string_view text);
 absl::Status CheckCameraMatrix(const std::vector<double>& k, const std::string& path,
                                absl::string_view field);
 
+// Makes a rig of one camera alone of what a file says of only one, and notes that.
+void UseOneCamera(absl::string_view what_says_so, const RigCamera& camera, ConvertedRig& converted);
+
 // Returns the size that was asked for; INVALID_ARGUMENT says that the format leaves it out.
 absl::StatusOr<PictureSize> NeedSize(const RigFiles& files);
 

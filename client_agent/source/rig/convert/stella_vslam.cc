@@ -128,9 +128,12 @@ absl::Status Read(const YAML::Node& file, const std::string& path, ConvertedRig&
     rig.cameras = {camera};
     return ReadDepthUnits(file, path, rig);
   }
-  return Bad(path, absl::StrCat("Camera.setup is '", setup,
-                                "', must be stereo or RGBD: with one camera the map has no scale, "
-                                "which is not offered"));
+  if (setup == "monocular") {
+    UseOneCamera("Camera.setup is 'monocular'", camera, converted);
+    return absl::OkStatus();
+  }
+  return Bad(path,
+             absl::StrCat("Camera.setup is '", setup, "', must be stereo, RGBD or monocular"));
 }
 
 }  // namespace
