@@ -194,7 +194,8 @@ absl::Status PostgresMission::Release(const std::string& wanted) {
   return pool_
       .WriteAgain(
           {{"UPDATE corbslam.missions SET lease_until = NULL, holder = 0,"
-            " wanted_store = CASE WHEN $4 <> '' THEN $4 ELSE wanted_store END"
+            " wanted_store = CASE WHEN $4 <> '' THEN $4 ELSE wanted_store END,"
+            " moved_at = CASE WHEN $4 <> '' THEN clock_timestamp() ELSE moved_at END"
             " WHERE mission_id = $1 AND holder = $2 AND epoch = $3",
             {Id(), SqlValue::Number(holder_.id), SqlValue::Number(epoch), SqlValue::Text(wanted)}}})
       .status();

@@ -227,6 +227,10 @@ std::vector<Setting> PlaceRows(Flags& flags) {
        "first, until it sleeps, or was silent for so many seconds, at least 3; 0: this one takes "
        "all",
        RareWithin(0, 3600)},
+      {"--balance-above", &flags.journal.balance_above,
+       "With --journal-lease: share of its processors or of --memory-budget beyond which a store "
+       "gives missions to others that have less to do, one a minute at most; 0: never",
+       RareWithin(0, 1)},
       {"--advertise", &flags.journal.advertise,
        "HOST:PORT where other stores of the database send robots, tools and viewers of this one's "
        "missions. Default: --listen, with the machine's name for all addresses",

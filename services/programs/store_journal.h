@@ -19,6 +19,8 @@ struct JournalFlags {
   std::string journal = {};   // postgres:URI; empty: none in a database.
   std::string password_file = {};
   double lease_s = 0;          // 0: this store has all missions of a database.
+  // Share of its processors or memory beyond which a store gives missions away; 0: never.
+  double balance_above = map_store::BalanceRules().above;
   std::string advertise = {};  // HOST:PORT where other stores send robots; empty: as it serves.
   uint64_t min_free_mb = map_store::RocksJournalOptions().min_free_bytes >> 20;
 };

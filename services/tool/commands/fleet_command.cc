@@ -56,6 +56,18 @@ std::string Seconds(absl::Duration left) {
   return left > absl::ZeroDuration() ? absl::StrFormat("%.1f s", absl::ToDoubleSeconds(left)) : "-";
 }
 
+// Returns null where the store does not say.
+nlohmann::ordered_json LoadOf(const DirectoryStore& store) {
+  if (!store.load.has_value() || !store.IsAlive()) return nullptr;
+  return {{"pressure", store.load->Pressure()},
+          {"busy_processors", store.load->busy_processors},
+          {"processors", store.load->processors},
+          {"resident_bytes", store.load->resident_bytes},
+          {"memory_budget_bytes", store.load->budget_bytes},
+          {"keyframes_per_s", store.load->keyframes_per_s},
+          {"fusion_requests_waiting", store.waiting_requests}};
+}
+
 nlohmann::ordered_json ToJson(const DirectoryStore& store) {
   return {{"name", store.name},
           {"address", store.address},
@@ -63,7 +75,21 @@ nlohmann::ordered_json ToJson(const DirectoryStore& store) {
           {"version", store.version},
           {"state", StateOf(store)},
           {"missions", store.missions},
-          {"lease_left_s", absl::ToDoubleSeconds(store.lease_left)}};
+          {"lease_left_s", absl::ToDoubleSeconds(store.lease_left)},
+          {"load", LoadOf(store)}};
+}
+
+std::string Describe(const DirectoryStore& store) {
+  std::string load = "load not known";
+  if (store.load.has_value()) {
+    load = absl::StrFormat(
+        "load %3.0f %%: %.1f of %.1f processors, %.0f MiB, %.1f keyframes/s",
+        store.load->Pressure() * 100, store.load->busy_processors, store.load->processors,
+        static_cast<double>(store.load->resident_bytes) / (1 << 20), store.load->keyframes_per_s);
+  }
+  return absl::StrFormat("%-32s %-9s %4d missions %8s  %s%s\n", store.name, StateOf(store),
+                         store.missions, Seconds(store.lease_left), store.version,
+                         store.IsAlive() ? "  " + load : "");
 }
 
 nlohmann::ordered_json ToJson(const DirectoryMission& mission) {
@@ -103,8 +129,7 @@ absl::Status Show(const FleetArguments& arguments) {
   nlohmann::ordered_json json = {{"stores", nlohmann::ordered_json::array()},
                                  {"missions", nlohmann::ordered_json::array()}};
   for (const DirectoryStore& store : stores) {
-    absl::StrAppendFormat(&text, "%-32s %-9s %4d missions %8s  %s\n", store.name, StateOf(store),
-                          store.missions, Seconds(store.lease_left), store.version);
+    text += Describe(store);
     json["stores"].push_back(ToJson(store));
   }
   absl::StrAppend(&text, missions.size(), " missions\n");
