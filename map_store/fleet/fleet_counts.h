@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <optional>
 
+#include "map_store/fleet/directory.h"
+
 namespace corbslam::map_store {
 
 // The standbys that commits of a database wait for.
@@ -23,6 +25,7 @@ struct FleetCounts {
   uint64_t unreached = 0;                      // How often leases could not be prolonged.
   uint64_t busy_pool = 0;                      // How often no connection was free for too long.
   std::optional<StandbyCounts> standbys = {};  // Nullopt: the database does not say.
+  std::optional<StoreLoad> load = {};          // As others are told it.
 };
 
 }  // namespace corbslam::map_store

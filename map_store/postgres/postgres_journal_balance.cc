@@ -102,6 +102,7 @@ FleetCounts PostgresJournal::counts() const {
   FleetCounts counts = counts_;
   counts.refused_writes = *holder_.refused;
   counts.busy_pool = pool_->times_busy();
+  counts.load = self_.load;
   return counts;
 }
 

@@ -41,6 +41,7 @@ PostgresJournalOptions PostgresOptionsOf(const JournalFlags& flags) {
   options.password_file = flags.password_file;
   options.lease = absl::Seconds(flags.lease_s);
   options.balance.above = flags.balance_above;
+  options.workers = flags.workers;
   options.holder_name = NameOfThisProcess();
   return options;
 }
