@@ -30,14 +30,16 @@ inline bool MayTake(const MissionHolding& row, int64_t own) {
 // long the lease is does not matter.
 inline bool MayWrite(const MissionHolding& row, int64_t epoch) { return row.epoch == epoch; }
 
-// Knows by the process's own clock until when nobody else takes what it has.
+// Knows by the process's own clock until when nobody else takes what it has. It ends before the
+// database's lease does, as long as the process's clock is slower than the database's by less than
+// a tenth.
 class OwnLease {
  public:
-  OwnLease(absl::Duration lease, absl::Time now) : lease_(lease), until_(now + lease) {}
+  OwnLease(absl::Duration lease, absl::Time now) : lease_(lease) { NoteProlonged(now); }
 
-  // Notes that the leases were prolonged. The database did it after `asked`, when the request was
-  // made, so that its lease ends later than this one, as long as both clocks are as fast.
-  void NoteProlonged(absl::Time asked) { until_ = asked + lease_; }
+  // Notes that the leases were prolonged, at the database some time after `asked`, when the request
+  // was made.
+  void NoteProlonged(absl::Time asked) { until_ = asked + lease_ * 9 / 10; }
   bool IsOver(absl::Time now) const { return now >= until_; }
   // Returns how long after one request to prolong leases the next one is made.
   absl::Duration between_requests() const { return lease_ / 3; }

@@ -33,11 +33,11 @@ TEST(LeaseRulesTest, AnOwnLeaseCountsFromTheRequest) {
   const absl::Time begin = absl::UnixEpoch();
   OwnLease lease(absl::Seconds(15), begin);
   EXPECT_EQ(lease.between_requests(), absl::Seconds(5));
-  EXPECT_FALSE(lease.IsOver(begin + absl::Milliseconds(14999)));
-  EXPECT_TRUE(lease.IsOver(begin + absl::Seconds(15)));
+  EXPECT_FALSE(lease.IsOver(begin + absl::Milliseconds(13499)));
+  EXPECT_TRUE(lease.IsOver(begin + absl::Milliseconds(13500)));
   lease.NoteProlonged(begin + absl::Seconds(5));
-  EXPECT_FALSE(lease.IsOver(begin + absl::Seconds(19)));
-  EXPECT_TRUE(lease.IsOver(begin + absl::Seconds(20)));
+  EXPECT_FALSE(lease.IsOver(begin + absl::Seconds(18)));
+  EXPECT_TRUE(lease.IsOver(begin + absl::Milliseconds(18500)));
 }
 
 TEST(LeaseRulesTest, TheFreestIsAnotherOneThatTakesMissions) {

@@ -128,7 +128,8 @@ class PostgresJournal : public Journal, public MissionLeases {
   };
   absl::StatusOr<Renewed> RenewRows(const DirectoryStore& self);
   SqlStatement SayAlive(const DirectoryStore& self) const;
-  static void FindLost(const std::vector<MissionPtr>& held, const Renewed& still);
+  // Finds out which missions are another one's. Returns false if the database did not say.
+  static bool FindLost(const std::vector<MissionPtr>& held, const Renewed& still);
   void FindMoves(const std::vector<MissionPtr>& held, const DirectoryStore& self,
                  const Renewed& renewed) ABSL_LOCKS_EXCLUDED(mutex_);
   // Returns the mission that is to go to another store to balance loads, with that store.

@@ -184,11 +184,15 @@ void PostgresJournal::Renew() {
       return;
     }
     counts_.held = renewed->wanted.size();
-    own_lease_.NoteProlonged(began);
     is_replaced_ = renewed->is_replaced;
     duty_ = renewed->duty;
   }
-  FindLost(held, *renewed);
+  // What is lost is known before anybody may think that all else is held for longer.
+  if (!FindLost(held, *renewed)) return;
+  {
+    absl::MutexLock lock(&mutex_);
+    own_lease_.NoteProlonged(began);
+  }
   FindMoves(held, self, *renewed);
   CountStandbys();
 }
@@ -241,12 +245,15 @@ absl::StatusOr<DirectoryStore> PostgresJournal::FindTaker(const DirectoryMission
   return absl::NotFoundError("this store takes it itself");
 }
 
-void PostgresJournal::FindLost(const std::vector<MissionPtr>& held, const Renewed& still) {
+bool PostgresJournal::FindLost(const std::vector<MissionPtr>& held, const Renewed& still) {
+  bool all_known = true;
   for (const MissionPtr& mission : held) {
     if (still.wanted.count(mission->id()) > 0) continue;
     const absl::Status lost = mission->CheckStillHeld();
-    LOG_IF(WARNING, !lost.ok()) << "lease lost: " << lost;
+    all_known = all_known && !absl::IsUnavailable(lost);
+    LOG_IF(WARNING, !lost.ok()) << "lease lost, or not known: " << lost;
   }
+  return all_known;
 }
 
 void PostgresJournal::EndLeases() {

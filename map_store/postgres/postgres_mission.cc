@@ -169,7 +169,7 @@ bool PostgresMission::IsHeld() const {
 absl::Status PostgresMission::CheckStillHeld() {
   const auto read = pool_.Read({SelectMissionRow(id_)});
   // Who can't be asked has not said that it is lost.
-  if (!read.ok()) return absl::OkStatus();
+  if (!read.ok()) return absl::UnavailableError(read.status().message());
   const absl::StatusOr<MissionRow> row = MissionRowOf(read->front());
   absl::MutexLock lock(&mutex_);
   if (!is_loaded_ || is_aside_ || is_deleted_) return absl::OkStatus();

@@ -299,6 +299,36 @@ TEST_F(SharedMissionsTest, AStoreThatIsCutOffRefusesRobotsAndGoesOnWhereNobodyTo
   EXPECT_EQ(Epoch(), "1");
 }
 
+TEST_F(SharedMissionsTest, AStoreWhoseLeaseIsOverTellsNoRobotWhatItOnceKnew) {
+  auto proxy = std::make_unique<CuttingProxy>(server_.port());
+  const auto a = Start("a:1", absl::Seconds(3), server_.TcpUri(database_, proxy->port()));
+  TestAgent robot(*a, kShared, "robot", map_);
+  ASSERT_TRUE(robot.Stream(3).ok());
+  a->CloseSession(robot.session());
+  const std::string uid = a->GetMission(kShared)->uid;
+  proxy->CutAt("UPDATE", CuttingProxy::Moment::kBefore, 1'000'000);
+  absl::SleepFor(absl::Milliseconds(3200));
+  // Another one has it, and acknowledges more. Nobody has looked after this one's leases, as when a
+  // process goes on that was stopped.
+  const auto b = Start("b:2");
+  const auto entered = EnterOnceLeasesEnd(*b, uid);
+  ASSERT_TRUE(entered.ok()) << entered.status();
+  ASSERT_TRUE(b->Apply(entered->session_id, robot.NextBatch(1)).ok());
+  const auto stale = Enter(*a, kShared, uid);
+  EXPECT_TRUE(absl::IsUnavailable(stale.status())) << stale.status();
+  // Once it reaches the database again it says where the mission is, and nothing else before that.
+  proxy->CutAt("UPDATE", CuttingProxy::Moment::kNever, 0);
+  std::string where;
+  for (int i = 0; i < 100 && where != "b:2"; ++i) {
+    absl::SleepFor(absl::Milliseconds(50));
+    const auto asked = Enter(*a, kShared, uid);
+    ASSERT_FALSE(asked.ok());
+    where = Where(asked.status());
+    a->KeepLeases();
+  }
+  EXPECT_EQ(where, "b:2");
+}
+
 TEST_F(SharedMissionsTest, WhatSleepsTooLongGoesWhoeverLooks) {
   const auto a = Start("a:1");
   MissionProfile profile;

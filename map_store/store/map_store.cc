@@ -235,6 +235,13 @@ absl::StatusOr<MapStore::OpenedSession> MapStore::OpenSessionOf(const SessionReq
     LeaveMission(session_id);
     return grant.status();
   }
+  // What the robot is told of its acknowledgements was so if nobody else can have had the mission
+  // by now: this process may have been stopped for a minute, and be as sure as it was before.
+  const absl::Status still = leases_ == nullptr ? absl::OkStatus() : leases_->CheckReached();
+  if (!still.ok()) {
+    CloseSession(session_id);
+    return still;
+  }
   return OpenedSession{session_id, *std::move(grant)};
 }
 

@@ -148,6 +148,8 @@ absl::Status MapStore::WriteShared(const SessionRequest& request) {
 }
 
 void MapStore::KeepLeases() {
+  // Asked first: once the journal is reached again, it knows what was lost meanwhile.
+  const absl::Status reached = leases_->CheckReached();
   const std::map<std::string, absl::Status> lost = leases_->TakeLost();
   for (const auto& [name, why] : lost) {
     const auto mission = directory_->UseIfLoaded(name);
@@ -159,7 +161,6 @@ void MapStore::KeepLeases() {
     LOG_IF(WARNING, !given.ok()) << "mission " << name << " does not go to " << store.name << ": "
                                  << given;
   }
-  const absl::Status reached = leases_->CheckReached();
   if (reached.ok() != refuses_) return;
   refuses_ = !reached.ok();
   LOG(WARNING) << (refuses_ ? "robots are refused: " : "robots are taken in again")
