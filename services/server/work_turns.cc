@@ -17,8 +17,8 @@ void WorkTurns::Add(Request request, absl::Time now) {
 }
 
 bool WorkTurns::GoesBefore(const Waiting& a, const Waiting& b, absl::Time now) const {
-  const auto stands_back = [now](const Waiting& one) {
-    return one.request.may_wait && now - one.since < kPatience;
+  const auto stands_back = [this, now](const Waiting& one) {
+    return one.request.may_wait && (now - one.since < kPatience || others_begun_ < kOthersBetween);
   };
   if (stands_back(a) != stands_back(b)) return stands_back(b);
   const Mission& of_a = missions_.at(a.request.mission);
@@ -38,6 +38,7 @@ WorkTurns::Request WorkTurns::Begin(absl::Time now) {
   --mission.waiting;
   ++mission.running;
   mission.last_turn = ++turns_;
+  others_begun_ = request.may_wait ? 0 : others_begun_ + 1;
   return request;
 }
 

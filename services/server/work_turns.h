@@ -14,8 +14,10 @@ namespace corbslam::services {
 // Orders requests of many missions. Not thread-safe; without a clock of its own.
 class WorkTurns {
  public:
-  // What may wait, such as adjustments, stands behind all else for so long.
+  // What may wait, such as adjustments, stands behind all else for so long, and until so many
+  // others have begun since one that may wait began: an adjustment has a thread for much longer.
   static constexpr absl::Duration kPatience = absl::Seconds(10);
+  static constexpr int kOthersBetween = 4;
 
   struct Request {
     uint64_t id = 0;
@@ -48,6 +50,7 @@ class WorkTurns {
   std::vector<Waiting> waiting_;  // In the order in which they came.
   std::map<std::string, Mission> missions_;
   uint64_t turns_ = 0;
+  int others_begun_ = 0;  // Since one began that may wait.
 };
 
 }  // namespace corbslam::services

@@ -75,6 +75,12 @@ TEST_F(WorkTurnsTest, AdjustmentsStandBackButNotForever) {
   EXPECT_EQ(turns_of_b, 10);
 }
 
+TEST_F(WorkTurnsTest, AdjustmentsThatHaveWaitedComeAfterEveryFourthOfTheOthers) {
+  for (int i = 0; i < 3; ++i) Add("a", true);
+  for (int i = 0; i < 10; ++i) Add("b");
+  EXPECT_EQ(WorkAll(kStart + absl::Minutes(1)), "b4 b5 b6 b7 a1 b8 b9 b10 b11 a2 b12 b13 a3");
+}
+
 TEST_F(WorkTurnsTest, AHundredMissionsHaveEachTheirTurnWithinAHundred) {
   for (int i = 0; i < 50; ++i) Add("greedy");
   for (int i = 0; i < 100; ++i) Add(absl::StrCat("m", i));
