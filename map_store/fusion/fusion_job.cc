@@ -169,6 +169,7 @@ absl::StatusOr<std::optional<FusionRequest>> PrepareFuse(const MissionState& sta
     job.request.source = std::move(job.source->view);
   }
   job.request.base_revision = state.global.revision;
+  job.request.mission = state.name;
   job.request.target = std::move(job.target.view);
   if (!HoldsOverlaps(job.request)) return absl::AbortedError("a keyframe of an overlap has gone");
   DropIdlePairs(job.request);
@@ -192,6 +193,7 @@ absl::StatusOr<std::optional<FusionRequest>> PrepareAdjust(const MissionState& s
   if (fixed == view.keyframes().end()) fixed = view.keyframes().begin();
   job.request.fixed = {fixed->first};
   job.request.base_revision = state.global.revision;
+  job.request.mission = state.name;
   job.request.max_iterations =
       IsQuiet(state, *island) ? options.last_adjust_iterations : options.adjust_iterations;
   job.request.redundant_share = options.cull_share;

@@ -202,6 +202,7 @@ absl::StatusOr<std::optional<VerifyOverlapRequest>> BuildVerifyRequest(
   request.candidates = FindCandidates(state, task, options).candidates;
   if (request.candidates.empty()) return std::nullopt;
   request.base_revision = state.global.revision;
+  request.mission = state.name;
   request.query = task.query;
   request.fix_scale =
       BothMetric(*state.FindLocalMap(task.query.local_map), *state.FindLocalMap(task.against));

@@ -111,6 +111,7 @@ class Search {
       return absl::OkStatus();
     }
     request.frame = frame_;
+    request.mission = strand_.name();
     ASSIGN_OR_RETURN(LocateFrameResult result,
                      worker_.LocateFrame(request, [this](double) { return GoesOn(); }));
     if (result.stage == LocateStage::kLocated && IsOutsidePrior(result.camera_from_map)) {

@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <utility>
 
+#include "absl/strings/ascii.h"
+#include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_split.h"
 #include "map_store/postgres/mission_row.h"
 #include "map_store/postgres/sql_pool.h"
 #include "slam/exchange/mission_elsewhere.h"
@@ -31,6 +34,21 @@ constexpr char kList[] =
 
 absl::Duration LeaseLeft(int64_t milliseconds) {
   return std::max(absl::Milliseconds(milliseconds), absl::ZeroDuration());
+}
+
+double Thousandths(int64_t number) { return static_cast<double>(number) * 1e-3; }
+
+// Returns how many standbys a value of synchronous_standby_names has commits wait for: "ANY 2 (a,
+// b, c)", "FIRST 1 (a, b)", "2 (a, b)", and "a, b", of which one is waited for.
+uint64_t CountWantedStandbys(absl::string_view names) {
+  names = absl::StripAsciiWhitespace(names);
+  if (names.empty()) return 0;
+  const std::string words = absl::AsciiStrToLower(names.substr(0, names.find('(')));
+  uint64_t wanted = 1;
+  for (const absl::string_view word : absl::StrSplit(words, ' ', absl::SkipEmpty())) {
+    if (absl::SimpleAtoi(word, &wanted)) break;
+  }
+  return names.find('(') == absl::string_view::npos ? 1 : wanted;
 }
 
 DirectoryMission MissionOf(const SqlResult& rows, int i, int64_t own) {
@@ -63,6 +81,13 @@ DirectoryStore StoreOf(const SqlResult& rows, int i, int64_t own) {
   store.is_drained = rows.Number(i, 5) == static_cast<int64_t>(FleetDirectory::Duty::kDrained);
   store.lease_left = LeaseLeft(rows.Number(i, 6));
   store.missions = rows.Bits(i, 7);
+  if (!rows.IsNull(i, 8)) {
+    store.load = StoreLoad{Thousandths(rows.Number(i, 8)), Thousandths(rows.Number(i, 9)),
+                           rows.Bits(i, 10), rows.Bits(i, 11), Thousandths(rows.Number(i, 12))};
+  }
+  store.waiting_requests = rows.Bits(i, 13);
+  store.workers = absl::StrSplit(rows.Text(i, 14), ',', absl::SkipEmpty());
+  if (!rows.IsNull(i, 15)) store.since_balanced = absl::Milliseconds(rows.Number(i, 15));
   return store;
 }
 
@@ -75,7 +100,12 @@ absl::StatusOr<std::vector<DirectoryStore>> FleetDirectory::ListStores() const {
                    " coalesce(ceil(extract(epoch FROM lease_until - clock_timestamp()) * 1000),"
                    " 0)::bigint, (SELECT count(*) FROM corbslam.missions WHERE state = 0"
                    " AND missions.holder = stores.holder AND missions.lease_until >"
-                   " clock_timestamp()) FROM corbslam.stores ORDER BY name"}}));
+                   " clock_timestamp()), CASE WHEN load_until >= lease_until THEN busy_milli END,"
+                   " processors_milli, resident_bytes, budget_bytes, keyframes_milli,"
+                   " CASE WHEN load_until >= lease_until THEN waiting_requests END,"
+                   " CASE WHEN load_until >= lease_until THEN workers END,"
+                   " (extract(epoch FROM clock_timestamp() - balanced_at) * 1000)::bigint"
+                   " FROM corbslam.stores ORDER BY name"}}));
   std::vector<DirectoryStore> stores;
   for (int i = 0; i < read.front().rows(); ++i) stores.push_back(StoreOf(read.front(), i, own_));
   return stores;
@@ -145,13 +175,35 @@ absl::Status FleetDirectory::Move(const std::string& mission, const std::string&
       .status();
 }
 
-const DirectoryStore* FindFreest(const std::vector<DirectoryStore>& stores) {
-  const DirectoryStore* freest = nullptr;
-  for (const DirectoryStore& store : stores) {
-    if (store.is_own || !store.IsAlive() || store.is_cordoned) continue;
-    if (freest == nullptr || store.missions < freest->missions) freest = &store;
-  }
-  return freest;
+absl::StatusOr<bool> FleetDirectory::BeginBalancing(const std::string& giver,
+                                                    const std::string& taker,
+                                                    absl::Duration rest) const {
+  // Each row is looked at again once it is locked; a giver whose taker has gone to another one just
+  // now rests in vain.
+  ASSIGN_OR_RETURN(
+      const std::vector<SqlResult> done,
+      pool_.WriteAgain(
+          {{"UPDATE corbslam.stores SET balanced_at = clock_timestamp() WHERE name IN ($1, $2)"
+            " AND cordoned = 0 AND lease_until > clock_timestamp() AND (balanced_at IS NULL OR"
+            " balanced_at <= clock_timestamp() - $3 * interval '1 millisecond')"
+            " AND (SELECT count(*) FROM corbslam.stores AS pair WHERE pair.name IN ($1, $2)"
+            " AND pair.cordoned = 0 AND pair.lease_until > clock_timestamp()"
+            " AND (pair.balanced_at IS NULL OR pair.balanced_at <="
+            " clock_timestamp() - $3 * interval '1 millisecond')) = 2",
+            {SqlValue::Text(giver), SqlValue::Text(taker),
+             SqlValue::Number(absl::ToInt64Milliseconds(rest))}}}));
+  return done.front().changed() == 2;
+}
+
+absl::StatusOr<StandbyCounts> FleetDirectory::CountStandbys() const {
+  // Who may not read statistics sees that standbys are connected, and not whether commits wait for
+  // them.
+  ASSIGN_OR_RETURN(
+      const std::vector<SqlResult> read,
+      pool_.Read({{"SELECT current_setting('synchronous_standby_names'),"
+                   " (SELECT count(*) FROM pg_stat_replication WHERE sync_state IS NULL"
+                   " OR sync_state IN ('sync', 'quorum'))"}}));
+  return StandbyCounts{CountWantedStandbys(read.front().Text(0, 0)), read.front().Bits(0, 1)};
 }
 
 }  // namespace corbslam::map_store

@@ -12,9 +12,10 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
+#include "map_store/fleet/directory.h"
+#include "map_store/fleet/fleet_counts.h"
 #include "map_store/postgres/postgres_options.h"
 #include "map_store/postgres/sql_values.h"
-#include "map_store/records/mission_leases.h"
 
 namespace corbslam::map_store {
 class SqlPool;
@@ -33,7 +34,7 @@ class FleetDirectory {
   // Returns a mission, and the number of its row. NOT_FOUND.
   absl::StatusOr<DirectoryMission> Look(absl::string_view mission, int64_t* row_id = nullptr) const;
 
-  enum class Duty : int64_t { kTakesMissions = 0, kCordoned = 1, kDrained = 2 };
+  using Duty = StoreDuty;
   // Wants this of the store, which is called by its name or its address. Returns its name.
   // NOT_FOUND: the directory has none; FAILED_PRECONDITION: it has several of that address.
   absl::StatusOr<std::string> SetDuty(const std::string& store, Duty duty);
@@ -41,16 +42,20 @@ class FleetDirectory {
   // alive, or takes no missions.
   absl::Status Move(const std::string& mission, const std::string& store);
 
+  // Begins a move from one store to another that balances loads, by their names, and returns
+  // whether that is so: neither has taken part in one for `rest`. What two stores begin at the same
+  // moment, one of them has.
+  absl::StatusOr<bool> BeginBalancing(const std::string& giver, const std::string& taker,
+                                      absl::Duration rest) const;
+  // Returns the standbys that commits wait for; UNIMPLEMENTED: the database does not say.
+  absl::StatusOr<StandbyCounts> CountStandbys() const;
+
  private:
   absl::StatusOr<DirectoryStore> FindStore(const std::string& store) const;
 
   SqlPool& pool_;
   const int64_t own_;
 };
-
-// Of the stores that are alive and take missions, this process's aside, returns the one that has
-// the fewest; null: there is none.
-const DirectoryStore* FindFreest(const std::vector<DirectoryStore>& stores);
 
 }  // namespace corbslam::map_store
 

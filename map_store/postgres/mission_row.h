@@ -3,12 +3,15 @@
 #ifndef CORBSLAM_MAP_STORE_POSTGRES_MISSION_ROW_H_
 #define CORBSLAM_MAP_STORE_POSTGRES_MISSION_ROW_H_
 
+#include <atomic>
 #include <cstdint>
+#include <memory>
 #include <string>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "absl/time/time.h"
+#include "map_store/fleet/lease_rules.h"
 #include "map_store/postgres/sql_connection.h"
 #include "map_store/postgres/sql_values.h"
 
@@ -21,6 +24,8 @@ struct MissionHolder {
   int64_t id = 0;  // Drawn by each process.
   std::string name;
   absl::Duration lease;
+  // Counts writes that were refused since another process has the mission.
+  std::shared_ptr<std::atomic<uint64_t>> refused = std::make_shared<std::atomic<uint64_t>>(0);
 
   SqlValue LeaseMilliseconds() const { return SqlValue::Number(absl::ToInt64Milliseconds(lease)); }
 };
@@ -38,6 +43,8 @@ struct MissionRow {
   uint64_t snapshot_position = 0;
   int64_t snapshot_generation = 0;
   uint64_t snapshot_bytes = 0;
+
+  MissionHolding holding() const { return {holder, epoch, lease_left}; }
 };
 
 // Returns the checksum of what a mission is put aside with.

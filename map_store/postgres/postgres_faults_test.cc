@@ -15,6 +15,7 @@
 #include "absl/time/clock.h"
 #include "map_store/archive/state_archive.h"
 #include "map_store/postgres/postgres_journal.h"
+#include "map_store/postgres/schema.h"
 #include "map_store/testing/blank_batch.h"
 #include "map_store/testing/cutting_proxy.h"
 #include "map_store/testing/feature_mission.h"
@@ -331,9 +332,11 @@ TEST_F(PostgresFaultsTest, AnotherVersionOfTheTablesIsRefused) {
   };
   EXPECT_EQ(open(), "");
   // A later one that this program can work with, and one that it can't.
-  server_.Ask(database_, "INSERT INTO corbslam.schema_versions VALUES (3, 1)");
+  server_.Ask(database_, absl::StrCat("INSERT INTO corbslam.schema_versions VALUES (",
+                                      kSchemaVersion + 1, ", 1)"));
   EXPECT_EQ(open(), "");
-  server_.Ask(database_, "INSERT INTO corbslam.schema_versions VALUES (4, 3)");
+  server_.Ask(database_, absl::StrCat("INSERT INTO corbslam.schema_versions VALUES (",
+                                      kSchemaVersion + 2, ", ", kSchemaVersion + 1, ")"));
   EXPECT_THAT(open(), HasSubstr("start a newer program"));
   server_.Ask(database_, "DELETE FROM corbslam.schema_versions");
   EXPECT_THAT(open(), HasSubstr("corbslam store-schema"));

@@ -3,6 +3,7 @@
 #include <glog/logging.h>
 
 #include <algorithm>
+#include <chrono>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -18,13 +19,17 @@
 
 namespace corbslam::map_store {
 
+absl::Time SteadyNow() {
+  return absl::UnixEpoch() + absl::FromChrono(std::chrono::steady_clock::now().time_since_epoch());
+}
+
 PostgresJournal::PostgresJournal(const PostgresJournalOptions& options,
                                  std::unique_ptr<SqlPool> pool)
     : options_(options),
       pool_(std::move(pool)),
       holder_{DrawRowId(), options.holder_name, options.lease},
       fleet_(pool_.get(), holder_.id),
-      held_until_(std::chrono::steady_clock::now() + absl::ToChronoNanoseconds(options.lease)) {}
+      own_lease_(options.lease, SteadyNow()) {}
 
 absl::StatusOr<std::unique_ptr<PostgresJournal>> PostgresJournal::Open(
     const PostgresJournalOptions& options) {

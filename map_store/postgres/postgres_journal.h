@@ -3,7 +3,6 @@
 #ifndef CORBSLAM_MAP_STORE_POSTGRES_POSTGRES_JOURNAL_H_
 #define CORBSLAM_MAP_STORE_POSTGRES_POSTGRES_JOURNAL_H_
 
-#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <map>
@@ -16,6 +15,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "absl/synchronization/mutex.h"
+#include "map_store/fleet/lease_rules.h"
 #include "map_store/postgres/fleet_directory.h"
 #include "map_store/postgres/mission_row.h"
 #include "map_store/postgres/postgres_options.h"
@@ -25,6 +25,9 @@
 namespace corbslam::map_store {
 class PostgresMission;
 class SqlPool;
+
+// Returns what time it is by a clock that nobody sets, since some moment.
+absl::Time SteadyNow();
 
 // Without a lease (PostgresJournalOptions::lease) this process has all missions that the database
 // has when it is opened, and those that it makes. With one it has those that it takes.
@@ -81,7 +84,9 @@ class PostgresJournal : public Journal, public MissionLeases {
   std::map<std::string, absl::Status> TakeLost() override;
   std::map<std::string, DirectoryStore> ListMoves() const override;
   absl::Status GiveTo(absl::string_view mission, const std::string& store) override;
-  absl::StatusOr<DirectoryStore> FindSubstitute() const override;
+  absl::StatusOr<DirectoryStore> FindTaker(const DirectoryMission& mission) const override;
+  void NoteLoad(const WeighedStore& load) override;
+  FleetCounts counts() const override;
   absl::Status CheckReached() const override;
   absl::Duration lease() const override { return options_.lease; }
 
@@ -116,13 +121,22 @@ class PostgresJournal : public Journal, public MissionLeases {
   struct Renewed {
     // By the number of a row that this process has: the store that is to have it.
     std::map<int64_t, std::string> wanted = {};
+    // Likewise: since it came here from another store.
+    std::map<int64_t, absl::Duration> since_moved = {};
     bool is_replaced = false;
-    FleetDirectory::Duty duty = FleetDirectory::Duty::kTakesMissions;
+    StoreDuty duty = StoreDuty::kTakesMissions;
   };
   absl::StatusOr<Renewed> RenewRows(const DirectoryStore& self);
-  static void FindLost(const std::vector<MissionPtr>& held, const Renewed& still);
-  void FindMoves(const std::vector<MissionPtr>& held, const std::string& own,
+  SqlStatement SayAlive(const DirectoryStore& self) const;
+  // Finds out which missions are another one's. Returns false if the database did not say.
+  static bool FindLost(const std::vector<MissionPtr>& held, const Renewed& still);
+  void FindMoves(const std::vector<MissionPtr>& held, const DirectoryStore& self,
                  const Renewed& renewed) ABSL_LOCKS_EXCLUDED(mutex_);
+  // Returns the mission that is to go to another store to balance loads, with that store.
+  std::map<std::string, DirectoryStore> FindBalancingMove(
+      const std::vector<MissionPtr>& held, const DirectoryStore& self, const Renewed& renewed,
+      const std::vector<DirectoryStore>& stores) const ABSL_LOCKS_EXCLUDED(mutex_);
+  void CountStandbys() ABSL_LOCKS_EXCLUDED(mutex_);
   // Ends all leases of this process.
   void EndLeases() ABSL_LOCKS_EXCLUDED(mutex_);
 
@@ -139,12 +153,15 @@ class PostgresJournal : public Journal, public MissionLeases {
   bool stops_ ABSL_GUARDED_BY(mutex_) = false;
   // Of a shared journal.
   DirectoryStore self_ ABSL_GUARDED_BY(mutex_);  // Without a name: not announced.
-  // Until then nobody takes what this process has, by its own clock.
-  std::chrono::steady_clock::time_point held_until_ ABSL_GUARDED_BY(mutex_);
+  OwnLease own_lease_ ABSL_GUARDED_BY(mutex_);
   // Another process has begun as this store.
   bool is_replaced_ ABSL_GUARDED_BY(mutex_) = false;
-  FleetDirectory::Duty duty_ ABSL_GUARDED_BY(mutex_) = FleetDirectory::Duty::kTakesMissions;
+  StoreDuty duty_ ABSL_GUARDED_BY(mutex_) = StoreDuty::kTakesMissions;
   std::map<std::string, DirectoryStore> moves_ ABSL_GUARDED_BY(mutex_);
+  // The one of moves_ that balances loads; empty: there is none.
+  std::string balancing_ ABSL_GUARDED_BY(mutex_);
+  std::map<std::string, MissionWeight> weights_ ABSL_GUARDED_BY(mutex_);
+  FleetCounts counts_ ABSL_GUARDED_BY(mutex_);
   // Missions whose lease is still to be ended.
   std::vector<MissionPtr> to_release_ ABSL_GUARDED_BY(mutex_);
 

@@ -1,7 +1,6 @@
 // Implements the part of PostgresJournal that shares missions with other processes.
 #include <glog/logging.h>
 
-#include <algorithm>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -20,28 +19,6 @@ constexpr char kAnnounce[] =
     " clock_timestamp()) ON CONFLICT (name) DO UPDATE SET holder = excluded.holder,"
     " address = excluded.address, machine = excluded.machine, version = excluded.version,"
     " lease_until = excluded.lease_until, started_at = excluded.started_at";
-// What somebody else began to be meanwhile stays so.
-constexpr char kSayAlive[] =
-    "INSERT INTO corbslam.stores (name, holder, address, machine, version, lease_until)"
-    " VALUES ($1, $2, $3, $4, $5, clock_timestamp() + $6 * interval '1 millisecond')"
-    " ON CONFLICT (name) DO UPDATE SET lease_until = excluded.lease_until"
-    " WHERE stores.holder = excluded.holder RETURNING cordoned";
-
-// Returns where a mission goes that is to be at the store `wanted`, or anywhere else; null: it
-// stays.
-const DirectoryStore* ChooseStore(std::vector<DirectoryStore>& stores, const std::string& wanted,
-                                  const std::string& own, bool drains) {
-  for (DirectoryStore& store : stores) {
-    if (store.name == wanted && wanted != own && store.IsAlive() && !store.is_cordoned) {
-      return &store;
-    }
-  }
-  const DirectoryStore* freest = drains ? FindFreest(stores) : nullptr;
-  if (freest == nullptr) return nullptr;
-  // The next one is another store's turn.
-  for (DirectoryStore& store : stores) store.missions += store.name == freest->name;
-  return freest;
-}
 
 }  // namespace
 
@@ -113,12 +90,19 @@ absl::Status PostgresJournal::GiveTo(absl::string_view name, const std::string& 
   RETURN_IF_ERROR(mission->FlushOlderThan(absl::InfiniteFuture()));
   RETURN_IF_ERROR(mission->Release(store));
   Forget(name);
+  absl::MutexLock lock(&mutex_);
+  ++counts_.given;
+  counts_.given_to_balance += balancing_ == mission->name() ? 1 : 0;
   return absl::OkStatus();
 }
 
 void PostgresJournal::LetGo(absl::string_view name) {
   MissionPtr mission = Forget(name);
   if (mission == nullptr) return;
+  if (absl::IsFailedPrecondition(mission->Failure())) {
+    absl::MutexLock lock(&mutex_);
+    ++counts_.lost;
+  }
   const absl::Status released = mission->Release();
   if (released.ok()) return;
   LOG(WARNING) << "the lease of mission " << name << " is not ended yet: " << released;
@@ -143,7 +127,7 @@ absl::Status PostgresJournal::CheckReached() const {
         pool_->name(), ": another process has begun as store ", self_.name,
         " and takes its missions: this one is to end, or to have an address of its own"));
   }
-  if (std::chrono::steady_clock::now() < held_until_) return absl::OkStatus();
+  if (!own_lease_.IsOver(SteadyNow())) return absl::OkStatus();
   return absl::UnavailableError(absl::StrCat(
       pool_->name(), ": it was not reached for the ", absl::FormatDuration(options_.lease),
       " of a lease: another store may have this one's missions by now"));
@@ -155,27 +139,25 @@ absl::StatusOr<PostgresJournal::Renewed> PostgresJournal::RenewRows(const Direct
       {"UPDATE corbslam.missions SET lease_until = clock_timestamp() + $2 * interval"
        " '1 millisecond' WHERE holder = $1 AND state = 0 AND NOT EXISTS"
        " (SELECT 1 FROM corbslam.stores WHERE stores.name = $3 AND stores.holder <> $1)"
-       " RETURNING mission_id, wanted_store",
+       " RETURNING mission_id, wanted_store,"
+       " (extract(epoch FROM clock_timestamp() - moved_at) * 1000)::bigint",
        {SqlValue::Number(holder_.id), holder_.LeaseMilliseconds(), SqlValue::Text(self.name)}}};
-  if (!self.name.empty()) {
-    statements.push_back({kSayAlive,
-                          {SqlValue::Text(self.name), SqlValue::Number(holder_.id),
-                           SqlValue::Text(self.address), SqlValue::Text(self.machine),
-                           SqlValue::Text(self.version), holder_.LeaseMilliseconds()}});
-  }
+  if (!self.name.empty()) statements.push_back(SayAlive(self));
   ASSIGN_OR_RETURN(const std::vector<SqlResult> done, pool_->WriteAgain(statements));
   Renewed renewed;
   for (int i = 0; i < done[0].rows(); ++i) {
-    renewed.wanted[done[0].Number(i, 0)] = done[0].Text(i, 1);
+    const int64_t row = done[0].Number(i, 0);
+    renewed.wanted[row] = done[0].Text(i, 1);
+    if (!done[0].IsNull(i, 2)) renewed.since_moved[row] = absl::Milliseconds(done[0].Number(i, 2));
   }
   if (self.name.empty()) return renewed;
   renewed.is_replaced = done[1].rows() == 0;
-  if (!renewed.is_replaced) renewed.duty = static_cast<FleetDirectory::Duty>(done[1].Number(0, 0));
+  if (!renewed.is_replaced) renewed.duty = static_cast<StoreDuty>(done[1].Number(0, 0));
   return renewed;
 }
 
 void PostgresJournal::Renew() {
-  const auto began = std::chrono::steady_clock::now();
+  const absl::Time began = SteadyNow();
   DirectoryStore self;
   std::vector<MissionPtr> to_release;
   {
@@ -194,38 +176,53 @@ void PostgresJournal::Renew() {
   }
   const absl::StatusOr<Renewed> renewed = RenewRows(self);
   LOG_IF(WARNING, !renewed.ok()) << "the missions' leases are not prolonged: " << renewed.status();
-  if (!renewed.ok()) return;
   {
     absl::MutexLock lock(&mutex_);
-    held_until_ = began + absl::ToChronoNanoseconds(options_.lease);
+    counts_.reaches_database = renewed.ok();
+    if (!renewed.ok()) {
+      ++counts_.unreached;
+      return;
+    }
+    counts_.held = renewed->wanted.size();
     is_replaced_ = renewed->is_replaced;
     duty_ = renewed->duty;
   }
-  FindLost(held, *renewed);
-  FindMoves(held, self.name, *renewed);
+  // What is lost is known before anybody may think that all else is held for longer.
+  if (!FindLost(held, *renewed)) return;
+  {
+    absl::MutexLock lock(&mutex_);
+    own_lease_.NoteProlonged(began);
+  }
+  FindMoves(held, self, *renewed);
+  CountStandbys();
 }
 
-void PostgresJournal::FindMoves(const std::vector<MissionPtr>& held, const std::string& own,
+void PostgresJournal::FindMoves(const std::vector<MissionPtr>& held, const DirectoryStore& self,
                                 const Renewed& renewed) {
-  const bool drains = renewed.duty == FleetDirectory::Duty::kDrained;
-  const auto is_wanted = [&own](const auto& row) {
-    return !row.second.empty() && row.second != own;
-  };
+  std::map<std::string, std::string> wanted;
+  bool somebody_wants = renewed.duty == StoreDuty::kDrained;
+  for (const MissionPtr& mission : held) {
+    const auto row = renewed.wanted.find(mission->id());
+    if (row == renewed.wanted.end()) continue;
+    wanted[mission->name()] = row->second;
+    somebody_wants |= !row->second.empty() && row->second != self.name;
+  }
+  const bool is_busy = options_.balance.above > 0 && self.load.has_value() &&
+                       self.load->Pressure() > options_.balance.above;
   std::map<std::string, DirectoryStore> moves;
-  absl::StatusOr<std::vector<DirectoryStore>> stores;
-  if (drains || std::any_of(renewed.wanted.begin(), renewed.wanted.end(), is_wanted)) {
-    stores = fleet_.ListStores();
+  std::string balancing;
+  if (somebody_wants || is_busy) {
+    const absl::StatusOr<std::vector<DirectoryStore>> stores = fleet_.ListStores();
     if (!stores.ok()) return;
-    for (const MissionPtr& mission : held) {
-      const auto row = renewed.wanted.find(mission->id());
-      if (row == renewed.wanted.end()) continue;
-      if (const DirectoryStore* to = ChooseStore(*stores, row->second, own, drains)) {
-        moves[mission->name()] = *to;
-      }
+    moves = PlanMoves(self.name, renewed.duty, wanted, *stores);
+    if (moves.empty() && renewed.duty == StoreDuty::kTakesMissions) {
+      moves = FindBalancingMove(held, self, renewed, *stores);
+      if (!moves.empty()) balancing = moves.begin()->first;
     }
   }
   absl::MutexLock lock(&mutex_);
   moves_ = std::move(moves);
+  balancing_ = std::move(balancing);
 }
 
 std::map<std::string, DirectoryStore> PostgresJournal::ListMoves() const {
@@ -233,25 +230,30 @@ std::map<std::string, DirectoryStore> PostgresJournal::ListMoves() const {
   return moves_;
 }
 
-absl::StatusOr<DirectoryStore> PostgresJournal::FindSubstitute() const {
+absl::StatusOr<DirectoryStore> PostgresJournal::FindTaker(const DirectoryMission& mission) const {
+  StoreDuty duty = StoreDuty::kTakesMissions;
   {
     absl::MutexLock lock(&mutex_);
-    if (duty_ == FleetDirectory::Duty::kTakesMissions) {
-      return absl::NotFoundError("this store takes missions itself");
-    }
+    duty = duty_;
   }
-  ASSIGN_OR_RETURN(const std::vector<DirectoryStore> stores, ListStores());
-  const DirectoryStore* freest = FindFreest(stores);
-  if (freest == nullptr) return absl::NotFoundError("no other store is alive and takes missions");
-  return *freest;
+  const bool is_elsewhere = duty != StoreDuty::kTakesMissions || !mission.wanted_address.empty();
+  if (is_elsewhere) {
+    ASSIGN_OR_RETURN(const std::vector<DirectoryStore> stores, ListStores());
+    const DirectoryStore* taker = map_store::FindTaker(duty, mission.wanted, stores);
+    if (taker != nullptr) return *taker;
+  }
+  return absl::NotFoundError("this store takes it itself");
 }
 
-void PostgresJournal::FindLost(const std::vector<MissionPtr>& held, const Renewed& still) {
+bool PostgresJournal::FindLost(const std::vector<MissionPtr>& held, const Renewed& still) {
+  bool all_known = true;
   for (const MissionPtr& mission : held) {
     if (still.wanted.count(mission->id()) > 0) continue;
     const absl::Status lost = mission->CheckStillHeld();
-    LOG_IF(WARNING, !lost.ok()) << "lease lost: " << lost;
+    all_known = all_known && !absl::IsUnavailable(lost);
+    LOG_IF(WARNING, !lost.ok()) << "lease lost, or not known: " << lost;
   }
+  return all_known;
 }
 
 void PostgresJournal::EndLeases() {

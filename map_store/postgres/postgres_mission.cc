@@ -169,7 +169,7 @@ bool PostgresMission::IsHeld() const {
 absl::Status PostgresMission::CheckStillHeld() {
   const auto read = pool_.Read({SelectMissionRow(id_)});
   // Who can't be asked has not said that it is lost.
-  if (!read.ok()) return absl::OkStatus();
+  if (!read.ok()) return absl::UnavailableError(read.status().message());
   const absl::StatusOr<MissionRow> row = MissionRowOf(read->front());
   absl::MutexLock lock(&mutex_);
   if (!is_loaded_ || is_aside_ || is_deleted_) return absl::OkStatus();
@@ -194,7 +194,8 @@ absl::Status PostgresMission::Release(const std::string& wanted) {
   return pool_
       .WriteAgain(
           {{"UPDATE corbslam.missions SET lease_until = NULL, holder = 0,"
-            " wanted_store = CASE WHEN $4 <> '' THEN $4 ELSE wanted_store END"
+            " wanted_store = CASE WHEN $4 <> '' THEN $4 ELSE wanted_store END,"
+            " moved_at = CASE WHEN $4 <> '' THEN clock_timestamp() ELSE moved_at END"
             " WHERE mission_id = $1 AND holder = $2 AND epoch = $3",
             {Id(), SqlValue::Number(holder_.id), SqlValue::Number(epoch), SqlValue::Text(wanted)}}})
       .status();

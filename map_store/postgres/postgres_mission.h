@@ -69,6 +69,7 @@ class PostgresMission {
   const std::string& name() const { return name_; }
   bool IsHeld() const ABSL_LOCKS_EXCLUDED(mutex_);
   // Asks the database whether it does; returns FAILED_PRECONDITION, and writes no more, if not.
+  // UNAVAILABLE: the database does not answer.
   absl::Status CheckStillHeld() ABSL_LOCKS_EXCLUDED(mutex_);
   // Returns the error of the last write, or that this process does not have the mission any more.
   absl::Status Failure() const ABSL_LOCKS_EXCLUDED(mutex_);

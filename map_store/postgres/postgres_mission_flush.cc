@@ -102,6 +102,7 @@ absl::Status PostgresMission::Flush(Position position) {
     mutex_.Lock();
     is_flushing_ = false;
     failure_ = Name(outcome.status);
+    if (absl::IsFailedPrecondition(failure_)) ++*holder_.refused;
     if (!failure_.ok()) {
       ++failures_;
       failed_at_ = absl::Now();
@@ -151,7 +152,7 @@ absl::Status PostgresMission::CheckTurn(const MissionRow& row) const {
   if (row.stage == MissionStage::kDeleted) {
     return absl::FailedPreconditionError("another process has deleted it");
   }
-  if (row.epoch == epoch_) return absl::OkStatus();
+  if (MayWrite(row.holding(), epoch_)) return absl::OkStatus();
   return WithElsewhere(
       absl::FailedPreconditionError(absl::StrCat(
           "another process (", row.holder_name, ") has taken it over, in epoch ", row.epoch,

@@ -91,7 +91,7 @@ absl::Status PostgresMission::Load() {
 }
 
 absl::Status PostgresMission::CheckHeld(const MissionRow& row) const {
-  if (row.holder == holder_.id || row.lease_left <= absl::ZeroDuration()) return absl::OkStatus();
+  if (MayTake(row.holding(), holder_.id)) return absl::OkStatus();
   return WithElsewhere(absl::UnavailableError(absl::StrCat("another process (", row.holder_name,
                                                            ") holds it for another ",
                                                            absl::FormatDuration(row.lease_left))),

@@ -6,10 +6,12 @@
 #include <cstdint>
 #include <map>
 #include <string>
+#include <vector>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "absl/time/time.h"
+#include "map_store/fleet/balance.h"
 
 namespace corbslam::map_store {
 
@@ -34,6 +36,10 @@ struct PostgresJournalOptions {
   // This process holds the missions that it uses, and others may take one over once it has not said
   // for so long that it lives; zero: at once.
   absl::Duration lease = absl::ZeroDuration();
+  // With a lease: when missions go from this store to others that have less to do.
+  BalanceRules balance = {};
+  // With a lease: HOST:PORT of the fusion workers that this store offers to the others.
+  std::vector<std::string> workers = {};
   // The process, for people.
   std::string holder_name = "a map store";
 };

@@ -138,6 +138,29 @@ INSERT INTO corbslam.schema_versions (version, oldest_program) VALUES (2, 1)
   ON CONFLICT (version) DO NOTHING;
 )sql";
 
+// Programs of older versions leave out what this adds.
+constexpr char kVersion3[] = R"sql(
+-- How much a store had to do when it last said so, with its lease until load_until: processors and
+-- those of them that are busy in thousandths, memory, keyframes in a thousand seconds, requests to
+-- fusion workers that wait, and the workers that it offers to all. When a mission last went from it
+-- or to it to balance loads.
+ALTER TABLE corbslam.stores ADD COLUMN IF NOT EXISTS load_until timestamptz;
+ALTER TABLE corbslam.stores ADD COLUMN IF NOT EXISTS busy_milli bigint;
+ALTER TABLE corbslam.stores ADD COLUMN IF NOT EXISTS processors_milli bigint;
+ALTER TABLE corbslam.stores ADD COLUMN IF NOT EXISTS resident_bytes bigint;
+ALTER TABLE corbslam.stores ADD COLUMN IF NOT EXISTS budget_bytes bigint;
+ALTER TABLE corbslam.stores ADD COLUMN IF NOT EXISTS keyframes_milli bigint;
+ALTER TABLE corbslam.stores ADD COLUMN IF NOT EXISTS waiting_requests bigint;
+ALTER TABLE corbslam.stores ADD COLUMN IF NOT EXISTS workers text;
+ALTER TABLE corbslam.stores ADD COLUMN IF NOT EXISTS balanced_at timestamptz;
+-- When a store last gave the mission to another one.
+ALTER TABLE corbslam.missions ADD COLUMN IF NOT EXISTS moved_at timestamptz;
+CREATE INDEX IF NOT EXISTS missions_by_holder ON corbslam.missions (holder);
+
+INSERT INTO corbslam.schema_versions (version, oldest_program) VALUES (3, 1)
+  ON CONFLICT (version) DO NOTHING;
+)sql";
+
 constexpr char kRights[] = R"sql(
 -- The role of map_store reads and writes rows; it makes, changes and drops no table.
 GRANT USAGE ON SCHEMA corbslam TO ROLE_NAME;
@@ -167,7 +190,7 @@ absl::StatusOr<std::string> MakeSchemaSql(const std::string& role) {
         "the role \"", role, "\" is to be of lower-case letters, digits and underscores"));
   }
   return absl::StrCat("-- Tables of map_store --journal postgres:URI, version ", kSchemaVersion,
-                      "; by corbslam ", CorbslamVersion(), ".", kVersion1, kVersion2,
+                      "; by corbslam ", CorbslamVersion(), ".", kVersion1, kVersion2, kVersion3,
                       absl::StrReplaceAll(kRights, {{"ROLE_NAME", role}}));
 }
 

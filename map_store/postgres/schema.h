@@ -15,7 +15,7 @@ class SqlPool;
 
 // What this program writes. A version that the program before can't work with raises the second
 // number of the table schema_versions with it.
-inline constexpr int64_t kSchemaVersion = 2;
+inline constexpr int64_t kSchemaVersion = 3;
 
 // Returns the SQL that makes the tables, or brings older ones to kSchemaVersion, and gives the role
 // the rights that a store needs and no others. It may be run again. INVALID_ARGUMENT: the role's

@@ -299,6 +299,36 @@ TEST_F(SharedMissionsTest, AStoreThatIsCutOffRefusesRobotsAndGoesOnWhereNobodyTo
   EXPECT_EQ(Epoch(), "1");
 }
 
+TEST_F(SharedMissionsTest, AStoreWhoseLeaseIsOverTellsNoRobotWhatItOnceKnew) {
+  auto proxy = std::make_unique<CuttingProxy>(server_.port());
+  const auto a = Start("a:1", absl::Seconds(3), server_.TcpUri(database_, proxy->port()));
+  TestAgent robot(*a, kShared, "robot", map_);
+  ASSERT_TRUE(robot.Stream(3).ok());
+  a->CloseSession(robot.session());
+  const std::string uid = a->GetMission(kShared)->uid;
+  proxy->CutAt("UPDATE", CuttingProxy::Moment::kBefore, 1'000'000);
+  absl::SleepFor(absl::Milliseconds(3200));
+  // Another one has it, and acknowledges more. Nobody has looked after this one's leases, as when a
+  // process goes on that was stopped.
+  const auto b = Start("b:2");
+  const auto entered = EnterOnceLeasesEnd(*b, uid);
+  ASSERT_TRUE(entered.ok()) << entered.status();
+  ASSERT_TRUE(b->Apply(entered->session_id, robot.NextBatch(1)).ok());
+  const auto stale = Enter(*a, kShared, uid);
+  EXPECT_TRUE(absl::IsUnavailable(stale.status())) << stale.status();
+  // Once it reaches the database again it says where the mission is, and nothing else before that.
+  proxy->CutAt("UPDATE", CuttingProxy::Moment::kNever, 0);
+  std::string where;
+  for (int i = 0; i < 100 && where != "b:2"; ++i) {
+    absl::SleepFor(absl::Milliseconds(50));
+    const auto asked = Enter(*a, kShared, uid);
+    ASSERT_FALSE(asked.ok());
+    where = Where(asked.status());
+    a->KeepLeases();
+  }
+  EXPECT_EQ(where, "b:2");
+}
+
 TEST_F(SharedMissionsTest, WhatSleepsTooLongGoesWhoeverLooks) {
   const auto a = Start("a:1");
   MissionProfile profile;
@@ -342,6 +372,128 @@ TEST_F(SharedMissionsTest, AMissionIsMovedWithItsRobots) {
   ASSERT_TRUE(entered.ok()) << entered.status();
   EXPECT_EQ(entered->grant.acknowledged[0].number, 7);
   EXPECT_EQ(Where(Enter(*a).status()), "b:2");
+}
+
+TEST_F(SharedMissionsTest, ABusyStoreGivesOneMissionToOneThatIsNot) {
+  const auto a = Start("a:1");
+  ASSERT_TRUE(Enter(*a, "heavy").ok());
+  ASSERT_TRUE(Enter(*a, "light").ok());
+  const auto pool = SqlPool::Make({.uri = server_.Uri(database_)});
+  FleetDirectory fleet(pool->get());
+  a->leases()->NoteLoad({{3.6, 4, 50, 100, 2.5}, {{"heavy", {1.6, 20}}, {"light", {0.8, 10}}}, 7});
+  const auto look_at_a = [&a] {
+    absl::SleepFor(absl::Milliseconds(100));
+    a->KeepLeases();
+  };
+  for (int i = 0; i < 15; ++i) look_at_a();
+  EXPECT_EQ(a->ListLoads().size(), 2);  // There is nobody else.
+  const auto b = Start("b:2");
+  b->leases()->NoteLoad({{0.4, 4, 10, 100, 0.1}});
+  ASSERT_TRUE(fleet.SetDuty("b:2", FleetDirectory::Duty::kCordoned).ok());
+  for (int i = 0; i < 25; ++i) look_at_a();
+  EXPECT_EQ(a->ListLoads().size(), 2);
+  auto stores = fleet.ListStores();
+  ASSERT_TRUE(stores.ok()) << stores.status();
+  ASSERT_TRUE((*stores)[0].load.has_value());
+  EXPECT_NEAR((*stores)[0].load->Pressure(), 0.9, 1e-6);
+  EXPECT_NEAR((*stores)[0].load->keyframes_per_s, 2.5, 1e-6);
+  EXPECT_EQ((*stores)[0].waiting_requests, 7);
+  EXPECT_EQ((*stores)[0].since_balanced, absl::InfiniteDuration());
+  ASSERT_TRUE(fleet.SetDuty("b:2", FleetDirectory::Duty::kTakesMissions).ok());
+  for (int i = 0; i < 50 && a->ListLoads().size() == 2; ++i) look_at_a();
+  ASSERT_EQ(a->ListLoads().size(), 1);
+  EXPECT_EQ(a->ListLoads()[0].mission, "light");
+  EXPECT_EQ(Where(Enter(*a, "heavy").status()), "b:2");
+  EXPECT_TRUE(Enter(*b, "heavy").ok());
+  EXPECT_EQ(a->leases()->counts().given_to_balance, 1);
+  // Whatever they say now, both rest, and what has come stays.
+  b->leases()->NoteLoad({{3.9, 4, 10, 100, 3}, {{"heavy", {1.6, 20}}}});
+  for (int i = 0; i < 25; ++i) {
+    look_at_a();
+    b->KeepLeases();
+  }
+  EXPECT_EQ(a->ListLoads().size(), 1);
+  EXPECT_EQ(b->ListLoads().size(), 1);
+  stores = fleet.ListStores();
+  ASSERT_TRUE(stores.ok()) << stores.status();
+  for (const DirectoryStore& store : *stores) EXPECT_LT(store.since_balanced, absl::Minutes(1));
+}
+
+TEST_F(SharedMissionsTest, OfTwoStoresThatWouldGiveToOneAtOnceOneDoes) {
+  const auto pool = SqlPool::Make({.uri = server_.Uri(database_)});
+  const FleetDirectory fleet(pool->get());
+  std::vector<std::unique_ptr<MapStore>> stores;
+  for (const char* name : {"a:1", "b:2", "c:3"}) stores.push_back(Start(name, absl::Hours(1)));
+  for (int round = 0; round < 10; ++round) {
+    server_.Ask(database_, "UPDATE corbslam.stores SET balanced_at = NULL");
+    std::vector<absl::StatusOr<bool>> begun(2, false);
+    std::vector<std::thread> threads;
+    for (size_t i = 0; i < begun.size(); ++i) {
+      threads.emplace_back([&, i] {
+        begun[i] = fleet.BeginBalancing(i == 0 ? "a:1" : "b:2", "c:3", absl::Minutes(1));
+      });
+    }
+    for (std::thread& thread : threads) thread.join();
+    ASSERT_TRUE(begun[0].ok() && begun[1].ok()) << begun[0].status() << begun[1].status();
+    EXPECT_LE(*begun[0] + *begun[1], 1);
+    EXPECT_FALSE(fleet.BeginBalancing("a:1", "c:3", absl::Minutes(1)).value_or(true));
+  }
+  EXPECT_FALSE(fleet.BeginBalancing("a:1", "nowhere", absl::ZeroDuration()).value_or(true));
+  EXPECT_TRUE(fleet.BeginBalancing("a:1", "b:2", absl::ZeroDuration()).value_or(false));
+}
+
+TEST_F(SharedMissionsTest, AnOlderProgramUnderAStoresNameSaysNoLoad) {
+  const auto a = Start("a:1", absl::Hours(1));
+  a->leases()->NoteLoad({{1, 4, 0, 0, 0}});
+  const auto pool = SqlPool::Make({.uri = server_.Uri(database_)});
+  const FleetDirectory fleet(pool->get());
+  // What it prolongs is the lease alone.
+  server_.Ask(database_,
+              "UPDATE corbslam.stores SET busy_milli = 1000, processors_milli = 4000,"
+              " load_until = lease_until");
+  EXPECT_TRUE(fleet.ListStores()->front().load.has_value());
+  server_.Ask(database_,
+              "UPDATE corbslam.stores SET lease_until = lease_until + interval '1 second'");
+  EXPECT_FALSE(fleet.ListStores()->front().load.has_value());
+}
+
+TEST_F(SharedMissionsTest, StandbysThatCommitsWaitForAreCounted) {
+  const auto pool = SqlPool::Make({.uri = server_.Uri(database_)});
+  const FleetDirectory fleet(pool->get());
+  EXPECT_EQ(fleet.CountStandbys()->wanted, 0);
+  const auto wanted = [&](const std::string& names) {
+    // Who asks need not be one whose commits wait.
+    server_.Ask(database_, "ALTER SYSTEM SET synchronous_standby_names = '" + names + "'");
+    server_.Ask(database_, "SELECT pg_reload_conf()");
+    absl::SleepFor(absl::Milliseconds(200));
+    const auto counted = fleet.CountStandbys();
+    EXPECT_TRUE(counted.ok()) << counted.status();
+    EXPECT_EQ(counted->there, 0);
+    return counted->wanted;
+  };
+  EXPECT_EQ(wanted("ANY 2 (a, b, c)"), 2);
+  EXPECT_EQ(wanted("FIRST 1 (a2, b3)"), 1);
+  EXPECT_EQ(wanted("3 (a, b, c)"), 3);
+  EXPECT_EQ(wanted("a, b"), 1);
+  EXPECT_EQ(wanted("*"), 1);
+  server_.Ask(database_, "ALTER SYSTEM RESET synchronous_standby_names");
+  server_.Ask(database_, "SELECT pg_reload_conf()");
+}
+
+TEST_F(SharedMissionsTest, WhatBecameOfLeasesIsCounted) {
+  const auto a = Start("a:1");
+  const auto b = Start("b:2");
+  TestAgent robot(*a, kShared, "robot", map_);
+  ASSERT_TRUE(robot.Stream(7).ok());
+  ASSERT_TRUE(EnterOnceLeasesEnd(*b).ok());
+  EXPECT_FALSE(robot.Send(robot.NextBatch(1)).ok());
+  a->KeepLeases();
+  const FleetCounts counts = a->leases()->counts();
+  EXPECT_EQ(counts.refused_writes, 1);
+  EXPECT_EQ(counts.lost, 1);
+  EXPECT_EQ(counts.given, 0);
+  EXPECT_TRUE(counts.reaches_database);
+  EXPECT_EQ(b->leases()->counts().lost, 0);
 }
 
 TEST_F(SharedMissionsTest, AStoreThatIsDrainedGivesAwayAllAndTakesNothing) {

@@ -64,6 +64,7 @@ absl::StatusOr<SqlPool::Lease> SqlPool::Borrow() {
       return lent_ < options_.connections;
     };
     if (!mutex_.AwaitWithDeadline(absl::Condition(&is_free), until)) {
+      ++times_busy_;
       return absl::UnavailableError(absl::StrCat(name_, ": all ", options_.connections,
                                                  " connections were busy for ",
                                                  absl::FormatDuration(options_.pool_timeout)));

@@ -3,7 +3,9 @@
 #ifndef CORBSLAM_MAP_STORE_POSTGRES_SQL_POOL_H_
 #define CORBSLAM_MAP_STORE_POSTGRES_SQL_POOL_H_
 
+#include <atomic>
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <string>
@@ -55,6 +57,8 @@ class SqlPool {
   // connection looks for the one that writes.
   absl::Status CheckWrites();
 
+  // Returns how often no connection was free for too long.
+  uint64_t times_busy() const { return times_busy_; }
   // Adds the journal's name to an error.
   absl::Status Name(const absl::Status& error) const;
   const std::string& name() const { return name_; }
@@ -70,6 +74,7 @@ class SqlPool {
   const ConnectionWords words_;
   const std::string name_;
   const std::string warning_;
+  std::atomic<uint64_t> times_busy_ = 0;
 
   absl::Mutex mutex_;
   std::vector<std::unique_ptr<SqlConnection>> idle_ ABSL_GUARDED_BY(mutex_);

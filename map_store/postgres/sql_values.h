@@ -17,6 +17,7 @@ namespace corbslam::map_store {
 class SqlValue {
  public:
   static SqlValue Null() { return SqlValue(kText, "", true); }
+  static SqlValue NoNumber() { return SqlValue(kNumber, "", true); }
   static SqlValue Number(int64_t number);
   // Numbers without a sign are stored as those with one that have the same bits.
   static SqlValue Bits(uint64_t number) { return Number(static_cast<int64_t>(number)); }

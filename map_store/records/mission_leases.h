@@ -4,7 +4,6 @@
 #define CORBSLAM_MAP_STORE_RECORDS_MISSION_LEASES_H_
 
 #include <cstddef>
-#include <cstdint>
 #include <map>
 #include <string>
 #include <vector>
@@ -13,44 +12,11 @@
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
 #include "absl/time/time.h"
+#include "map_store/fleet/directory.h"
+#include "map_store/fleet/fleet_counts.h"
+#include "map_store/fleet/load_meter.h"
 
 namespace corbslam::map_store {
-
-// A store as the directory has it.
-struct DirectoryStore {
-  std::string name;     // The same one again after a restart.
-  std::string address;  // HOST:PORT, as others reach it.
-  std::string machine;
-  std::string version;  // Of its program.
-  // Until it counts as gone, unless it says again that it lives; by the journal's clock.
-  absl::Duration lease_left = absl::ZeroDuration();
-  // It takes no more missions, and, drained, gives away those that it has.
-  bool is_cordoned = false;
-  bool is_drained = false;
-  bool is_own = false;    // This process's.
-  uint64_t missions = 0;  // That it has.
-
-  bool IsAlive() const { return lease_left > absl::ZeroDuration(); }
-};
-
-// A mission as the directory has it.
-struct DirectoryMission {
-  std::string name;
-  bool is_asleep = false;
-  // Who has it, of which nobody takes it while `lease_left` is above 0. Asleep missions have none.
-  std::string holder;
-  std::string address;  // The holder's; empty: not known.
-  bool is_own = false;  // This process's.
-  int64_t epoch = 0;    // How often it was taken.
-  absl::Duration lease_left = absl::ZeroDuration();
-  // The store that is to have it, by its name, and its address while it is alive and takes any.
-  std::string wanted = {};
-  std::string wanted_address = {};
-  uint64_t bytes = 0;
-  std::string summary = {};  // Of one that is asleep (Journal::PutAside); empty: none is kept.
-
-  bool IsHeldByAnother() const { return !is_own && lease_left > absl::ZeroDuration(); }
-};
 
 // Takes, keeps and gives back missions of a journal for this process. A mission is taken by
 // Journal::Recover, or with its first record; Journal::PutAside gives it back. Errors of a mission
@@ -80,9 +46,13 @@ class MissionLeases {
   virtual std::map<std::string, DirectoryStore> ListMoves() const = 0;
   // Gives the mission back for that store, and forgets it.
   virtual absl::Status GiveTo(absl::string_view mission, const std::string& store) = 0;
-  // Returns who takes missions in the place of this store, which is cordoned; NOT_FOUND: it is not,
-  // or there is nobody.
-  virtual absl::StatusOr<DirectoryStore> FindSubstitute() const = 0;
+  // Returns the store that is to take a mission, which nobody has, instead of this one: it was
+  // moved there, or this one takes no more. NOT_FOUND: this one is to take it.
+  virtual absl::StatusOr<DirectoryStore> FindTaker(const DirectoryMission& mission) const = 0;
+  // Tells the other stores how much this one has to do. Where it is too much for it, one of its
+  // missions is soon among ListMoves (map_store/fleet/balance.h).
+  virtual void NoteLoad(const WeighedStore& load) = 0;
+  virtual FleetCounts counts() const = 0;
   // Returns UNAVAILABLE while this process has not reached the journal for longer than a lease:
   // another one may have its missions.
   virtual absl::Status CheckReached() const = 0;

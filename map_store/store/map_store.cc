@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "map_store/fleet/load_meter.h"
 #include "map_store/ingest/batch_validation.h"
 #include "map_store/process/departed_missions.h"
 #include "map_store/process/fusion_executor.h"
@@ -57,9 +58,15 @@ MapStore::MapStore(const MapStoreOptions& options, std::shared_ptr<const Vocabul
                                                  clock_, [this] { memory_returner_->Wake(); })),
       snapshots_(std::make_unique<SnapshotKeeper>(clock_)),
       tender_(std::make_unique<MissionTender>([this] { TendMissions(); })),
-      lease_keeper_(std::make_unique<MissionTender>([this] { KeepLeases(); }, kBetweenLooks)),
+      lease_keeper_(std::make_unique<MissionTender>(
+          [this] {
+            KeepLeases();
+            TellLoad();
+          },
+          kBetweenLooks)),
       departed_(std::make_unique<DepartedMissions>()),
-      promised_uids_(std::make_unique<PromisedUids>(*journal_)) {
+      promised_uids_(std::make_unique<PromisedUids>(*journal_)),
+      load_meter_(std::make_unique<LoadMeter>()) {
   directory_ = std::make_unique<MissionDirectory>(
       clock_,
       [this](const std::string& name, const EvictedMission& evicted) {
@@ -227,6 +234,13 @@ absl::StatusOr<MapStore::OpenedSession> MapStore::OpenSessionOf(const SessionReq
   if (!grant.ok()) {
     LeaveMission(session_id);
     return grant.status();
+  }
+  // What the robot is told of its acknowledgements was so if nobody else can have had the mission
+  // by now: this process may have been stopped for a minute, and be as sure as it was before.
+  const absl::Status still = leases_ == nullptr ? absl::OkStatus() : leases_->CheckReached();
+  if (!still.ok()) {
+    CloseSession(session_id);
+    return still;
   }
   return OpenedSession{session_id, *std::move(grant)};
 }

@@ -51,6 +51,7 @@ class DepartedMissions;
 class FusionExecutor;
 class MemoryBudget;
 class Mission;
+class LoadMeter;
 class MissionDirectory;
 class MissionTender;
 class MissionLoader;
@@ -207,6 +208,9 @@ class MapStore {
   // Drops missions that this store has no more, and has robots wait while it can't know; the
   // store's own thread does this several times a second, unless `options.deterministic`.
   void KeepLeases();
+  // Tells other stores that share the missions how much this one has to do; the store's own thread
+  // does it with KeepLeases, every few seconds.
+  void TellLoad();
   // Null: the missions are not shared.
   MissionLeases* leases() const { return leases_; }
 
@@ -447,8 +451,11 @@ class MapStore {
   UidListener uid_listener_;
   // Whoever makes a mission in a shared journal holds this.
   absl::Mutex making_mutex_;
-  // Only the lease keeper uses it: robots are refused, as the journal is out of reach.
+  // Only the lease keeper uses these: robots are refused, as the journal is out of reach; what the
+  // load was told of last.
   bool refuses_ = false;
+  const std::unique_ptr<LoadMeter> load_meter_;
+  absl::Time load_told_at_ = absl::InfinitePast();
   int tendings_ = 0;  // Only the tender uses it.
   // A deletion holds this lock from its beginning to its end.
   absl::Mutex deletion_mutex_;

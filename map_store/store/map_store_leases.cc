@@ -2,19 +2,25 @@
 // of them it takes, and what becomes of those that it has lost.
 #include <glog/logging.h>
 
+#include <algorithm>
 #include <map>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
+#include "map_store/fleet/load_meter.h"
 #include "map_store/process/departed_missions.h"
+#include "map_store/process/memory_budget.h"
 #include "map_store/process/mission.h"
 #include "map_store/process/mission_directory.h"
+#include "map_store/process/process_load.h"
 #include "map_store/records/mission_leases.h"
 #include "map_store/store/map_store.h"
 #include "slam/exchange/mission_elsewhere.h"
+#include "slam/util/resident_memory.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::map_store {
@@ -46,16 +52,12 @@ absl::Status IsForAnother(absl::string_view name, const std::string& address,
 
 // Returns who is to have a mission, that nobody has, instead of this store.
 absl::Status CheckMayTake(const DirectoryMission& listed, const MissionLeases& leases) {
-  const absl::StatusOr<DirectoryStore> substitute = leases.FindSubstitute();
-  if (substitute.ok()) {
-    return IsForAnother(listed.name, substitute->address, "this store takes no more missions");
-  }
-  if (listed.wanted_address.empty()) return absl::OkStatus();
-  ASSIGN_OR_RETURN(const std::vector<DirectoryStore> stores, leases.ListStores());
-  for (const DirectoryStore& store : stores) {
-    if (store.is_own && store.name == listed.wanted) return absl::OkStatus();
-  }
-  return IsForAnother(listed.name, listed.wanted_address, "it was moved there");
+  const absl::StatusOr<DirectoryStore> taker = leases.FindTaker(listed);
+  if (absl::IsNotFound(taker.status())) return absl::OkStatus();
+  RETURN_IF_ERROR(taker.status());
+  return IsForAnother(
+      listed.name, taker->address,
+      taker->name == listed.wanted ? "it was moved there" : "this store takes no more missions");
 }
 
 EvictedMission EvictedOf(const DirectoryMission& listed) {
@@ -146,6 +148,8 @@ absl::Status MapStore::WriteShared(const SessionRequest& request) {
 }
 
 void MapStore::KeepLeases() {
+  // Asked first: once the journal is reached again, it knows what was lost meanwhile.
+  const absl::Status reached = leases_->CheckReached();
   const std::map<std::string, absl::Status> lost = leases_->TakeLost();
   for (const auto& [name, why] : lost) {
     const auto mission = directory_->UseIfLoaded(name);
@@ -157,7 +161,6 @@ void MapStore::KeepLeases() {
     LOG_IF(WARNING, !given.ok()) << "mission " << name << " does not go to " << store.name << ": "
                                  << given;
   }
-  const absl::Status reached = leases_->CheckReached();
   if (reached.ok() != refuses_) return;
   refuses_ = !reached.ok();
   LOG(WARNING) << (refuses_ ? "robots are refused: " : "robots are taken in again")
@@ -165,6 +168,28 @@ void MapStore::KeepLeases() {
   for (const std::weak_ptr<Mission>& loaded : directory_->ListLoaded()) {
     if (const std::shared_ptr<Mission> mission = loaded.lock()) mission->RefuseRobots(reached);
   }
+}
+
+void MapStore::TellLoad() {
+  const absl::Time now = clock_();
+  // The directory hears of it as leases are prolonged.
+  if (now - load_told_at_ < std::max(leases_->lease() / 3, absl::Seconds(1))) return;
+  load_told_at_ = now;
+  LoadMeter::Reading reading;
+  reading.time = now;
+  reading.processor_s = ProcessorSeconds();
+  reading.processors = UsableProcessors();
+  reading.resident_bytes = ResidentBytes();
+  reading.budget_bytes = memory_->limit_bytes();
+  uint64_t waiting = 0;
+  for (const MissionLoad& load : ListLoads()) {
+    reading.missions[load.mission] = {load.keyframes, load.memory_bytes};
+    waiting += load.waiting.verify + load.waiting.fuse + load.waiting.adjust;
+  }
+  std::optional<WeighedStore> weighed = load_meter_->Note(reading);
+  if (!weighed.has_value()) return;
+  weighed->waiting_requests = waiting;
+  leases_->NoteLoad(*weighed);
 }
 
 void MapStore::LoseMission(const std::string& name, const absl::Status& why) {

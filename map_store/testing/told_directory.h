@@ -78,9 +78,12 @@ class JournalOfToldDirectory : public JournalWrapper, public map_store::MissionL
   }
   std::map<std::string, map_store::DirectoryStore> ListMoves() const override { return {}; }
   absl::Status GiveTo(absl::string_view, const std::string&) override { return absl::OkStatus(); }
-  absl::StatusOr<map_store::DirectoryStore> FindSubstitute() const override {
+  absl::StatusOr<map_store::DirectoryStore> FindTaker(
+      const map_store::DirectoryMission&) const override {
     return absl::NotFoundError("this store takes missions itself");
   }
+  void NoteLoad(const map_store::WeighedStore&) override {}
+  map_store::FleetCounts counts() const override { return {}; }
   absl::Status CheckReached() const override { return absl::OkStatus(); }
   absl::Duration lease() const override { return absl::Seconds(10); }
 

@@ -4,10 +4,10 @@
 namespace corbslam::services {
 
 grpc::ServerBidiReactor<v1::FuseMapsRequest, v1::FuseMapsResponse>* FusionWorkerService::FuseMaps(
-    grpc::CallbackServerContext*) {
+    grpc::CallbackServerContext* context) {
   using Reactor =
       WorkReactor<FuseMapsRequestReader, FuseMapsResult, v1::FuseMapsRequest, v1::FuseMapsResponse>;
-  return new Reactor(pool_, requests_, options_,
+  return new Reactor(pool_, queue_, OwnerOf(*context, /*may_wait=*/false), requests_, options_,
                      [this](const FuseMapsRequest& request, const ProgressCallback& progress) {
                        return worker_.FuseMaps(request, progress);
                      });

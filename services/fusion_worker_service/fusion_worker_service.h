@@ -8,13 +8,14 @@
 #include <functional>
 
 #include "corbslam/v1/fusion_worker_service.grpc.pb.h"
+#include "services/fusion_worker_service/work_queue.h"
 #include "services/server/task_pool.h"
 #include "slam/exchange/fusion_worker.h"
 
 namespace corbslam::services {
 
 struct FusionWorkerServiceOptions {
-  // Number of requests that are worked on at once; the rest wait.
+  // Number of requests that are worked on at once; the rest wait for their missions' turns.
   int threads = 2;
   // Most requests that are received, worked on or wait; further ones get UNAVAILABLE, so that the
   // caller asks another worker.
@@ -51,6 +52,7 @@ class FusionWorkerService : public v1::FusionWorker::CallbackService {
   FusionWorker& worker_;
   const FusionWorkerServiceOptions options_;
   std::atomic<int> requests_{0};
+  WorkQueue queue_;
   TaskPool pool_;
 };
 

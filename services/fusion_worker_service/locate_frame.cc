@@ -4,10 +4,10 @@
 namespace corbslam::services {
 
 grpc::ServerBidiReactor<v1::LocateFrameRequest, v1::LocateFrameResponse>*
-FusionWorkerService::LocateFrame(grpc::CallbackServerContext*) {
+FusionWorkerService::LocateFrame(grpc::CallbackServerContext* context) {
   using Reactor = WorkReactor<LocateFrameRequestReader, LocateFrameResult, v1::LocateFrameRequest,
                               v1::LocateFrameResponse>;
-  return new Reactor(pool_, requests_, options_,
+  return new Reactor(pool_, queue_, OwnerOf(*context, /*may_wait=*/false), requests_, options_,
                      [this](const LocateFrameRequest& request, const ProgressCallback& progress) {
                        return worker_.LocateFrame(request, progress);
                      });

@@ -4,10 +4,10 @@
 namespace corbslam::services {
 
 grpc::ServerBidiReactor<v1::VerifyOverlapRequest, v1::VerifyOverlapResponse>*
-FusionWorkerService::VerifyOverlap(grpc::CallbackServerContext*) {
+FusionWorkerService::VerifyOverlap(grpc::CallbackServerContext* context) {
   using Reactor = WorkReactor<VerifyOverlapRequestReader, VerifyOverlapResult,
                               v1::VerifyOverlapRequest, v1::VerifyOverlapResponse>;
-  return new Reactor(pool_, requests_, options_,
+  return new Reactor(pool_, queue_, OwnerOf(*context, /*may_wait=*/false), requests_, options_,
                      [this](const VerifyOverlapRequest& request, const ProgressCallback& progress) {
                        return worker_.VerifyOverlap(request, progress);
                      });

@@ -16,6 +16,7 @@
 #include "services/convert/status.h"
 #include "services/convert/work/work.h"
 #include "services/fusion_worker_service/fusion_worker_service.h"
+#include "services/fusion_worker_service/work_queue.h"
 #include "services/server/task_pool.h"
 #include "slam/util/status_macros.h"
 
@@ -31,9 +32,14 @@ class WorkReactor : public grpc::ServerBidiReactor<RequestMessage, ResponseMessa
   using Compute = std::function<absl::StatusOr<Result>(const Request&, const ProgressCallback&)>;
 
   // `requests` counts the requests under way. All references must outlive it.
-  WorkReactor(TaskPool& pool, std::atomic<int>& requests, const FusionWorkerServiceOptions& options,
-              Compute compute)
-      : pool_(pool), requests_(requests), options_(options), compute_(std::move(compute)) {
+  WorkReactor(TaskPool& pool, WorkQueue& queue, WorkOwner owner, std::atomic<int>& requests,
+              const FusionWorkerServiceOptions& options, Compute compute)
+      : pool_(pool),
+        turns_(queue),
+        owner_(std::move(owner)),
+        requests_(requests),
+        options_(options),
+        compute_(std::move(compute)) {
     if (++requests_ <= options_.max_requests) {
       this->StartRead(&message_);
     } else {
@@ -51,7 +57,7 @@ class WorkReactor : public grpc::ServerBidiReactor<RequestMessage, ResponseMessa
       absl::MutexLock lock(&mutex_);
       waiting_ = true;
     }
-    pool_.Schedule([this] { Work(); });
+    turns_.Schedule(pool_, owner_, [this] { Work(); });
   }
 
   void OnWriteDone(bool ok) override {
@@ -164,6 +170,8 @@ class WorkReactor : public grpc::ServerBidiReactor<RequestMessage, ResponseMessa
   }
 
   TaskPool& pool_;
+  WorkQueue& turns_;
+  const WorkOwner owner_;
   std::atomic<int>& requests_;
   const FusionWorkerServiceOptions& options_;
   const Compute compute_;

@@ -77,17 +77,29 @@ struct Flags {
 // snapshots, messages.
 uint64_t DefaultMemoryBudget() { return MemoryLimitBytes() / 4 * 3; }
 
-// Returns null if no worker was named.
-absl::StatusOr<std::unique_ptr<FusionWorker>> MakeWorker(const Flags& flags) {
+// Fusion in this process, or by workers; with neither, maps are not fused.
+struct Fusion {
+  std::unique_ptr<FusionWorker> here;
+  std::unique_ptr<StoreWorkers> elsewhere;
+
+  FusionWorker* worker() const { return elsewhere != nullptr ? elsewhere->worker() : here.get(); }
+};
+
+absl::StatusOr<Fusion> MakeFusion(const Flags& flags) {
   if (flags.in_process_worker && !flags.workers.empty()) {
     return absl::InvalidArgumentError("--worker and --in-process-worker exclude each other");
   }
-  if (flags.in_process_worker) return MakeLocalFusionWorker();
-  if (flags.workers.empty()) {
-    LOG(WARNING) << "no --worker and no --in-process-worker: maps are collected but never fused";
-    return nullptr;
+  Fusion fusion;
+  if (flags.in_process_worker) {
+    fusion.here = MakeLocalFusionWorker();
+    return fusion;
   }
-  return ConnectWorkers(flags.workers, flags.security);
+  if (flags.workers.empty() && !flags.journal.is_shared()) {
+    LOG(WARNING) << "no --worker and no --in-process-worker: maps are collected but never fused";
+    return fusion;
+  }
+  ASSIGN_OR_RETURN(fusion.elsewhere, StoreWorkers::Connect(flags.workers, flags.security));
+  return fusion;
 }
 
 std::vector<absl::Status> CheckWorkers(const Flags& flags) {
@@ -104,7 +116,7 @@ std::vector<absl::Status> Check(const Flags& flags) {
       flags.service.streams.Validate(),
       CheckFlagAddress("--listen", flags.listen),
       CheckServerSecurity(flags.security),
-      MakeWorker(flags).status(),
+      MakeFusion(flags).status(),
       CheckVocabulary(flags.vocabulary),
   };
   const std::vector<absl::Status> workers = CheckWorkers(flags);
@@ -128,13 +140,16 @@ std::string DescribeMissions(const JournalFlags& journal, size_t missions) {
                       DescribeJournal(journal));
 }
 
+std::string DescribeFusion(const Flags& flags) {
+  if (flags.in_process_worker) return "itself";
+  if (flags.workers.empty()) return flags.journal.is_shared() ? "other stores' workers" : "nobody";
+  return absl::StrJoin(flags.workers, ", ");
+}
+
 std::string DescribeStart(const Flags& flags, const std::string& address, size_t missions) {
   return absl::StrCat(
       "serves ", address, " ", DescribeServing(flags.security), "; ",
-      DescribeMissions(flags.journal, missions), "; fusion by ",
-      flags.in_process_worker
-          ? "itself"
-          : (flags.workers.empty() ? "nobody" : absl::StrJoin(flags.workers, ", ")),
+      DescribeMissions(flags.journal, missions), "; fusion by ", DescribeFusion(flags),
       "; memory budget ",
       flags.store.memory_budget_bytes == 0 ? "none" : FormatBytes(flags.store.memory_budget_bytes));
 }
@@ -143,7 +158,10 @@ absl::Status Run(Flags flags) {
   flags.store.memory_budget_bytes = flags.memory_budget_bytes.value_or(DefaultMemoryBudget());
   flags.store.retire = !flags.keep_everything;
   flags.store.join_local_maps = !flags.keep_everything && !flags.keep_local_maps_apart;
-  flags.store.fusion_threads = std::max(1, static_cast<int>(flags.workers.size()));
+  // Other stores' workers may do something for it, too.
+  const int least_threads = flags.journal.is_shared() ? 2 : 1;
+  flags.store.fusion_threads = std::max(least_threads, static_cast<int>(flags.workers.size()));
+  flags.journal.workers = flags.workers;
   RETURN_IF_ERROR(flags.store.Validate());
   RETURN_IF_ERROR(flags.service.streams.Validate());
   RETURN_IF_ERROR(CheckBackupFlags(flags.backup, flags.journal.data_dir));
@@ -152,10 +170,10 @@ absl::Status Run(Flags flags) {
   StoreObservers observers(flags.observe);
   ASSIGN_OR_RETURN(std::shared_ptr<const Vocabulary> vocabulary,
                    Vocabulary::Load(flags.vocabulary));
-  ASSIGN_OR_RETURN(const std::unique_ptr<FusionWorker> worker, MakeWorker(flags));
+  ASSIGN_OR_RETURN(const Fusion fusion, MakeFusion(flags));
   ASSIGN_OR_RETURN(OpenedJournal opened, OpenJournal(flags.journal, flags.backup.scrub_mb_per_s));
   MapStore store(flags.store, vocabulary, observers.Watch(std::move(opened.journal)),
-                 observers.Watch(worker.get()));
+                 observers.Watch(fusion.worker()));
   store.SetExpiryListener(
       [auditor = security.server.auditor](const std::string& mission, const std::string& why) {
         if (auditor != nullptr) auditor->OnOwnDoing("mission_expired", MissionName(mission), why);
@@ -186,6 +204,10 @@ absl::Status Run(Flags flags) {
                      AnnounceStore(flags.journal.advertise, server->address(), *store.leases()));
     LOG(INFO) << "others send robots here as to " << name;
   }
+  std::unique_ptr<OfferWatch> offers;
+  if (store.leases() != nullptr && fusion.elsewhere != nullptr) {
+    offers = std::make_unique<OfferWatch>(fusion.elsewhere.get(), store.leases());
+  }
   AnnounceAddress(server->address());
   SelfWatch watch(
       {.address = server->reachable(),
@@ -198,6 +220,7 @@ absl::Status Run(Flags flags) {
   WaitForStopSignal();
   watch.Stop();
   readiness.Stop();
+  offers.reset();
   server->SetReady(false);
   backups->Stop();
   service.EndStreams();
@@ -227,6 +250,10 @@ std::vector<Setting> PlaceRows(Flags& flags) {
        "first, until it sleeps, or was silent for so many seconds, at least 3; 0: this one takes "
        "all",
        RareWithin(0, 3600)},
+      {"--balance-above", &flags.journal.balance_above,
+       "With --journal-lease: share of its processors or of --memory-budget beyond which a store "
+       "gives missions to others that have less to do, one a minute at most; 0: never",
+       RareWithin(0, 1)},
       {"--advertise", &flags.journal.advertise,
        "HOST:PORT where other stores of the database send robots, tools and viewers of this one's "
        "missions. Default: --listen, with the machine's name for all addresses",

@@ -15,11 +15,6 @@ using map_store::DirectoryStore;
 
 namespace {
 
-std::string NameOfMachine() {
-  char name[256] = "";
-  return gethostname(name, sizeof(name) - 1) == 0 && name[0] != '\0' ? name : "localhost";
-}
-
 bool IsOfAllAddresses(const std::string& host) {
   in_addr v4 = {};
   in6_addr v6 = {};
@@ -35,6 +30,16 @@ bool IsOfThisMachineAlone(const std::string& host) {
 }
 
 }  // namespace
+
+std::string NameOfMachine() {
+  char name[256] = "";
+  return gethostname(name, sizeof(name) - 1) == 0 && name[0] != '\0' ? name : "localhost";
+}
+
+bool IsReachedFromHereAlone(const std::string& address) {
+  const absl::StatusOr<HostPort> parsed = ParseServerAddress(address);
+  return parsed.ok() && IsOfThisMachineAlone(parsed->host);
+}
 
 absl::Status CheckAdvertise(const std::string& advertise, bool is_shared) {
   if (advertise.empty()) return absl::OkStatus();

@@ -11,6 +11,11 @@
 
 namespace corbslam::services {
 
+// Returns how this machine is called among others.
+std::string NameOfMachine();
+// Returns whether only programs of this machine reach the address: it is a loopback one.
+bool IsReachedFromHereAlone(const std::string& address);
+
 // Returns INVALID_ARGUMENT, naming the flag, if others can't connect to what --advertise says, or
 // nobody needs it, as missions are not shared. Empty: it was not given.
 absl::Status CheckAdvertise(const std::string& advertise, bool is_shared);

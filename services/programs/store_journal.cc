@@ -40,6 +40,8 @@ PostgresJournalOptions PostgresOptionsOf(const JournalFlags& flags) {
   options.uri = is_whole ? flags.journal : std::string(absl::StripPrefix(flags.journal, kPostgres));
   options.password_file = flags.password_file;
   options.lease = absl::Seconds(flags.lease_s);
+  options.balance.above = flags.balance_above;
+  options.workers = flags.workers;
   options.holder_name = NameOfThisProcess();
   return options;
 }

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
@@ -18,9 +19,15 @@ struct JournalFlags {
   std::string data_dir = {};  // Empty: no journal on a disk of this machine.
   std::string journal = {};   // postgres:URI; empty: none in a database.
   std::string password_file = {};
-  double lease_s = 0;          // 0: this store has all missions of a database.
+  double lease_s = 0;  // 0: this store has all missions of a database.
+  // Share of its processors or memory beyond which a store gives missions away; 0: never.
+  double balance_above = map_store::BalanceRules().above;
+  std::vector<std::string> workers = {};  // HOST:PORT of those that others may use.
   std::string advertise = {};  // HOST:PORT where other stores send robots; empty: as it serves.
   uint64_t min_free_mb = map_store::RocksJournalOptions().min_free_bytes >> 20;
+
+  // Returns whether several stores share the database's missions.
+  bool is_shared() const { return !journal.empty() && lease_s > 0; }
 };
 
 // Returns what the flags say of a database; they are checked (CheckJournalFlags).

@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "services/observe/metrics/lease_collector.h"
 #include "services/observe/metrics/measured_fusion_worker.h"
 #include "services/observe/metrics/mission_collector.h"
 #include "services/observe/metrics/process_collector.h"
@@ -48,7 +49,8 @@ absl::StatusOr<std::unique_ptr<MetricsEndpoint>> StoreObservers::Serve(
                        {std::make_shared<ProcessCollector>("map_store"),
                         std::make_shared<SecurityCollector>(), metrics_->registry,
                         std::make_shared<MissionCollector>(&store, &service, &metrics_->ingest),
-                        more, std::make_shared<DiskCollector>(std::move(folders))}));
+                        std::make_shared<LeaseCollector>(store.leases()), more,
+                        std::make_shared<DiskCollector>(std::move(folders))}));
   AnnounceMetrics(endpoint->address());
   return endpoint;
 }

@@ -1,29 +1,82 @@
 #include "services/programs/store_workers.h"
 
+#include <glog/logging.h>
+
 #include <utility>
 
+#include "absl/strings/str_join.h"
 #include "services/client/reachability/failure_explainer.h"
 #include "services/client/remote/channel.h"
-#include "services/client/remote/remote_fusion_worker.h"
+#include "services/programs/offered_workers.h"
+#include "services/programs/store_address.h"
+#include "slam/util/named_thread.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::services {
+namespace {
 
-absl::StatusOr<std::unique_ptr<FusionWorker>> ConnectWorkers(
-    const std::vector<std::string>& addresses, const SecurityOptions& security) {
-  ASSIGN_OR_RETURN(const auto credentials, MakeChannelCredentials(security));
-  std::vector<std::shared_ptr<grpc::Channel>> channels;
-  auto explainers = std::make_shared<std::vector<std::unique_ptr<FailureExplainer>>>();
-  for (const std::string& address : addresses) {
-    channels.push_back(MakeChannel(address, credentials));
-    explainers->push_back(
-        std::make_unique<FailureExplainer>(ServerTarget{address, kFusionWorkerService, security}));
+constexpr absl::Duration kBetweenLooks = absl::Seconds(30);
+
+}  // namespace
+
+StoreWorkers::StoreWorkers(std::vector<std::string> own, SecurityOptions security,
+                           std::shared_ptr<grpc::ChannelCredentials> credentials)
+    : own_(std::move(own)),
+      security_(std::move(security)),
+      credentials_(std::move(credentials)),
+      workers_(MakeRemoteFusionWorkers({})) {
+  UseOffered({});
+}
+
+absl::StatusOr<std::unique_ptr<StoreWorkers>> StoreWorkers::Connect(
+    std::vector<std::string> addresses, const SecurityOptions& security) {
+  ASSIGN_OR_RETURN(auto credentials, MakeChannelCredentials(security));
+  return std::unique_ptr<StoreWorkers>(
+      new StoreWorkers(std::move(addresses), security, std::move(credentials)));
+}
+
+RemoteWorker StoreWorkers::MakeWorker(const std::string& address) const {
+  auto explainer =
+      std::make_shared<FailureExplainer>(ServerTarget{address, kFusionWorkerService, security_});
+  return {address, MakeChannel(address, credentials_),
+          [explainer](const absl::Status& seen) { return explainer->Explain(seen); }};
+}
+
+void StoreWorkers::UseOffered(const std::set<std::string>& offered) {
+  std::vector<RemoteWorker> workers;
+  for (const std::string& address : own_) workers.push_back(MakeWorker(address));
+  for (const std::string& address : offered) workers.push_back(MakeWorker(address));
+  workers_->Use(std::move(workers));
+}
+
+OfferWatch::OfferWatch(StoreWorkers* workers, const map_store::MissionLeases* leases)
+    : workers_(*workers), leases_(*leases) {
+  thread_ = StartThread("offer watch", [this] { Run(); });
+}
+
+OfferWatch::~OfferWatch() {
+  {
+    absl::MutexLock lock(&mutex_);
+    stops_ = true;
   }
-  RemoteFusionWorkerOptions options;
-  options.explain = [explainers](size_t worker, const absl::Status& seen) {
-    return explainers->at(worker)->Explain(seen);
-  };
-  return MakeRemoteFusionWorker(std::move(channels), options);
+  thread_.join();
+}
+
+void OfferWatch::Run() {
+  std::set<std::string> known;
+  do {
+    const absl::StatusOr<std::vector<map_store::DirectoryStore>> stores = leases_.ListStores();
+    // Without the directory, those that were known go on.
+    if (!stores.ok()) continue;
+    const std::set<std::string> offered = OfferedWorkers(*stores, workers_.own(), NameOfMachine());
+    if (offered == known) continue;
+    LOG(INFO) << "other stores' fusion workers: " << absl::StrJoin(offered, ", ");
+    workers_.UseOffered(offered);
+    known = offered;
+  } while ([this] {
+    absl::MutexLock lock(&mutex_);
+    return !mutex_.AwaitWithTimeout(absl::Condition(&stops_), kBetweenLooks);
+  }());
 }
 
 }  // namespace corbslam::services

@@ -45,6 +45,7 @@ struct LocateFrameRequest {
     int shared_words = 0;
   };
   std::vector<Candidate> candidates;  // Best first.
+  std::string mission = {};           // As VerifyOverlapRequest has it.
 };
 
 struct LocateFrameResult {

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "absl/status/statusor.h"
@@ -34,6 +35,8 @@ struct VerifyOverlapRequest {
   };
   std::vector<Candidate> candidates;  // Best first.
   bool fix_scale = true;              // True: both sides are metric.
+  // Whose request it is; workers take turns between missions. May be empty.
+  std::string mission = {};
 };
 
 struct VerifyOverlapResult {
@@ -71,6 +74,8 @@ struct FuseMapsRequest {
   // Indices of the overlaps that called for this fusing; their duplicates get welded.
   std::vector<size_t> new_overlaps;
   bool fix_scale = true;
+  // As VerifyOverlapRequest has it.
+  std::string mission = {};
 };
 
 struct FuseMapsResult {
@@ -102,6 +107,8 @@ struct AdjustBundleRequest {
   double redundant_share = 0;
   size_t target_keyframes = 0;
   int threads = 1;
+  // As VerifyOverlapRequest has it.
+  std::string mission = {};
 };
 
 struct AdjustBundleResult {

@@ -73,6 +73,7 @@ const std::map<absl::string_view, Heights>& Ladders() {
        }},
       {"map_store",
        {
+           {"fleet", 0},
            {"options", 0},
            {"state", 1},
            {"view", 2},

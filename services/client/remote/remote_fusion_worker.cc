@@ -6,11 +6,15 @@
 #include <memory>
 #include <string>
 #include <thread>
+#include <utility>
+#include <vector>
 
 #include "absl/base/thread_annotations.h"
 #include "absl/functional/function_ref.h"
 #include "absl/synchronization/mutex.h"
+#include "absl/time/clock.h"
 #include "corbslam/v1/fusion_worker_service.grpc.pb.h"
+#include "services/client/remote/worker_choice.h"
 #include "services/convert/features.h"
 #include "services/convert/geometry.h"
 #include "services/convert/status.h"
@@ -104,13 +108,30 @@ absl::StatusOr<Result> ReadResult(Stream& stream, grpc::ClientContext& context, 
   return reader.Finish();
 }
 
-class RemoteFusionWorker : public FusionWorker {
+class RemoteWorkers : public RemoteFusionWorkers {
  public:
-  RemoteFusionWorker(const std::vector<std::shared_ptr<grpc::Channel>>& channels,
-                     const RemoteFusionWorkerOptions& options)
-      : options_(options) {
-    for (const auto& channel : channels) stubs_.push_back(v1::FusionWorker::NewStub(channel));
-    running_.resize(stubs_.size(), 0);
+  RemoteWorkers(std::vector<RemoteWorker> workers, absl::Duration deadline) : deadline_(deadline) {
+    Use(std::move(workers));
+  }
+
+  void Use(std::vector<RemoteWorker> workers) override {
+    std::vector<std::shared_ptr<Worker>> used;
+    absl::MutexLock lock(&mutex_);
+    for (RemoteWorker& worker : workers) {
+      const auto known = std::find_if(workers_.begin(), workers_.end(), [&worker](const auto& one) {
+        return one != nullptr && !worker.address.empty() && one->address == worker.address;
+      });
+      if (known != workers_.end()) {
+        used.push_back(std::move(*known));
+        *known = nullptr;
+        continue;
+      }
+      used.push_back(std::make_shared<Worker>());
+      used.back()->address = std::move(worker.address);
+      used.back()->stub = v1::FusionWorker::NewStub(worker.channel);
+      used.back()->explain = std::move(worker.explain);
+    }
+    workers_ = std::move(used);
   }
 
   absl::StatusOr<VerifyOverlapResult> VerifyOverlap(const VerifyOverlapRequest& request,
@@ -140,6 +161,15 @@ class RemoteFusionWorker : public FusionWorker {
   }
 
  private:
+  struct Worker {
+    std::string address;
+    std::unique_ptr<v1::FusionWorker::Stub> stub;
+    std::function<absl::Status(const absl::Status& seen)> explain;
+    // `mutex_` protects it.
+    WorkerStanding standing;
+  };
+  using WorkerPtr = std::shared_ptr<Worker>;
+
   template <typename Result, typename RequestMessage, typename ResponseMessage, typename Request,
             typename Method>
   absl::StatusOr<Result> Run(const Request& request, const ProgressCallback& progress,
@@ -154,27 +184,24 @@ class RemoteFusionWorker : public FusionWorker {
   absl::StatusOr<Result> AskInTurn(
       const ProgressCallback& progress,
       absl::FunctionRef<absl::StatusOr<Result>(v1::FusionWorker::Stub&)> ask) {
-    if (stubs_.empty()) return absl::UnavailableError("there are no workers");
-    absl::Status last;
-    size_t last_worker = 0;
-    std::vector<bool> tried(stubs_.size(), false);
-    for (size_t attempt = 0; attempt < stubs_.size(); ++attempt) {
+    absl::Status last = absl::UnavailableError("there are no workers");
+    std::vector<WorkerPtr> tried;
+    while (true) {
       if (progress != nullptr && !progress(0)) return Cancelled();
-      const size_t worker = Acquire(tried);
-      tried[worker] = true;
-      absl::StatusOr<Result> result = ask(*stubs_[worker]);
-      Release(worker);
+      const WorkerPtr worker = Acquire(tried);
+      if (worker == nullptr) break;
+      tried.push_back(worker);
+      absl::StatusOr<Result> result = ask(*worker->stub);
+      Release(*worker, IsNotTaken(result.status()));
       if (!IsNotTaken(result.status())) return result;
       last = result.status();
-      last_worker = worker;
     }
-    return Explain(last_worker, last);
+    return tried.empty() ? last : Explain(*tried.back(), last);
   }
 
   // Returns UNAVAILABLE, whatever the error was.
-  absl::Status Explain(size_t worker, const absl::Status& seen) const {
-    const absl::Status explained =
-        options_.explain == nullptr ? seen : options_.explain(worker, seen);
+  static absl::Status Explain(const Worker& worker, const absl::Status& seen) {
+    const absl::Status explained = worker.explain == nullptr ? seen : worker.explain(seen);
     const bool has_words = absl::IsUnavailable(explained);
     return absl::UnavailableError(has_words ? std::string(explained.message())
                                             : explained.ToString());
@@ -185,8 +212,8 @@ class RemoteFusionWorker : public FusionWorker {
   absl::StatusOr<Result> RunOn(v1::FusionWorker::Stub& stub, const Request& request,
                                const ProgressCallback& progress, Method method) {
     grpc::ClientContext context;
-    context.set_deadline(std::chrono::system_clock::now() +
-                         absl::ToChronoMilliseconds(options_.deadline));
+    context.set_deadline(std::chrono::system_clock::now() + absl::ToChronoMilliseconds(deadline_));
+    if (!request.mission.empty()) context.AddMetadata(kMissionHeader, request.mission);
     const auto stream = (stub.*method)(&context);
     CallWatch watch(context, progress);
     // A worker that refuses the request early ends the stream: then writing fails, and reading
@@ -202,8 +229,7 @@ class RemoteFusionWorker : public FusionWorker {
   absl::StatusOr<ExtractFeaturesResult> ExtractOn(v1::FusionWorker::Stub& stub,
                                                   const ExtractFeaturesRequest& request) {
     grpc::ClientContext context;
-    context.set_deadline(std::chrono::system_clock::now() +
-                         absl::ToChronoMilliseconds(options_.deadline));
+    context.set_deadline(std::chrono::system_clock::now() + absl::ToChronoMilliseconds(deadline_));
     v1::ExtractFeaturesRequest message;
     ToProto(request, message.mutable_picture());
     message.set_features(static_cast<uint32_t>(std::max(request.features, 0)));
@@ -215,33 +241,52 @@ class RemoteFusionWorker : public FusionWorker {
     return result;
   }
 
-  size_t Acquire(const std::vector<bool>& tried) {
+  // Returns null if all were tried.
+  WorkerPtr Acquire(const std::vector<WorkerPtr>& tried) {
     absl::MutexLock lock(&mutex_);
-    size_t best = stubs_.size();
-    for (size_t i = 0; i < stubs_.size(); ++i) {
-      if (tried[i]) continue;
-      if (best == stubs_.size() || running_[i] < running_[best]) best = i;
+    std::vector<WorkerStanding> standings;
+    for (const WorkerPtr& worker : workers_) {
+      standings.push_back(worker->standing);
+      standings.back().is_tried = std::find(tried.begin(), tried.end(), worker) != tried.end();
     }
-    ++running_[best];
-    return best;
+    const size_t chosen = ChooseWorker(standings, next_, absl::Now());
+    if (chosen == workers_.size()) return nullptr;
+    next_ = (chosen + 1) % workers_.size();
+    ++workers_[chosen]->standing.running;
+    return workers_[chosen];
   }
-  void Release(size_t worker) {
+  void Release(Worker& worker, bool was_refused) {
     absl::MutexLock lock(&mutex_);
-    --running_[worker];
+    --worker.standing.running;
+    if (was_refused) worker.standing.refused_at = absl::Now();
   }
 
-  const RemoteFusionWorkerOptions options_;
-  std::vector<std::unique_ptr<v1::FusionWorker::Stub>> stubs_;
+  const absl::Duration deadline_;
   absl::Mutex mutex_;
-  // Number of requests under way, one entry for each stub.
-  std::vector<int> running_ ABSL_GUARDED_BY(mutex_);
+  std::vector<WorkerPtr> workers_ ABSL_GUARDED_BY(mutex_);
+  // Where the choice among equals begins.
+  size_t next_ ABSL_GUARDED_BY(mutex_) = 0;
 };
 
 }  // namespace
 
+std::unique_ptr<RemoteFusionWorkers> MakeRemoteFusionWorkers(std::vector<RemoteWorker> workers,
+                                                             absl::Duration deadline) {
+  return std::make_unique<RemoteWorkers>(std::move(workers), deadline);
+}
+
 std::unique_ptr<FusionWorker> MakeRemoteFusionWorker(
-    std::vector<std::shared_ptr<grpc::Channel>> workers, const RemoteFusionWorkerOptions& options) {
-  return std::make_unique<RemoteFusionWorker>(workers, options);
+    std::vector<std::shared_ptr<grpc::Channel>> channels,
+    const RemoteFusionWorkerOptions& options) {
+  std::vector<RemoteWorker> workers;
+  for (size_t i = 0; i < channels.size(); ++i) {
+    workers.push_back({"", std::move(channels[i])});
+    if (options.explain == nullptr) continue;
+    workers.back().explain = [explain = options.explain, i](const absl::Status& seen) {
+      return explain(i, seen);
+    };
+  }
+  return MakeRemoteFusionWorkers(std::move(workers), options.deadline);
 }
 
 }  // namespace corbslam::services

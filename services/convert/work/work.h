@@ -21,6 +21,9 @@
 
 namespace corbslam::services {
 
+// The call's header with the mission whose request it is (docs/wire.md).
+inline constexpr char kMissionHeader[] = "corbslam-mission";
+
 // These collect what is read of one kind of request. All errors are INVALID_ARGUMENT, naming the
 // item, unless said otherwise. Not thread-safe.
 class VerifyOverlapRequestReader {

@@ -9,6 +9,7 @@
 #include "services/security/certificate_checks.h"
 #include "services/security/flags.h"
 #include "services/tool/commands/commands.h"
+#include "services/tool/doctor/database_checks.h"
 #include "services/tool/doctor/local_checks.h"
 #include "services/tool/doctor/server_checks.h"
 
@@ -19,6 +20,7 @@ struct DoctorArguments {
   std::string server;
   std::vector<std::string> workers;
   std::string data_dir;
+  JournalFlags journal;
   std::string source;
   std::string vocabulary = DefaultVocabularyPath();
   SecurityOptions security;
@@ -37,6 +39,7 @@ Findings Examine(const DoctorArguments& arguments) {
   Add(CheckClock(now), findings);
   Add({CheckVocabularyFile(arguments.vocabulary)}, findings);
   if (!arguments.data_dir.empty()) Add(CheckDataFolder(arguments.data_dir), findings);
+  if (!arguments.journal.journal.empty()) Add(CheckDatabase(arguments.journal), findings);
   if (!arguments.source.empty()) Add(CheckSource(arguments.source, arguments.strict), findings);
   Add(CheckSecurityFiles(arguments.security, now), findings);
   if (!arguments.server.empty()) {
@@ -67,6 +70,10 @@ void AddDoctorCommand(CLI::App& app, Command& chosen) {
   doctor->add_option("--worker", arguments->workers, "HOST:PORT of a fusion worker to ask")
       ->delimiter(',');
   doctor->add_option("--data-dir", arguments->data_dir, "Folder of a store to look into");
+  doctor->add_option("--journal", arguments->journal.journal,
+                     "Database of stores to look into: postgres:URI");
+  doctor->add_option("--journal-password-file", arguments->journal.password_file,
+                     "File with the database's password alone");
   doctor->add_option("--source", arguments->source, "Sequence to look into, as for a robot");
   doctor->add_option("--vocabulary", arguments->vocabulary, "File of the bag of words")
       ->capture_default_str();

@@ -1,7 +1,9 @@
 // Implements `corbslam fleet`: the stores that share the missions of a database.
 #include <functional>
+#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -22,6 +24,7 @@ using map_store::DirectoryMission;
 using map_store::DirectoryStore;
 using map_store::FleetDirectory;
 using map_store::SqlPool;
+using map_store::StandbyCounts;
 
 namespace {
 
@@ -56,6 +59,18 @@ std::string Seconds(absl::Duration left) {
   return left > absl::ZeroDuration() ? absl::StrFormat("%.1f s", absl::ToDoubleSeconds(left)) : "-";
 }
 
+// Returns null where the store does not say.
+nlohmann::ordered_json LoadOf(const DirectoryStore& store) {
+  if (!store.load.has_value() || !store.IsAlive()) return nullptr;
+  return {{"pressure", store.load->Pressure()},
+          {"busy_processors", store.load->busy_processors},
+          {"processors", store.load->processors},
+          {"resident_bytes", store.load->resident_bytes},
+          {"memory_budget_bytes", store.load->budget_bytes},
+          {"keyframes_per_s", store.load->keyframes_per_s},
+          {"fusion_requests_waiting", store.waiting_requests}};
+}
+
 nlohmann::ordered_json ToJson(const DirectoryStore& store) {
   return {{"name", store.name},
           {"address", store.address},
@@ -63,7 +78,22 @@ nlohmann::ordered_json ToJson(const DirectoryStore& store) {
           {"version", store.version},
           {"state", StateOf(store)},
           {"missions", store.missions},
-          {"lease_left_s", absl::ToDoubleSeconds(store.lease_left)}};
+          {"lease_left_s", absl::ToDoubleSeconds(store.lease_left)},
+          {"load", LoadOf(store)},
+          {"workers", store.workers}};
+}
+
+std::string Describe(const DirectoryStore& store) {
+  std::string load = "load not known";
+  if (store.load.has_value()) {
+    load = absl::StrFormat(
+        "load %3.0f %%: %.1f of %.1f processors, %.0f MiB, %.1f keyframes/s",
+        store.load->Pressure() * 100, store.load->busy_processors, store.load->processors,
+        static_cast<double>(store.load->resident_bytes) / (1 << 20), store.load->keyframes_per_s);
+  }
+  return absl::StrFormat("%-32s %-9s %4d missions %8s  %s%s\n", store.name, StateOf(store),
+                         store.missions, Seconds(store.lease_left), store.version,
+                         store.IsAlive() ? "  " + load : "");
 }
 
 nlohmann::ordered_json ToJson(const DirectoryMission& mission) {
@@ -94,18 +124,58 @@ absl::StatusOr<std::vector<DirectoryMission>> ListAll(const FleetDirectory& flee
   }
 }
 
+// Sums up the whole fleet.
+nlohmann::ordered_json TotalsOf(const std::vector<DirectoryStore>& stores,
+                                const std::vector<DirectoryMission>& missions) {
+  uint64_t alive = 0;
+  uint64_t waiting = 0;
+  double keyframes_per_s = 0;
+  std::set<std::string> workers;
+  for (const DirectoryStore& store : stores) {
+    if (!store.IsAlive()) continue;
+    ++alive;
+    waiting += store.waiting_requests;
+    keyframes_per_s += store.load.has_value() ? store.load->keyframes_per_s : 0;
+    workers.insert(store.workers.begin(), store.workers.end());
+  }
+  std::map<std::string, uint64_t> states = {{"asleep", 0}, {"held", 0}, {"free", 0}};
+  uint64_t bytes = 0;
+  for (const DirectoryMission& mission : missions) {
+    ++states[StateOf(mission)];
+    bytes += mission.bytes;
+  }
+  return {{"stores_alive", alive},
+          {"missions", missions.size()},
+          {"missions_held", states["held"]},
+          {"missions_asleep", states["asleep"]},
+          {"missions_free", states["free"]},
+          {"bytes", bytes},
+          {"keyframes_per_s", keyframes_per_s},
+          {"workers", workers.size()},
+          {"fusion_requests_waiting", waiting}};
+}
+
 absl::Status Show(const FleetArguments& arguments) {
   ASSIGN_OR_RETURN(const std::unique_ptr<SqlPool> pool, OpenDatabase(arguments));
   const FleetDirectory fleet(pool.get());
   ASSIGN_OR_RETURN(const std::vector<DirectoryStore> stores, fleet.ListStores());
   ASSIGN_OR_RETURN(const std::vector<DirectoryMission> missions, ListAll(fleet));
   std::string text = absl::StrCat(stores.size(), " stores\n");
-  nlohmann::ordered_json json = {{"stores", nlohmann::ordered_json::array()},
+  nlohmann::ordered_json json = {{"totals", TotalsOf(stores, missions)},
+                                 {"stores", nlohmann::ordered_json::array()},
                                  {"missions", nlohmann::ordered_json::array()}};
   for (const DirectoryStore& store : stores) {
-    absl::StrAppendFormat(&text, "%-32s %-9s %4d missions %8s  %s\n", store.name, StateOf(store),
-                          store.missions, Seconds(store.lease_left), store.version);
+    text += Describe(store);
     json["stores"].push_back(ToJson(store));
+  }
+  const absl::StatusOr<StandbyCounts> standbys = fleet.CountStandbys();
+  if (standbys.ok()) {
+    json["database"] = {{"standbys_wanted", standbys->wanted}, {"standbys_there", standbys->there}};
+    if (standbys->there < standbys->wanted) {
+      absl::StrAppend(&text, "the database's commits wait for ", standbys->wanted,
+                      " standbys, and only ", standbys->there,
+                      " are connected: nothing is acknowledged\n");
+    }
   }
   absl::StrAppend(&text, missions.size(), " missions\n");
   for (const DirectoryMission& mission : missions) {

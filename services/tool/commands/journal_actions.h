@@ -9,6 +9,7 @@
 namespace corbslam::services {
 
 void AddJournalRepair(CLI::App& journal, Command& chosen);
+void AddJournalCopy(CLI::App& journal, Command& chosen);
 
 }  // namespace corbslam::services
 
