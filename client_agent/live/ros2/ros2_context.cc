@@ -46,7 +46,7 @@ absl::StatusOr<Ros2NodeOptions> MakeNodeOptions(const Ros2Environment& environme
   return options;
 }
 
-Ros2Context::~Ros2Context() {
+void Ros2Context::Stop() {
   if (node_ != nullptr) node_->Stop();
 }
 

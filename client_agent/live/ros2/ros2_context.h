@@ -46,16 +46,18 @@ class Ros2Context {
   // Starts nothing.
   Ros2Context(const Ros2Names& names, const Ros2Settings& settings, const Ros2NodeOptions& options)
       : names_(names), settings_(settings), options_(options) {}
-  ~Ros2Context();
+  ~Ros2Context() { Stop(); }
 
   // Makes the node, unless it is there. What follows but the settings wants it. Not thread-safe.
   absl::Status Begin();
+  // Hears nothing any more.
+  void Stop();
 
   const Ros2Names& names() const { return names_; }
   const Ros2Settings& settings() const { return settings_; }
   Ros2Node& node() { return *node_; }
   const Ros2Clock& clock() const { return *clock_; }
-  const Ros2Frames& frames() const { return *frames_; }
+  Ros2Frames& frames() { return *frames_; }
   const Ros2Graph& graph() const { return *graph_; }
 
   void SetCamera(Ros2CameraState state) ABSL_LOCKS_EXCLUDED(mutex_);

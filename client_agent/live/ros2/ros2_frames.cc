@@ -6,6 +6,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "client_agent/live/ros2/ros2_messages.h"
+#include "client_agent/ros2/ros2_clock.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::client_agent {
@@ -41,8 +42,20 @@ void Ros2Frames::Add(const void* sample, bool is_fixed) {
     if (parents_.size() >= kMostFrames && !parents_.contains(transform->child)) continue;
     parents_[transform->child] = transform->parent;
     all_.Add(*transform);
+    if (!is_fixed && listener_ != nullptr && transform->child == heard_child_ &&
+        transform->parent == heard_parent_) {
+      listener_(Nanoseconds(message.transforms._buffer[i].header.stamp),
+                transform->parent_from_child);
+    }
     if (is_fixed) fixed_.Add(*transform);
   }
+}
+
+void Ros2Frames::SetListener(std::string parent, std::string child, Listener listener) {
+  const absl::MutexLock lock(&mutex_);
+  heard_parent_ = std::move(parent);
+  heard_child_ = std::move(child);
+  listener_ = std::move(listener);
 }
 
 TransformTree Ros2Frames::FixedTree() const {

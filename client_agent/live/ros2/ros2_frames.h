@@ -2,6 +2,8 @@
 #ifndef CORBSLAM_CLIENT_AGENT_LIVE_ROS2_ROS2_FRAMES_H_
 #define CORBSLAM_CLIENT_AGENT_LIVE_ROS2_ROS2_FRAMES_H_
 
+#include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <string>
@@ -20,6 +22,8 @@ namespace corbslam::client_agent {
 // Thread-safe. The node must outlive it, or be stopped before its end.
 class Ros2Frames {
  public:
+  using Listener = std::function<void(int64_t timestamp_ns, const Rigid3d& parent_from_child)>;
+
   static absl::StatusOr<std::unique_ptr<Ros2Frames>> Make(const Ros2Names& names, Ros2Node& node);
 
   // Returns the fixed frames so far.
@@ -28,6 +32,10 @@ class Ros2Frames {
   // which moves and is not taken.
   absl::StatusOr<Rigid3d> TargetFromSource(const std::string& target,
                                            const std::string& source) const
+      ABSL_LOCKS_EXCLUDED(mutex_);
+  // From now on `listener` hears, on the node's thread, each message of /tf about this very motion;
+  // null: nobody does.
+  void SetListener(std::string parent, std::string child, Listener listener)
       ABSL_LOCKS_EXCLUDED(mutex_);
   // Returns the parent that somebody else gives a frame on /tf or /tf_static; empty: nobody does.
   std::string OthersParentOf(const std::string& child) const ABSL_LOCKS_EXCLUDED(mutex_);
@@ -39,6 +47,9 @@ class Ros2Frames {
   TransformTree fixed_ ABSL_GUARDED_BY(mutex_);
   TransformTree all_ ABSL_GUARDED_BY(mutex_);  // The moving ones, too.
   std::map<std::string, std::string> parents_ ABSL_GUARDED_BY(mutex_);
+  std::string heard_parent_ ABSL_GUARDED_BY(mutex_);
+  std::string heard_child_ ABSL_GUARDED_BY(mutex_);
+  Listener listener_ ABSL_GUARDED_BY(mutex_);
 };
 
 }  // namespace corbslam::client_agent
