@@ -65,7 +65,7 @@ int Main(int argc, char** argv) {
                  absl::StrJoin(arguments->without_effect, ", ").c_str());
   }
   client_agent::RegisterRos2Source(*context);
-  if (!NamesSource(arguments->others)) arguments->others.push_back("--source=ros2:");
+  if (!NamesSource(arguments->others)) arguments->others.push_back("--source=ros2:topics");
   std::vector<char*> others;
   for (std::string& other : arguments->others) others.push_back(other.data());
   others.push_back(nullptr);

@@ -30,6 +30,9 @@ Ros2Diagnosis OfTracking(const Ros2Facts& facts) {
   } else if (facts.silence != Silence::kNone) {
     line.level = Level::kError;
     line.message = Describe(facts.silence, facts.silent_for_s, facts.image_topics);
+  } else if (agent.frames == 0) {
+    line.level = Level::kWarning;
+    line.message = "no frame was tracked yet";
   } else if (agent.state != TrackingState::kTracking) {
     line.level = Level::kWarning;
     line.message = absl::StrCat(agent.state == TrackingState::kLost ? "lost: " : "no map yet: ",

@@ -17,6 +17,7 @@ Ros2Facts Tracking() {
   facts.image_topics[0] = "/left";
   facts.image_topics[1] = "/right";
   facts.agent.state = TrackingState::kTracking;
+  facts.agent.frames = 1;
   return facts;
 }
 

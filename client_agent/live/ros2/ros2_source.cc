@@ -77,12 +77,13 @@ class Ros2SourceSettings : public KindSettings {
 
 void RegisterRos2Source(std::shared_ptr<Ros2Context> context) {
   RegisterSourceKind(
-      {"ros2", "ros2:",
+      {"ros2", "ros2:topics",
        [context =
             std::move(context)](absl::string_view place) -> absl::StatusOr<SharedKindSettings> {
-         if (place.empty()) return std::make_shared<Ros2SourceSettings>(context);
+         if (place == "topics") return std::make_shared<Ros2SourceSettings>(context);
          return absl::InvalidArgumentError(absl::StrCat(
-             "ros2:", place, ": names nothing: topics are named by --ros-args -r (docs/ros2.md)"));
+             "ros2:", place,
+             ": is called ros2:topics: which ones is said by --ros-args -r (docs/ros2.md)"));
        }});
 }
 

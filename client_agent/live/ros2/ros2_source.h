@@ -1,4 +1,4 @@
-// Registers the kind of sources that a driver for ROS 2 publishes: ros2:.
+// Registers the kind of sources that a driver for ROS 2 publishes: ros2:topics.
 #ifndef CORBSLAM_CLIENT_AGENT_LIVE_ROS2_ROS2_SOURCE_H_
 #define CORBSLAM_CLIENT_AGENT_LIVE_ROS2_ROS2_SOURCE_H_
 
@@ -8,7 +8,7 @@
 
 namespace corbslam::client_agent {
 
-// Registers "ros2:" (docs/ros2.md), which plays the topics that the settings name. The node is made
+// Registers "ros2:topics" (docs/ros2.md), which plays the topics that the settings name. The node is made
 // when the source is opened.
 void RegisterRos2Source(std::shared_ptr<Ros2Context> context);
 
