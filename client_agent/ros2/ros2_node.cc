@@ -7,6 +7,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "client_agent/ros2/ros2_discovery.h"
+#include "slam/util/named_thread.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::client_agent {
@@ -122,7 +123,7 @@ absl::Status Ros2Node::Begin() {
     const absl::MutexLock lock(&mutex_);
     Announce();
   }
-  thread_ = std::thread([this] { Run(); });
+  thread_ = StartThread("ros2 node", [this] { Run(); });
   return absl::OkStatus();
 }
 

@@ -6,6 +6,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "client_agent/ros2/ros2_service.h"
+#include "slam/util/named_thread.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::services {
@@ -36,7 +37,7 @@ absl::Status Ros2Companion::Prepare() {
   RETURN_IF_ERROR(context_->Begin());
   ASSIGN_OR_RETURN(outputs_,
                    Ros2Outputs::Make(context_->names(), context_->settings(), context_->node()));
-  worker_ = std::thread([this] { Work(); });
+  worker_ = StartThread("ros2 companion", [this] { Work(); });
   return absl::OkStatus();
 }
 

@@ -182,6 +182,8 @@ int Play(Peer& peer, const PlayOptions& options) {
     }
   }
   AwaitReaders(writers, options.await_s);
+  // Readers know their writers, too, by then: what comes before has to wait for a heartbeat.
+  absl::SleepFor(absl::Milliseconds(500));
   dds::DataWriter* const clock =
       options.clock ? peer.Write("/clock", kClock, true, false) : nullptr;
   std::ofstream sent(options.sent.empty() ? "/dev/null" : options.sent);

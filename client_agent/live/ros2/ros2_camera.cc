@@ -202,6 +202,11 @@ std::vector<std::string> Ros2Camera::MissingMessages() const {
 
 absl::Status Ros2Camera::PlaceBase(const std::string& camera_frame, Rig& rig) const {
   const Ros2Settings& settings = context_->settings();
+  if (camera_frame.empty()) {
+    return absl::NotFoundError(
+        absl::StrCat("the headers of ", settings.images[0].topic,
+                     " name no frame: say it by -p camera_optical_frame:=FRAME"));
+  }
   if (settings.base_frame == camera_frame) {
     rig.body_from_camera = Rigid3d::Identity();
     return absl::OkStatus();

@@ -159,6 +159,23 @@ TEST(Ros2CameraTest, AMissingFrameIsTold) {
   waiter.join();
 }
 
+TEST(Ros2CameraTest, PicturesThatNameNoFrameAreTold) {
+  Ros2Driver driver;
+  const auto context = TestContext();
+  const auto camera = Ros2Camera::Open(context, {});
+  ASSERT_TRUE(camera.ok());
+  absl::Notification stop;
+  std::thread waiter([&] { (*camera)->AwaitRig(stop).status().IgnoreError(); });
+  EXPECT_TRUE(Within10s([&] {
+    driver.SendPicture("/visual_slam/image_0", "", kStart_ns, 10);
+    driver.SendPicture("/visual_slam/image_1", "", kStart_ns, 20);
+    SendStereoInfo(driver);
+    return context->camera().problem.find("camera_optical_frame:=FRAME") != std::string::npos;
+  })) << context->camera().problem;
+  stop.Notify();
+  waiter.join();
+}
+
 TEST(Ros2CameraTest, ImuSamplesComeWithTheirFrame) {
   Ros2Driver driver;
   driver.SendTransform("/tf_static", "base_link", "left", {0, 0, 0}, kLatched);
