@@ -62,7 +62,11 @@ std::vector<StampedMotion> OutsideOdometry::Match() {
 
 uint64_t OutsideOdometry::unmatched() const {
   const absl::MutexLock lock(&mutex_);
-  return unmatched_;
+  uint64_t unmatched = unmatched_;
+  for (const StampedMotion& frame : waiting_) {
+    if (waiting_.back().timestamp_ns - frame.timestamp_ns > kLongWait_ns) ++unmatched;
+  }
+  return unmatched;
 }
 
 }  // namespace corbslam::services

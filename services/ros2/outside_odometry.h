@@ -26,12 +26,13 @@ class OutsideOdometry {
   static constexpr int64_t kMostGap_ns = 500'000'000;
   static constexpr size_t kMostWaiting = 300;
   static constexpr int64_t kKept_ns = 10'000'000'000;
+  static constexpr int64_t kLongWait_ns = 2'000'000'000;
 
   // Each returns map_from_odom of the frames for which both are known now, in the order of time.
   std::vector<StampedMotion> AddOdom(int64_t timestamp_ns, const Rigid3d& odom_from_base);
   std::vector<StampedMotion> AddMap(int64_t timestamp_ns, const Rigid3d& map_from_base);
 
-  // Returns how many frames had no odometry around their time.
+  // Returns how many frames had no odometry around their time, or wait for it for long.
   uint64_t unmatched() const;
 
  private:

@@ -34,6 +34,12 @@ TEST(OutsideOdometryTest, NothingIsExtrapolated) {
   EXPECT_EQ(odometry.unmatched(), 2u);
 }
 
+TEST(OutsideOdometryTest, OdometryThatNeverComesIsCounted) {
+  OutsideOdometry odometry;
+  for (int i = 0; i < 30; ++i) odometry.AddMap(1000 * kMs + i * 100 * kMs, Along(1));
+  EXPECT_EQ(odometry.unmatched(), 9u);  // Those that have waited for more than 2 s.
+}
+
 TEST(OutsideOdometryTest, AnotherClockBeginsAnew) {
   OutsideOdometry odometry;
   odometry.AddOdom(1000 * kMs, Along(1));

@@ -182,7 +182,7 @@ Ros2Facts Ros2Companion::Collect() {
   facts.has_ended = has_ended_;
   facts.waits_for = camera.problem;
   facts.use_sim_time = settings.use_sim_time;
-  for (const size_t side : {0, 1}) {
+  for (const size_t side : {size_t{0}, size_t{1}}) {
     facts.image_topics[side] = settings.images[side].topic;
     if (facts.has_begun && camera.images[side] != nullptr) {
       facts.flow.pictures[side] = camera.images[side]->Hearing().messages;

@@ -68,7 +68,7 @@ Ros2Diagnosis OfCamera(const Ros2Facts& facts) {
         facts.use_sim_time ? "are they of what /clock is of?"
                            : "where a recording is played, say use_sim_time:=true and play /clock");
   }
-  for (const size_t side : {0, 1}) {
+  for (const size_t side : {size_t{0}, size_t{1}}) {
     line.values.emplace_back(facts.image_topics[side], absl::StrCat(facts.flow.pictures[side]));
   }
   return line;
@@ -85,12 +85,18 @@ Ros2Diagnosis OfTransforms(const Ros2Facts& facts) {
     line.level = Level::kError;
     line.message = absl::StrCat(
         "somebody else publishes ", absl::StrJoin(facts.conflicts, " and "),
-        ", too: turn one of the two off (publish_odom_to_base_tf, publish_map_to_odom_tf)");
+        ", too: turn one of the two off (publish_odom_to_base_tf, publish_map_to_odom_tf); where "
+        "it is "
+        "another robot, give each a tree of its own (-r /tf:=tf) or frames of its own");
   } else if (facts.unmatched > 0) {
     line.level = Level::kWarning;
     line.message = absl::StrCat("map -> odom is missing for ", facts.unmatched,
                                 " frames: /tf has no odom -> base around their time, which "
                                 "publish_odom_to_base_tf:=false leaves to somebody else");
+  } else if (!facts.session.has_value() && facts.agent.local_maps > 1) {
+    line.level = Level::kWarning;
+    line.message = absl::StrCat("this is local map ", facts.agent.local_maps,
+                                ": without a map store the map's frame is another one than before");
   }
   return line;
 }

@@ -47,6 +47,9 @@ TEST(Ros2DiagnosisTest, WhatIsWrongIsSaid) {
   facts.conflicts.clear();
   facts.unmatched = 7;
   EXPECT_THAT(Diagnose(facts)[2].message, HasSubstr("missing for 7 frames"));
+  facts.unmatched = 0;
+  facts.agent.local_maps = 2;
+  EXPECT_THAT(Diagnose(facts)[2].message, HasSubstr("another one than before"));
   facts.session = absl::UnavailableError("connection refused");
   EXPECT_EQ(Diagnose(facts)[3].message, "connection refused");
 }

@@ -48,7 +48,7 @@ absl::StatusOr<std::unique_ptr<Ros2Camera>> Ros2Camera::Open(std::shared_ptr<Ros
 
 absl::Status Ros2Camera::SubscribeAll() {
   const Ros2Settings& settings = context_->settings();
-  for (const size_t side : {0, 1}) {
+  for (const size_t side : {size_t{0}, size_t{1}}) {
     RETURN_IF_ERROR(SubscribePictures(side));
     ASSIGN_OR_RETURN(
         infos_[side],
@@ -184,10 +184,10 @@ std::vector<std::string> Ros2Camera::MissingMessages() const {
     const std::string nothing = context_->graph().WhyNothing(topic, name);
     missing.push_back(nothing.empty() ? absl::StrCat(name, " has just come") : nothing);
   };
-  for (const size_t side : {0, 1}) {
+  for (const size_t side : {size_t{0}, size_t{1}}) {
     if (!sides[side].form.has_value()) why(*images_[side], settings.images[side].name);
   }
-  for (const size_t side : {0, 1}) {
+  for (const size_t side : {size_t{0}, size_t{1}}) {
     const bool is_depth = side == 1 && settings.is_rgbd;
     const bool is_needed = !options_.rig.has_value() &&
                            (!is_depth || !IsRegistered(settings, sides, options_.registers));
