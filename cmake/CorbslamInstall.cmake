@@ -54,6 +54,12 @@ corbslam_install_program(simulated_agent common)
 foreach(PART common server robot)
   corbslam_install_papers(${PART})
 endforeach()
+if(CYCLONEDDS_FOUND)
+  corbslam_install_program(corbslam_ros2 ros2)
+  corbslam_install_papers(ros2)
+  install(FILES deploy/ros2/corbslam.launch.py deploy/ros2/corbslam.yaml deploy/ros2/nav2.yaml
+          DESTINATION "${CMAKE_INSTALL_DATADIR}/doc/corbslam-ros2/examples" COMPONENT ros2)
+endif()
 
 install(FILES "${CMAKE_SOURCE_DIR}/slam/vocabulary/data/corbslam.voc"
         DESTINATION "${CMAKE_INSTALL_DATADIR}/corbslam" COMPONENT common)

@@ -1,11 +1,14 @@
 # Debian packages: cpack -G DEB. corbslam-common, corbslam-server,
-# corbslam-robot, corbslam-push and corbslam-dev.
+# corbslam-robot, corbslam-push and corbslam-dev; and corbslam-ros2, where DDS is there.
 set(CPACK_PACKAGE_NAME corbslam)
 set(CPACK_PACKAGE_VENDOR "CORB-SLAM")
 set(CPACK_PACKAGE_CONTACT "CORB-SLAM maintainers <maintainers@corbslam.invalid>")
 set(CPACK_PACKAGE_VERSION "${PROJECT_VERSION}")
 set(CPACK_GENERATOR DEB)
 set(CPACK_COMPONENTS_ALL common server robot push dev)
+if(CYCLONEDDS_FOUND)
+  list(APPEND CPACK_COMPONENTS_ALL ros2)
+endif()
 set(CPACK_STRIP_FILES ON)
 # Some files are in /etc.
 set(CPACK_INSTALL_PREFIX /usr)
@@ -39,12 +42,17 @@ set(CPACK_COMPONENT_DEV_DESCRIPTION
     "visual SLAM of several robots: for building programs with it\n\
 Headers for pushing pictures to a robot, the generated code and the .proto files\n\
 of the gRPC services, a configuration for CMake, and examples.")
-foreach(PART COMMON SERVER ROBOT PUSH DEV)
+set(CPACK_COMPONENT_ROS2_DESCRIPTION
+    "visual SLAM of several robots: a robot as a node of ROS 2\n\
+A robot that takes its camera's pictures from ROS 2's topics and publishes its\n\
+poses, frames and map there. It speaks DDS itself: no ROS 2 is needed.")
+foreach(PART COMMON SERVER ROBOT PUSH DEV ROS2)
   string(TOLOWER ${PART} NAME)
   set(CPACK_DEBIAN_${PART}_PACKAGE_NAME "corbslam-${NAME}")
 endforeach()
 set(CPACK_DEBIAN_SERVER_PACKAGE_DEPENDS "corbslam-common (= ${PROJECT_VERSION})")
 set(CPACK_DEBIAN_ROBOT_PACKAGE_DEPENDS "corbslam-common (= ${PROJECT_VERSION})")
+set(CPACK_DEBIAN_ROS2_PACKAGE_DEPENDS "corbslam-common (= ${PROJECT_VERSION})")
 set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "corbslam-push (= ${PROJECT_VERSION})")
 set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)
 # For corbslam::api; corbslam::push needs neither.

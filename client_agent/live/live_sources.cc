@@ -44,6 +44,8 @@ constexpr KnownSource kSources[] = {
      "libgstreamer-plugins-base1.0-dev when it is built, libaravis-0.8-0 when it runs"},
     {"push", "push:SOCKET",
      "live: what a driver program on this machine pushes (docs/push.md, corbslam/push.h)", ""},
+    {"ros2", "ros2:topics", "live: what a camera's driver for ROS 2 publishes (docs/ros2.md)",
+     "the program corbslam_ros2"},
     {"sim", "sim:WORLD", "a simulator in the camera's place", "the program simulated_agent"}};
 
 // Returns whether this machine has what a kind that the program knows begins with.

@@ -203,6 +203,7 @@ struct Surroundings {
   std::unique_ptr<LiveSettings> settings;
   std::unique_ptr<Uplink> uplink;
   std::shared_ptr<RobotObservers> observers;
+  RobotCompanion* companion = nullptr;
 };
 
 // Hours of mapping must not be lost because of a folder that isn't there.
@@ -266,7 +267,10 @@ absl::StatusOr<AgentOptions> SurroundedOptions(const RobotFlags& flags,
                                                const Surroundings& around) {
   ASSIGN_OR_RETURN(const UploadChoice upload, ParseUpload(flags));
   AgentOptions options = MakeAgentOptions(flags, upload, around.activity);
-  if (around.uplink != nullptr || !flags.listen.empty()) options.orders = around.orders;
+  const bool has_companion = around.companion != nullptr;
+  if (around.uplink != nullptr || !flags.listen.empty() || has_companion) {
+    options.orders = around.orders;
+  }
   if (around.uplink != nullptr) around.observers->LogEvents(options.events);
   if (around.route != nullptr) {
     options.ask_place = MakePlaceAsker(around.route, flags.mission);
@@ -289,8 +293,10 @@ AgentServiceOptions ServiceOptions(const RobotFlags& flags, const Surroundings& 
           .clock = clock};
 }
 
-// A camera's frames are stamped by the machine's monotonic clock (docs/live.md).
-v1::AgentClock ClockOf(const FrameStream& stream) {
+// A camera's frames are stamped by the machine's monotonic clock (docs/live.md), unless a companion
+// knows better.
+v1::AgentClock ClockOf(const FrameStream& stream, const RobotCompanion* companion) {
+  if (companion != nullptr) return companion->clock();
   return stream.camera_counts().has_value() ? v1::AGENT_CLOCK_MONOTONIC : v1::AGENT_CLOCK_RECORDED;
 }
 
@@ -304,6 +310,13 @@ absl::StatusOr<std::unique_ptr<Server>> Serve(const RobotFlags& flags, ServerSec
             << DescribeServing(ListenSecurityOf(flags));
   AnnounceAddress(server->address());
   return server;
+}
+
+absl::Status BeginCompanion(const RobotFlags& flags, const Surroundings& around, const Agent& agent,
+                            const RecordedCamera& recorded) {
+  if (around.companion == nullptr) return absl::OkStatus();
+  return around.companion->Begin({&agent, flags.agent, recorded, around.orders,
+                                  around.uplink != nullptr, around.observers->OfSessions()});
 }
 
 // Drives the robot from its source's first frame to its last, and writes what is asked for.
@@ -327,14 +340,16 @@ absl::Status Drive(const RobotFlags& flags, const Surroundings& around, const Ro
   Agent* const watched = observers.Watch(agent.get());
   const auto recording =
       recorder != nullptr ? recorder->Watch(watched, options.orders.get()) : nullptr;
-  AgentService service(agent.get(), uplink,
-                       ServiceOptions(flags, around, recorded, options, ClockOf(*source.stream)));
+  AgentService service(
+      agent.get(), uplink,
+      ServiceOptions(flags, around, recorded, options, ClockOf(*source.stream, around.companion)));
   ASSIGN_OR_RETURN(const auto metrics, observers.Serve(agent.get(), uplink,
                                                        {{"spool", flags.spool.folder},
                                                         {"recordings", flags.record.folder}}));
   security.server.rpc_observer = observers.OfCalls();
   ASSIGN_OR_RETURN(const auto server, Serve(flags, security, service));
   if (flags.localise_only) WaitForMap(*agent, flags.mission, stop);
+  RETURN_IF_ERROR(BeginCompanion(flags, around, *agent, recorded));
   ToldPoses told(recorded, /*keeps_paths=*/!flags.told.empty());
   PlayedFrames frames;
   const absl::Status played = PlayStream(
@@ -344,11 +359,16 @@ absl::Status Drive(const RobotFlags& flags, const Surroundings& around, const Ro
         around.activity->NoteFrame(result, moment.came, moment.dropped);
         if (recorder != nullptr) recorder->OnResult(result, moment.dropped);
         service.OnFrame(result, moment.dropped, moment.came);
-        told.Add(result, agent->GlobalFromLocal());
+        const auto global_from_local = agent->GlobalFromLocal();
+        told.Add(result, global_from_local);
+        if (around.companion != nullptr) {
+          around.companion->OnFrame(result, global_from_local, moment);
+        }
       },
       around.rate.get());
   around.activity->NoteEnd();
   service.OnEnd();
+  if (around.companion != nullptr) around.companion->OnEnd();
   // What became of the recording is in the log: it is no failure of the robot.
   if (recorder != nullptr) recorder->Finish().IgnoreError();
   const auto of_sessions = observers.OfSessions();
@@ -370,9 +390,10 @@ absl::Status Drive(const RobotFlags& flags, const Surroundings& around, const Ro
   return AsFailure(finished);
 }
 
-absl::Status Run(const RobotFlags& given) {
+absl::Status Run(const RobotFlags& given, RobotCompanion* companion) {
   RETURN_IF_ERROR(CheckBefore(given));
   Surroundings around;
+  around.companion = companion;
   ASSIGN_OR_RETURN(around.route, MakeStoreRoute(given, Files::kMayCome));
   std::future<absl::StatusOr<v1::RobotSettingsList>> told =
       AskForSettings(around.route, given.settings, given.mission, given.agent);
@@ -384,6 +405,7 @@ absl::Status Run(const RobotFlags& given) {
   const SelfWatch watch({});
   const StopWatcher stop;
   ASSIGN_OR_RETURN(const auto vocabulary, Vocabulary::Load(given.vocabulary));
+  if (companion != nullptr) RETURN_IF_ERROR(companion->Prepare());
   const absl::StatusOr<RobotSource> source = OpenFlaggedSource(given, stop.stopped());
   // It was stopped while it waited for who drives its camera.
   if (absl::IsCancelled(source.status())) return absl::OkStatus();
@@ -398,7 +420,7 @@ absl::Status Run(const RobotFlags& given) {
 
 }  // namespace
 
-int RunRobot(const std::string& program, int argc, char** argv) {
+int RunRobot(const std::string& program, int argc, char** argv, RobotCompanion* companion) {
   BlockStopSignals();
   RegisterLiveSources();
   RegisterBagSource();
@@ -407,7 +429,7 @@ int RunRobot(const std::string& program, int argc, char** argv) {
   AddRobotFlags(app, flags);
   const auto run = [&] {
     flags.given = GivenFlags(app);
-    return Run(flags);
+    return Run(flags, companion);
   };
   return RunProgram(app, argc, argv, {run, [&] { return CheckRobotFlags(flags); }});
 }

@@ -4,11 +4,15 @@
 
 #include <string>
 
+#include "services/programs/robot_companion.h"
+
 namespace corbslam::services {
 
 // Does all of main: parses the flags of `program`, plays the source that they name, and returns the
 // exit code (RunProgram). The caller registers kinds of sources beside the recorded layouts before.
-int RunRobot(const std::string& program, int argc, char** argv);
+// `companion` is not owned; null: there is none.
+int RunRobot(const std::string& program, int argc, char** argv,
+             RobotCompanion* companion = nullptr);
 
 }  // namespace corbslam::services
 

@@ -58,6 +58,7 @@ const std::map<absl::string_view, Heights>& Ladders() {
        {
            {"map", 0},
            {"push_client", 0},
+           {"ros2", 0},
            {"source", 0},
            {"mapping", 1},
            {"shared", 1},
@@ -120,6 +121,7 @@ const std::map<absl::string_view, Heights>& Ladders() {
            {"tool/output", 8},
            {"viewer", 8},
            {"programs", 9},
+           {"ros2", 10},
            {"simulation", 9},
            {"simulated_source", 10},
            {"tool/doctor", 10},
