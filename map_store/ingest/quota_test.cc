@@ -11,11 +11,11 @@ namespace {
 
 using ::testing::HasSubstr;
 
-constexpr LocalMapId kMap{0xa};
+constexpr LocalMapId kFullMap{0xa};
 
 MapUpdateBatch Empty() {
   MapUpdateBatch batch;
-  batch.local_map = kMap;
+  batch.local_map = kFullMap;
   batch.number = 7;
   return batch;
 }
@@ -27,7 +27,7 @@ MapUpdateBatch WithKeyframe(size_t keypoints) {
   features.descriptors.resize(keypoints);
   FullKeyframe keyframe;
   keyframe.payload =
-      MakeKeyframePayload({kMap, 0}, 0, 0, std::make_shared<const Camera>(), features);
+      MakeKeyframePayload({kFullMap, 0}, 0, 0, std::make_shared<const Camera>(), features);
   batch.full_keyframes.push_back(keyframe);
   return batch;
 }

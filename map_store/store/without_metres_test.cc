@@ -23,7 +23,7 @@ using testing::SyntheticMapOptions;
 using testing::TestAgent;
 using testing::TheWorld;
 
-constexpr char kMission[] = "m";
+constexpr char kMixedMission[] = "m";
 
 // Verifies and fuses as workers do, and leaves a map that is to be adjusted as it is.
 class EstimatingWorker : public FusionWorker {
@@ -71,17 +71,17 @@ class WithoutMetresTest : public ::testing::Test {
     store_ = std::make_unique<MapStore>(DeterministicOptions(), TheWorld().vocabulary,
                                         std::make_unique<InMemoryJournal>(), &worker_);
     for (size_t i = 0; i < maps_.size(); ++i) {
-      agents_.push_back(
-          std::make_unique<TestAgent>(*store_, kMission, std::string(1, 'a' + i), maps_[i]));
+      agents_.push_back(std::make_unique<TestAgent>(
+          *store_, kMixedMission, std::string(1, static_cast<char>('a' + i)), maps_[i]));
       ASSERT_TRUE(agents_.back()->Stream().ok());
-      ASSERT_TRUE(store_->RunFusionUntilIdle(kMission).ok());
+      ASSERT_TRUE(store_->RunFusionUntilIdle(kMixedMission).ok());
     }
   }
   LocalMapInfo InfoOf(size_t agent) const {
-    return store_->GetLocalMap(kMission, agents_[agent]->local_map()).value();
+    return store_->GetLocalMap(kMixedMission, agents_[agent]->local_map()).value();
   }
   Similarity3d CameraFromIsland(size_t agent, uint32_t index) const {
-    return store_->GetKeyframe(kMission, agents_[agent]->Id(index))->camera_from_island;
+    return store_->GetKeyframe(kMixedMission, agents_[agent]->Id(index))->camera_from_island;
   }
   Eigen::Vector3d TrueCentre(size_t agent, uint32_t index) const {
     return CameraCentre(maps_[agent].true_camera_from_world.at(agents_[agent]->Id(index)));

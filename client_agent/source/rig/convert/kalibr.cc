@@ -173,7 +173,7 @@ absl::Status Read(const YAML::Node& file, const std::string& path, ConvertedRig&
     converted.notes.emplace_back("cam2 and those after it are left out: a rig has two cameras");
   }
   Rig& rig = converted.rig;
-  for (const std::string name :
+  for (const std::string& name :
        is_pair ? std::vector<std::string>{"cam0", "cam1"} : std::vector<std::string>{"cam0"}) {
     ASSIGN_OR_RETURN(rig.cameras.emplace_back(), ReadCamera(file[name], path, name));
     if (file[name]["distortion_model"].IsDefined()) continue;
