@@ -8,8 +8,8 @@
 
 namespace corbslam::client_agent {
 
-// Registers "ros2:topics" (docs/ros2.md), which plays the topics that the settings name. The node is made
-// when the source is opened.
+// Registers "ros2:topics" (docs/ros2.md), which plays the topics that the settings name. The node
+// is made when the source is opened.
 void RegisterRos2Source(std::shared_ptr<Ros2Context> context);
 
 }  // namespace corbslam::client_agent
