@@ -103,7 +103,7 @@ TEST_F(FrameRecorderTest, StereoFramesComeBackAsTheyWereAndClientAgentPlaysThem)
   EXPECT_EQ(recording.head.counts, (RecordedCounts{3, 0, 4, 3}));
   EXPECT_TRUE(recording.frames[2].line.begins_local_map);
   EXPECT_FALSE(recording.frames[1].line.begins_local_map);
-  const auto played = OpenSource(SourceOfRecording(folder_, true));
+  const auto played = OpenSource(SourceOfRecording(folder_, SensorKind::kStereo));
   ASSERT_TRUE(played.ok()) << played.status();
   for (int i = 0; i < 3; ++i) {
     const SensorImages given = StereoFrame(i);
@@ -209,7 +209,7 @@ TEST_F(FrameRecorderTest, FramesThatAreLeftOutLoseNoSamples) {
   EXPECT_TRUE(recording.frames[0].line.pictures.empty());
   ExpectEqual(ImuOf(recording, recording.frames[0]), images.imu);
   // A list that lost its end is told.
-  std::filesystem::resize_file(ImuListPath(folder_, true), 400);
+  std::filesystem::resize_file(ImuListPath(folder_, SensorKind::kStereo), 400);
   const auto cut = ReadRecording(folder_);
   EXPECT_FALSE(cut.ok());
   EXPECT_THAT(std::string(cut.status().message()), HasSubstr("imu0/data.csv"));
@@ -231,7 +231,7 @@ TEST_F(FrameRecorderTest, DepthKeepsItsSixteenBitsAndTimesTheirNanoseconds) {
   const Recording recording = Read();
   EXPECT_TRUE(
       AreSame(std::get<RgbdCalibration>(recording.head.calibration).mask, calibration.mask));
-  const auto played = OpenSource(SourceOfRecording(folder_, false));
+  const auto played = OpenSource(SourceOfRecording(folder_, SensorKind::kRgbd));
   ASSERT_TRUE(played.ok()) << played.status();
   const auto& used = std::get<RgbdCalibration>((*played)->calibration());
   EXPECT_EQ(used.depth_units_per_m, 1000);
