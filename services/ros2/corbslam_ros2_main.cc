@@ -7,6 +7,7 @@
 
 #include "absl/status/statusor.h"
 #include "absl/strings/match.h"
+#include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "client_agent/live/ros2/ros2_context.h"
 #include "client_agent/live/ros2/ros2_source.h"
@@ -43,11 +44,14 @@ absl::StatusOr<std::shared_ptr<Ros2Context>> MakeContext(const Ros2Arguments& ar
   return std::make_shared<Ros2Context>(names, settings, options);
 }
 
-bool NamesSource(const std::vector<std::string>& arguments) {
-  for (const std::string& argument : arguments) {
-    if (argument == "--source" || absl::StartsWith(argument, "--source=")) return true;
+// Returns the source that is named, or the only one that there is.
+std::string SourceOf(const std::vector<std::string>& arguments) {
+  constexpr char kFlag[] = "--source=";
+  for (size_t i = 0; i < arguments.size(); ++i) {
+    if (absl::StartsWith(arguments[i], kFlag)) return arguments[i].substr(sizeof(kFlag) - 1);
+    if (arguments[i] == "--source" && i + 1 < arguments.size()) return arguments[i + 1];
   }
-  return false;
+  return "";
 }
 
 int Fail(const absl::Status& status) {
@@ -65,7 +69,13 @@ int Main(int argc, char** argv) {
                  absl::StrJoin(arguments->without_effect, ", ").c_str());
   }
   client_agent::RegisterRos2Source(*context);
-  if (!NamesSource(arguments->others)) arguments->others.push_back("--source=ros2:topics");
+  const std::string source = SourceOf(arguments->others);
+  if (source.empty()) {
+    arguments->others.push_back("--source=ros2:topics");
+  } else if (!absl::StartsWith(source, "ros2:")) {
+    return Fail(absl::InvalidArgumentError(absl::StrCat(
+        "--source ", source, ": this program plays ros2:topics alone; client_agent plays others")));
+  }
   std::vector<char*> others;
   for (std::string& other : arguments->others) others.push_back(other.data());
   others.push_back(nullptr);

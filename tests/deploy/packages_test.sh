@@ -33,7 +33,10 @@ says() {
 
 (cd "$work" && cpack -G DEB --config "$build/CPackConfig.cmake" > cpack.log 2>&1) ||
   { cat "$work/cpack.log" >&2; exit 1; }
-for package in common server robot push dev; do
+packages="common server robot push dev"
+# Where DDS was there when it was built.
+if [ -x "$build/bin/corbslam_ros2" ]; then packages="$packages ros2"; fi
+for package in $packages; do
   deb=$(echo "$work"/corbslam-"$package"_*.deb)
   [ -f "$deb" ] || fail "there is no package corbslam-$package"
   dpkg-deb -c "$deb" | awk '$1 !~ /^d/ {print $6}' | sort > "$work/$package.files"
@@ -54,6 +57,8 @@ has server usr/bin/map_store usr/bin/fusion_worker usr/lib/systemd/system/map_st
   usr/lib/systemd/system/corbslam_backup.service usr/lib/systemd/system/corbslam_backup.timer etc/corbslam/corbslam_backup.env \
   etc/corbslam/revoked_tokens
 has robot usr/bin/client_agent usr/lib/systemd/system/client_agent@.service
+[[ $packages != *ros2 ]] || has ros2 usr/bin/corbslam_ros2 usr/share/man/man1/corbslam_ros2.1.gz \
+  usr/share/doc/corbslam-ros2/examples/corbslam.launch.py
 has push usr/lib/libcorbslam_push.so.0
 has dev usr/include/corbslam/push.h usr/include/corbslam/push.hpp usr/include/corbslam/v1/agent_service.grpc.pb.h \
   usr/lib/libcorbslam_api.a usr/lib/cmake/corbslam/corbslamConfig.cmake usr/lib/cmake/corbslam/corbslam-push.cmake \

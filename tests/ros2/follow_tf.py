@@ -114,6 +114,8 @@ def main():
             if "image" in topic:
                 sent[int(stamp)] = max(sent.get(int(stamp), 0), int(time))
         taken = [1e-6 * (arrived[stamp] - sent[stamp]) for stamp in poses if stamp in sent]
+        if not taken:
+            sys.exit("no pose was heard of a picture that was sent")
         print(f"picture sent to pose heard: p50 {percentile(taken, 0.5):.1f} ms, p99 {percentile(taken, 0.99):.1f} ms, "
               f"{len(taken)} frames of {len(sent)}")
     # A pose is in the messages as doubles: composing them is all that may differ.

@@ -121,6 +121,8 @@ refused --ros-args -p no_such_parameter:=1
 grep -q 'there is no parameter no_such_parameter' refused.log
 refused --ros-args -r __ns:=/a-b
 refused --ros-args --agent alpha
+refused --source kitti:city
+grep -q 'plays ros2:topics alone' refused.log
 ROS_DOMAIN_ID=233 refused
 grep -q "ROS_DOMAIN_ID is '233'" refused.log
 echo "all is well"
