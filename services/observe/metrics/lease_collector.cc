@@ -8,19 +8,19 @@ using map_store::FleetCounts;
 
 namespace {
 
-double Number(uint64_t value) { return static_cast<double>(value); }
+double Count(uint64_t value) { return static_cast<double>(value); }
 
 void AddLeases(const FleetCounts& counts, Families& families) {
   families.Gauge("corbslam_leases_held", "Missions of the database that this store has.",
-                 Number(counts.held));
+                 Count(counts.held));
   families.Counter("corbslam_leases_lost_total",
-                   "Missions that another store took over from this one.", Number(counts.lost));
+                   "Missions that another store took over from this one.", Count(counts.lost));
   families.Counter("corbslam_writes_refused_total",
                    "Writes into missions that another store had taken over.",
-                   Number(counts.refused_writes));
+                   Count(counts.refused_writes));
   const auto given = [&families](const char* why, uint64_t value) {
     families.Counter("corbslam_missions_given_total",
-                     "Missions that this store gave to another one, by why.", Number(value),
+                     "Missions that this store gave to another one, by why.", Count(value),
                      {{"why", why}});
   };
   given("balance", counts.given_to_balance);
@@ -32,17 +32,17 @@ void AddDatabase(const FleetCounts& counts, Families& families) {
                  "0: leases could not be prolonged the last time, as the database was not there.",
                  counts.reaches_database ? 1 : 0);
   families.Counter("corbslam_database_unreached_total", "How often that was so.",
-                   Number(counts.unreached));
+                   Count(counts.unreached));
   families.Counter("corbslam_database_pool_busy_total",
                    "How often no connection to the database was free for ten seconds.",
-                   Number(counts.busy_pool));
+                   Count(counts.busy_pool));
   if (!counts.standbys.has_value()) return;
   families.Gauge("corbslam_database_standbys_wanted",
                  "Standbys that commits of the database wait for; 0: for none.",
-                 Number(counts.standbys->wanted));
+                 Count(counts.standbys->wanted));
   families.Gauge("corbslam_database_standbys_there",
                  "Standbys that are connected to the database, of those.",
-                 Number(counts.standbys->there));
+                 Count(counts.standbys->there));
 }
 
 }  // namespace
