@@ -149,6 +149,10 @@ void PostgresServer::Start() {
 
 void PostgresServer::Kill() {
   if (pid_ <= 0) return;
+  // Its processes for connections would answer for a moment longer.
+  std::ifstream children(absl::StrCat("/proc/", pid_, "/task/", pid_, "/children"));
+  kill(pid_, SIGSTOP);
+  for (pid_t child = 0; children >> child;) kill(child, SIGKILL);
   kill(pid_, SIGKILL);
   waitpid(pid_, nullptr, 0);
   pid_ = 0;

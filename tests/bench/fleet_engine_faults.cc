@@ -10,8 +10,6 @@ using map_store::StoreDuty;
 
 namespace {
 
-// A peer that says nothing is given up after (services/client/remote/channel.h).
-constexpr Nanos kSilence = 30'000'000'000;
 constexpr Nanos kReset = 20'000'000;
 
 }  // namespace

@@ -17,7 +17,6 @@ using map_store::StoreDuty;
 
 namespace {
 
-constexpr Nanos kDatabaseTimeout = 5'000'000'000;
 constexpr double kProcessors = 4;
 
 }  // namespace

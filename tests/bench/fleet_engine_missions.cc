@@ -12,7 +12,6 @@ using map_store::MissionHolding;
 
 namespace {
 
-constexpr Nanos kDatabaseTimeout = 5'000'000'000;
 // The store's keeper of leases looks so often.
 constexpr absl::Duration kBetweenLooks = absl::Milliseconds(250);
 

@@ -12,12 +12,9 @@ namespace {
 constexpr absl::Duration kMinBackoff = absl::Milliseconds(200);
 constexpr absl::Duration kMaxBackoff = absl::Seconds(10);
 constexpr Nanos kConnectTimeout = 8'000'000'000;
-constexpr Nanos kSilence = 30'000'000'000;
 constexpr int kMaxHops = 4;
 // A port that nobody listens on says so at once.
 constexpr Nanos kRefused = 5'000'000;
-// A database that is not reached is given up after (PostgresJournalOptions::connect_timeout).
-constexpr Nanos kDatabaseTimeout = 5'000'000'000;
 
 }  // namespace
 

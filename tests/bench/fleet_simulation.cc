@@ -10,11 +10,9 @@ namespace corbslam::tests {
 namespace {
 
 constexpr size_t kMostViolations = 20;
-// What belongs to the bound within which a mission is served again: a peer that says nothing, an
-// address that does not answer, and the longest wait between attempts.
-constexpr absl::Duration kSilence = absl::Seconds(30);
+// Of the bound within which a mission is served again: an address that does not answer, and the
+// longest wait between attempts.
 constexpr absl::Duration kAttempt = absl::Seconds(8 + 10);
-constexpr absl::Duration kDatabaseTimeout = absl::Seconds(5);
 
 double Quantile(std::vector<float>& sorted, double q) {
   if (sorted.empty()) return 0;
@@ -164,8 +162,9 @@ Nanos FleetEngine::Bound(uint32_t database) const {
   // Whoever is left reads all missions; half of them twice, where they were given on.
   const absl::Duration reading =
       options_.loading * missions_each_ * 3 / 2 / std::max<int64_t>(healthy, 1);
-  return absl::ToInt64Nanoseconds(kSilence + options_.lease + kDatabaseTimeout + reading +
-                                  (silent + 2) * kAttempt + 2 * options_.between_batches);
+  return kSilence + kDatabaseTimeout +
+         absl::ToInt64Nanoseconds(options_.lease + reading + (silent + 2) * kAttempt +
+                                  2 * options_.between_batches);
 }
 
 void FleetEngine::CheckServed(uint32_t mission) {

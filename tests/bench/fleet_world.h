@@ -21,6 +21,10 @@ namespace corbslam::tests {
 using Nanos = int64_t;
 inline constexpr Nanos kNever = INT64_MIN / 4;
 inline constexpr uint32_t kNobody = UINT32_MAX;
+// A peer that says nothing is given up after (services/client/remote/channel.h), and a database
+// that is not reached after (PostgresJournalOptions::connect_timeout).
+inline constexpr Nanos kSilence = 30'000'000'000;
+inline constexpr Nanos kDatabaseTimeout = 5'000'000'000;
 
 // A mission's row in its database, and what its log has.
 struct SimulatedMission {

@@ -58,7 +58,7 @@ absl::StatusOr<OpenedJournal> OpenStopped(const JournalFlags& flags) {
   return OpenJournal(flags, /*scrub_mb_per_s=*/0);
 }
 
-nlohmann::ordered_json ToJson(const CopiedMission& mission) {
+nlohmann::ordered_json CopyToJson(const CopiedMission& mission) {
   nlohmann::ordered_json json = {{"mission", mission.name},
                                  {"agents", mission.agents},
                                  {"local_maps", mission.local_maps},
@@ -89,7 +89,7 @@ absl::Status Copy(const CopyArguments& arguments) {
   RETURN_IF_ERROR(
       map_store::CopyJournal(*from.journal, *to.journal, [&](const CopiedMission& mission) {
         Say(Describe(mission));
-        rows.push_back(ToJson(mission));
+        rows.push_back(CopyToJson(mission));
         ++all;
         failed += mission.status.ok() ? 0 : 1;
       }));
