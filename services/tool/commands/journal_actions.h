@@ -9,7 +9,6 @@
 namespace corbslam::services {
 
 void AddJournalRepair(CLI::App& journal, Command& chosen);
-void AddJournalCopy(CLI::App& journal, Command& chosen);
 
 }  // namespace corbslam::services
 

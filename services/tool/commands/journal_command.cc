@@ -77,7 +77,6 @@ void AddJournalCommand(CLI::App& app, Command& chosen) {
   check->callback(
       [directory, &chosen] { chosen = [directory] { return CheckFolder(*directory); }; });
   AddJournalRepair(*journal, chosen);
-  AddJournalCopy(*journal, chosen);
 }
 
 }  // namespace corbslam::services
