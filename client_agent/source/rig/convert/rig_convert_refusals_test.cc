@@ -88,7 +88,7 @@ TEST(RigConvertRefusalsTest, SaysWhatIsWrong) {
   const struct {
     std::string from, to, says;
   } cases[] = {{"camera_model: ds", "camera_model: eucm", "cam1.camera_model is 'eucm'"},
-               {"cam0:", "other:", "cam0 is missing"},
+               {"cam0:", "other:", "holds no calibration of a known format"},
                {"T_cn_cnm1", "T_other", "cam1.T_cn_cnm1 is no list of 16"},
                {"equidistant", "fov", "cam0.distortion_model: a lens that is 'fov'"},
                {"[512, 512]", "[512]", "cam0.resolution is no list of 2"},
