@@ -16,8 +16,6 @@ constexpr double kLeastDisparity_px = 5;
 constexpr double kMaxError_px = 3;
 constexpr int kFramesOfABlock = 10;
 constexpr size_t kEnoughBlocks = 4;
-// Poor maps were told by then (docs/lab/2026-11-29-others-distances.md).
-constexpr size_t kBlocksOfJudged = 8;
 // Two are enough where both are beyond this: a robot drives by a map that is so wrong no longer
 // than it must.
 constexpr double kGrossLogScale = 0.015;
@@ -123,7 +121,6 @@ bool AreGross(const std::vector<Block>& blocks) {
 std::vector<MapContradiction> OthersScale::Add(const Frame& frame, LocalMapId own) {
   std::vector<MapContradiction> found;
   if (!frame.camera().IsMetric()) return found;
-  are_judged_ = true;
   for (const auto& [local_map, fit] : FitOthers(frame, own)) {
     if (fit.points.size() < kEnoughPoints || contradicting_.contains(local_map)) continue;
     Evidence& evidence = evidence_[local_map];
@@ -132,7 +129,6 @@ std::vector<MapContradiction> OthersScale::Add(const Frame& frame, LocalMapId ow
     block.sigma += fit.Sigma() / kFramesOfABlock;
     block.points += static_cast<double>(fit.points.size()) / kFramesOfABlock;
     block.seen.insert(fit.points.begin(), fit.points.end());
-    are_judged_ = are_judged_ && evidence.blocks.size() >= kBlocksOfJudged;
     if (++block.frames < kFramesOfABlock) continue;
     const std::optional<MapContradiction> contradiction = Judge(local_map, evidence);
     if (!contradiction.has_value()) continue;

@@ -24,10 +24,6 @@ class OthersScale {
   // local maps of which it is certain from now on; each once.
   std::vector<MapContradiction> Add(const Frame& frame, LocalMapId own);
 
-  // Returns whether the maps that the last frame was tracked by were looked at for as long as it
-  // takes to tell poor ones.
-  bool AreJudged() const { return are_judged_; }
-
  private:
   // Frames one after the other are wrong in the same way (the same edges, the same part of the
   // lens), so that what counts are means over blocks of them.
@@ -47,7 +43,6 @@ class OthersScale {
 
   std::map<LocalMapId, Evidence> evidence_;
   std::set<LocalMapId> contradicting_;
-  bool are_judged_ = true;  // Nobody's.
 };
 
 }  // namespace corbslam::client_agent

@@ -96,17 +96,6 @@ TEST_F(OthersScaleTest, AMapThatIsPutToItsPlaceStepByStepIsOfTheRightSize) {
   EXPECT_EQ(ShowUntilTold(300, 1, told), 0);
 }
 
-TEST_F(OthersScaleTest, MapsAreJudgedAfterEightyFrames) {
-  EXPECT_TRUE(scale_.AreJudged()) << "nobody's";
-  std::vector<MapContradiction> told;
-  ShowUntilTold(80, 1, told);
-  EXPECT_FALSE(scale_.AreJudged());
-  ShowUntilTold(1, 1, told);
-  EXPECT_TRUE(scale_.AreJudged());
-  Show();
-  EXPECT_TRUE(scale_.AreJudged()) << "a frame that sees none of theirs";
-}
-
 TEST_F(OthersScaleTest, WhatIsOffHereAndRightThereIsNoScale) {
   std::vector<MapContradiction> told;
   for (int place = 0; place < 20; ++place) {

@@ -60,8 +60,8 @@ struct TrackerOptions {
   // So many frames in a row at most are followed by patches; then one is searched for features. 0:
   // none is followed.
   int most_followed = 8;
-  // Likewise on ground where others' maps help, once these were held against the own camera, which
-  // takes features of each frame (others_scale.h).
+  // Likewise while the map has items of others, of a depth camera. Of a stereo pair each frame is
+  // searched then: its disparities tell a poor map of others (others_scale.h).
   int most_followed_in_company = 2;
   uint64_t seed = 1;
   KeyframePolicyOptions keyframe;

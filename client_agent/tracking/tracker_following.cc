@@ -51,8 +51,7 @@ Rigid3d AsTurned(const PictureShift& shift, const Camera& camera, const Rigid3d&
 }  // namespace
 
 bool Tracker::MayFollow(int64_t timestamp_ns, bool in_company) {
-  const bool are_judged = !options_.has_stereo || others_scale_.AreJudged();
-  const int most_in_company = are_judged ? options_.most_followed_in_company : 0;
+  const int most_in_company = options_.has_stereo ? 0 : options_.most_followed_in_company;
   most_followed_ = std::min(options_.most_followed, in_company ? most_in_company : INT_MAX);
   if (state_ != TrackingState::kTracking || !velocity_.has_value()) return false;
   if (options_.localise_only || frames_since_relocalisation_ < kProbation) return false;
