@@ -294,10 +294,10 @@ void SingleAgent::LetGoOf(std::shared_ptr<const LocalMapSession> session) {
 
 absl::StatusOr<TrackingResult> SingleAgent::FindPose(const SensorImages& images) {
   Tracker& tracker = current().tracker();
-  // A question is asked with features.
-  const bool asks = WantsToAsk(/*is_lost=*/false, link_->GlobalFromLocal().has_value());
-  const bool in_company = link_->shared_keyframes() > 0;
-  if (!asks && tracker.MayFollow(images.timestamp_ns, in_company)) {
+  // Others' points are found by features, and so is the answer to a question.
+  const bool needs_features = link_->shared_keyframes() > 0 ||
+                              WantsToAsk(/*is_lost=*/false, link_->GlobalFromLocal().has_value());
+  if (!needs_features && tracker.MayFollow(images.timestamp_ns)) {
     ASSIGN_OR_RETURN(const cv::Mat picture, sensor_->Picture(images));
     const std::optional<TrackingResult> followed =
         tracker.Follow({sensor_.get(), &images, HalvePicture(picture)});

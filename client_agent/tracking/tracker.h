@@ -60,9 +60,6 @@ struct TrackerOptions {
   // So many frames in a row at most are followed by patches; then one is searched for features. 0:
   // none is followed.
   int most_followed = 8;
-  // Likewise while the map has items of others, of a depth camera. Of a stereo pair each frame is
-  // searched then: its disparities tell a poor map of others (others_scale.h).
-  int most_followed_in_company = 2;
   uint64_t seed = 1;
   KeyframePolicyOptions keyframe;
 };
@@ -96,8 +93,8 @@ class Tracker {
   TrackingResult Track(KeyframePayload seen);
 
   // Returns whether Follow may do for the frame of this time, so that its picture need perhaps not
-  // be searched for features. `in_company`: the map has items of others.
-  bool MayFollow(int64_t timestamp_ns, bool in_company);
+  // be searched for features.
+  bool MayFollow(int64_t timestamp_ns) const;
   // Finds the frame's pose by what keyframes' pictures look like. Nullopt where that is not enough:
   // then it is to be tracked by its features.
   std::optional<TrackingResult> Follow(const FreshPicture& fresh);
@@ -275,7 +272,6 @@ class Tracker {
   KeyframePictures pictures_;
   HalvedPicture last_picture_;  // Small levels alone, of the last one that was to be followed.
   int followed_ = 0;            // Frames in a row.
-  int most_followed_ = 0;       // As of the last MayFollow.
   // What the newest frame showed that was searched for features.
   KeyframeEvidence described_;
   int described_in_view_ = 0;

@@ -1,6 +1,5 @@
 // Implements the part of Tracker that follows patches of keyframes' pictures from frame to frame.
 #include <algorithm>
-#include <climits>
 #include <cstddef>
 #include <cstdint>
 #include <utility>
@@ -50,14 +49,12 @@ Rigid3d AsTurned(const PictureShift& shift, const Camera& camera, const Rigid3d&
 
 }  // namespace
 
-bool Tracker::MayFollow(int64_t timestamp_ns, bool in_company) {
-  const int most_in_company = options_.has_stereo ? 0 : options_.most_followed_in_company;
-  most_followed_ = std::min(options_.most_followed, in_company ? most_in_company : INT_MAX);
+bool Tracker::MayFollow(int64_t timestamp_ns) const {
   if (state_ != TrackingState::kTracking || !velocity_.has_value()) return false;
   if (options_.localise_only || frames_since_relocalisation_ < kProbation) return false;
   if (timestamp_ns - previous_->payload->timestamp_ns > kLongestApart_ns) return false;
   const bool is_expected = expected_.has_value() || TimesOfMotion(timestamp_ns) == 1;
-  return followed_ < most_followed_ && is_expected;
+  return followed_ < options_.most_followed && is_expected;
 }
 
 std::optional<TrackingResult> Tracker::Follow(const FreshPicture& fresh) {
@@ -91,7 +88,7 @@ std::optional<TrackingResult> Tracker::Follow(const FreshPicture& fresh) {
   guessed_inliers_ = guess.inliers;
   // A guess that is too high would leave a keyframe out.
   guess.inliers = static_cast<int>(kCautious * guess.inliers);
-  wants_features_ = ++followed_ >= most_followed_ ||
+  wants_features_ = ++followed_ >= options_.most_followed ||
                     (!mapping_paused_ && ShouldMakeKeyframe(guess, options_.keyframe));
   for (const PatchSource& source : sources) solution.visible.push_back(source.point);
   return Take(std::move(solution));
