@@ -45,7 +45,10 @@ RemoteWorker StoreWorkers::MakeWorker(const std::string& address) const {
 void StoreWorkers::UseOffered(const std::set<std::string>& offered) {
   std::vector<RemoteWorker> workers;
   for (const std::string& address : own_) workers.push_back(MakeWorker(address));
-  for (const std::string& address : offered) workers.push_back(MakeWorker(address));
+  // Of equals the first is asked: for each store another one, behind its own.
+  const auto begin = own_.empty() ? offered.begin() : offered.upper_bound(own_.front());
+  for (auto it = begin; it != offered.end(); ++it) workers.push_back(MakeWorker(*it));
+  for (auto it = offered.begin(); it != begin; ++it) workers.push_back(MakeWorker(*it));
   workers_->Use(std::move(workers));
 }
 

@@ -49,7 +49,7 @@ class Simulation {
         answered_(static_cast<size_t>(options.stores * options.missions_per_store), 0) {
     for (int store = 0; store < options.stores; ++store) {
       standings_.emplace_back(workers_.size());
-      next_.push_back(static_cast<size_t>(store));
+      first_.push_back(static_cast<size_t>(store) % workers_.size());
     }
     for (int mission = 0; mission < static_cast<int>(answered_.size()); ++mission) {
       Ask(mission, false);
@@ -110,11 +110,10 @@ class Simulation {
     const size_t store = StoreOf(request.mission);
     std::vector<WorkerStanding> standings = standings_[store];
     for (const size_t worker : tried) standings[worker].is_tried = true;
-    const size_t chosen = services::ChooseWorker(standings, next_[store], Now());
+    const size_t chosen = services::ChooseWorker(standings, first_[store], Now());
     if (chosen == workers_.size()) {
       return After(kRetry_s, [this, id] { Send(id, {}); });
     }
-    next_[store] = (chosen + 1) % workers_.size();
     ++standings_[store][chosen].running;
     tried.push_back(chosen);
     request.worker = static_cast<int>(chosen);
@@ -238,7 +237,7 @@ class Simulation {
   uint64_t last_event_ = 0;
   std::vector<Worker> workers_;
   std::vector<std::vector<WorkerStanding>> standings_;  // Of each store.
-  std::vector<size_t> next_;
+  std::vector<size_t> first_;                           // Of each store: its own worker.
   std::map<uint64_t, Request> requests_;
   uint64_t last_request_ = 0;
   std::vector<uint64_t> answered_;

@@ -249,9 +249,8 @@ class RemoteWorkers : public RemoteFusionWorkers {
       standings.push_back(worker->standing);
       standings.back().is_tried = std::find(tried.begin(), tried.end(), worker) != tried.end();
     }
-    const size_t chosen = ChooseWorker(standings, next_, absl::Now());
+    const size_t chosen = ChooseWorker(standings, /*first=*/0, absl::Now());
     if (chosen == workers_.size()) return nullptr;
-    next_ = (chosen + 1) % workers_.size();
     ++workers_[chosen]->standing.running;
     return workers_[chosen];
   }
@@ -264,8 +263,6 @@ class RemoteWorkers : public RemoteFusionWorkers {
   const absl::Duration deadline_;
   absl::Mutex mutex_;
   std::vector<WorkerPtr> workers_ ABSL_GUARDED_BY(mutex_);
-  // Where the choice among equals begins.
-  size_t next_ ABSL_GUARDED_BY(mutex_) = 0;
 };
 
 }  // namespace

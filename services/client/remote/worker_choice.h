@@ -21,8 +21,8 @@ struct WorkerStanding {
 inline constexpr absl::Duration kRefusedWorkerRests = absl::Seconds(10);
 
 // Returns the index of the worker with the fewest requests under way, of those that were not tried
-// for the request; of equals the first from `first` on, so that not all who ask begin with the same
-// one. Returns the number of workers if there is none.
+// for the request; of equals the first from `first` on, which is who asks' own one where the list
+// is the same for all who ask. Returns the number of workers if there is none.
 inline size_t ChooseWorker(const std::vector<WorkerStanding>& workers, size_t first,
                            absl::Time now) {
   const auto rests = [now](const WorkerStanding& worker) {
