@@ -3,16 +3,15 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <ros2_types.h>
-#include <unistd.h>
 
 #include <string>
 
 #include "absl/synchronization/notification.h"
-#include "absl/time/clock.h"
 #include "client_agent/ros2/ros2_clock.h"
 #include "client_agent/ros2/ros2_graph.h"
 #include "client_agent/ros2/ros2_names.h"
 #include "client_agent/ros2/ros2_service.h"
+#include "client_agent/ros2/testing/ros2_test_node.h"
 
 namespace corbslam::client_agent {
 namespace {
@@ -20,22 +19,10 @@ namespace {
 using ::testing::HasSubstr;
 using Clock = rosgraph_msgs_msg_dds__Clock_;
 
-// Tests that run at the same time hear each other in no domain.
 std::unique_ptr<Ros2Node> MakeNode(const std::string& name) {
-  auto node = Ros2Node::Create({.name = name,
-                                .domain = static_cast<uint32_t>(100 + getpid() % 100),
-                                .only_this_host = true});
+  auto node = Ros2Node::Create(TestNode(name));
   EXPECT_TRUE(node.ok()) << node.status();
   return node.ok() ? *std::move(node) : nullptr;
-}
-
-template <typename Condition>
-bool Within10s(const Condition& condition) {
-  for (int i = 0; i < 200; ++i) {
-    if (condition()) return true;
-    absl::SleepFor(absl::Milliseconds(50));
-  }
-  return false;
 }
 
 TEST(Ros2NodeTest, AMessageIsHeard) {

@@ -7,6 +7,7 @@
 #include <variant>
 
 #include "absl/strings/str_cat.h"
+#include "client_agent/source/altered_reader.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::client_agent {
@@ -64,13 +65,10 @@ void Scale(const Scaling& scaling, OneCamera& calibration) {
   SetSize(scaling, calibration.camera);
 }
 
-class ScaledReader : public FrameReader {
+class ScaledReader : public AlteredReader {
  public:
   ScaledReader(std::unique_ptr<FrameReader> reader, const Scaling& scaling, double scale)
-      : reader_(std::move(reader)),
-        scaling_(scaling),
-        calibration_(reader_->calibration()),
-        description_(reader_->description()) {
+      : AlteredReader(std::move(reader)), scaling_(scaling) {
     description_.unscaled_px = {description_.intrinsics.width_px,
                                 description_.intrinsics.height_px};
     std::visit([&](auto& kind) { Scale(scaling_, kind); }, calibration_);
@@ -78,13 +76,8 @@ class ScaledReader : public FrameReader {
     absl::StrAppend(&description_.layout, ", scaled by ", scale);
   }
 
-  const SensorCalibration& calibration() const override { return calibration_; }
-  const SourceDescription& description() const override { return description_; }
-  size_t frame_count() const override { return reader_->frame_count(); }
-  int64_t timestamp_ns(size_t frame) const override { return reader_->timestamp_ns(frame); }
-  int drive(size_t frame) const override { return reader_->drive(frame); }
   absl::StatusOr<SensorImages> Read(size_t frame) const override {
-    ASSIGN_OR_RETURN(const SensorImages read, reader_->Read(frame));
+    ASSIGN_OR_RETURN(const SensorImages read, reader().Read(frame));
     SensorImages images;
     images.timestamp_ns = read.timestamp_ns;
     images.grey = Smooth(read.grey);
@@ -92,9 +85,6 @@ class ScaledReader : public FrameReader {
     images.depth = Nearest(scaling_, read.depth);
     images.imu = read.imu;
     return images;
-  }
-  ImuSamples Imu(int64_t after_ns, int64_t until_ns) const override {
-    return reader_->Imu(after_ns, until_ns);
   }
 
  private:
@@ -104,10 +94,7 @@ class ScaledReader : public FrameReader {
     return scaled;
   }
 
-  const std::unique_ptr<FrameReader> reader_;
   const Scaling scaling_;
-  SensorCalibration calibration_;
-  SourceDescription description_;
 };
 
 }  // namespace

@@ -33,6 +33,23 @@ absl::StatusOr<Rig> RigWhile(Ros2Camera& camera, const Send& send) {
   return rig;
 }
 
+// Waits for the rig in vain while `send` does what a driver does: until the camera's problem has
+// these words. Returns how the wait ended once it was stopped.
+template <typename Send>
+absl::Status AwaitProblem(Ros2Camera& camera, const Ros2Context& context, const std::string& words,
+                          const Send& send) {
+  absl::Notification stop;
+  absl::Status ended;
+  std::thread waiter([&] { ended = camera.AwaitRig(stop).status(); });
+  EXPECT_TRUE(Within10s([&] {
+    send();
+    return context.camera().problem.find(words) != std::string::npos;
+  })) << context.camera().problem;
+  stop.Notify();
+  waiter.join();
+  return ended;
+}
+
 void SendPair(Ros2Driver& driver, int64_t stamp_ns, int64_t apart_ns = 0) {
   driver.SendPicture("/visual_slam/image_0", "left", stamp_ns, 10);
   driver.SendPicture("/visual_slam/image_1", "right", stamp_ns + apart_ns, 20);
@@ -128,17 +145,11 @@ TEST(Ros2CameraTest, WhatIsMissingIsTold) {
   const auto context = TestContext();
   const auto camera = Ros2Camera::Open(context, {});
   ASSERT_TRUE(camera.ok());
-  absl::Notification stop;
-  absl::Status awaited;
-  std::thread waiter([&] { awaited = (*camera)->AwaitRig(stop).status(); });
-  EXPECT_TRUE(Within10s([&] {
-    driver.SendPicture("/left/image_raw", "left", kStart_ns, 10);
-    return context->camera().problem.find(
-               "nobody publishes /visual_slam/image_0 (sensor_msgs/msg/Image); published are "
-               "/left/image_raw: name one by -r visual_slam/image_0:=TOPIC") != std::string::npos;
-  })) << context->camera().problem;
-  stop.Notify();
-  waiter.join();
+  const absl::Status awaited =
+      AwaitProblem(**camera, *context,
+                   "nobody publishes /visual_slam/image_0 (sensor_msgs/msg/Image); published are "
+                   "/left/image_raw: name one by -r visual_slam/image_0:=TOPIC",
+                   [&] { driver.SendPicture("/left/image_raw", "left", kStart_ns, 10); });
   EXPECT_TRUE(absl::IsCancelled(awaited)) << awaited;
 }
 
@@ -147,16 +158,10 @@ TEST(Ros2CameraTest, AMissingFrameIsTold) {
   const auto context = TestContext();
   const auto camera = Ros2Camera::Open(context, {});
   ASSERT_TRUE(camera.ok());
-  absl::Notification stop;
-  std::thread waiter([&] { (*camera)->AwaitRig(stop).status().IgnoreError(); });
-  EXPECT_TRUE(Within10s([&] {
+  AwaitProblem(**camera, *context, "/tf_static has no way from base_link to left", [&] {
     SendPair(driver, kStart_ns);
     SendStereoInfo(driver);
-    return context->camera().problem.find("/tf_static has no way from base_link to left") !=
-           std::string::npos;
-  })) << context->camera().problem;
-  stop.Notify();
-  waiter.join();
+  }).IgnoreError();
 }
 
 TEST(Ros2CameraTest, PicturesThatNameNoFrameAreTold) {
@@ -164,16 +169,11 @@ TEST(Ros2CameraTest, PicturesThatNameNoFrameAreTold) {
   const auto context = TestContext();
   const auto camera = Ros2Camera::Open(context, {});
   ASSERT_TRUE(camera.ok());
-  absl::Notification stop;
-  std::thread waiter([&] { (*camera)->AwaitRig(stop).status().IgnoreError(); });
-  EXPECT_TRUE(Within10s([&] {
+  AwaitProblem(**camera, *context, "camera_optical_frame:=FRAME", [&] {
     driver.SendPicture("/visual_slam/image_0", "", kStart_ns, 10);
     driver.SendPicture("/visual_slam/image_1", "", kStart_ns, 20);
     SendStereoInfo(driver);
-    return context->camera().problem.find("camera_optical_frame:=FRAME") != std::string::npos;
-  })) << context->camera().problem;
-  stop.Notify();
-  waiter.join();
+  }).IgnoreError();
 }
 
 TEST(Ros2CameraTest, ImuSamplesComeWithTheirFrame) {

@@ -4,7 +4,6 @@
 
 #include <gtest/gtest.h>
 #include <ros2_types.h>
-#include <unistd.h>
 
 #include <cstring>
 #include <map>
@@ -13,27 +12,12 @@
 #include <utility>
 #include <vector>
 
-#include "absl/time/clock.h"
 #include "client_agent/live/ros2/ros2_context.h"
 #include "client_agent/ros2/ros2_clock.h"
 #include "client_agent/ros2/ros2_node.h"
+#include "client_agent/ros2/testing/ros2_test_node.h"
 
 namespace corbslam::client_agent {
-
-// Tests that run at the same time hear each other in no domain.
-inline Ros2NodeOptions TestNode(const std::string& name) {
-  return {
-      .name = name, .domain = static_cast<uint32_t>(1 + getpid() % 200), .only_this_host = true};
-}
-
-template <typename Condition>
-bool Within10s(const Condition& condition) {
-  for (int i = 0; i < 200; ++i) {
-    if (condition()) return true;
-    absl::SleepFor(absl::Milliseconds(50));
-  }
-  return false;
-}
 
 class Ros2Driver {
  public:
