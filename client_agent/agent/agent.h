@@ -106,6 +106,9 @@ struct AgentStatus {
   // Time and pose of the last tracked frame.
   int64_t timestamp_ns = 0;
   Rigid3d local_from_camera;
+  // Where the local map in use lies, as the map store said last. Before it has said so that is
+  // where the store found one of its frames (AgentOptions::ask_place) or, after a hand-over, where
+  // the local map before lay: the two have one frame.
   std::optional<Similarity3d> global_from_local;
   // As TrackingResult's.
   bool without_metres = false;
@@ -200,10 +203,6 @@ class Agent {
   virtual absl::Status Finish(absl::Duration timeout) = 0;
 
   virtual AgentStatus GetStatus() const = 0;
-  // Returns where the local map in use lies, as the map store said last. Before it has said so that
-  // is where the store found one of its frames (AgentOptions::ask_place) or, after a hand-over,
-  // where the local map before lay: the two have one frame. It is cheap enough for every frame.
-  virtual std::optional<Similarity3d> GlobalFromLocal() const = 0;
   // Returns copies of all timings, which is meant for the end.
   virtual AgentTimings GetTimings() const = 0;
   // Returns every tracked frame, by the map as it is now; empty without

@@ -22,7 +22,6 @@ class ForwardingAgent : public Agent {
   void Step() override { agent_.Step(); }
   absl::Status Finish(absl::Duration timeout) override { return agent_.Finish(timeout); }
   AgentStatus GetStatus() const override { return agent_.GetStatus(); }
-  std::optional<Similarity3d> GlobalFromLocal() const override { return agent_.GlobalFromLocal(); }
   AgentTimings GetTimings() const override { return agent_.GetTimings(); }
   std::vector<TrajectoryPose> LocalTrajectory() const override { return agent_.LocalTrajectory(); }
   Map CopyMap() const override { return agent_.CopyMap(); }

@@ -166,29 +166,30 @@ TEST_F(HandOverAgentTest, TheNewLocalMapLiesWhereTheOldOneDidUntilTheStoreSaysOt
   };
   int i = 0;
   for (; i < 5; ++i) Track(*agent, i);
-  EXPECT_FALSE(agent->GlobalFromLocal().has_value());
+  EXPECT_FALSE(agent->GetStatus().global_from_local.has_value());
   place(100);
   Track(*agent, i++);
-  ASSERT_TRUE(agent->GlobalFromLocal().has_value());
+  ASSERT_TRUE(agent->GetStatus().global_from_local.has_value());
   while (i < kFrames && agent->GetStatus().hand_overs == 0) Track(*agent, i++);
   ASSERT_EQ(agent->GetStatus().hand_overs, 1);
   Track(*agent, i++);
-  ASSERT_TRUE(agent->GlobalFromLocal().has_value());
-  EXPECT_EQ(agent->GlobalFromLocal()->translation.x(), 100);
+  ASSERT_TRUE(agent->GetStatus().global_from_local.has_value());
+  EXPECT_EQ(agent->GetStatus().global_from_local->translation.x(), 100);
   place(101);
   Track(*agent, i++);
-  ASSERT_TRUE(agent->GlobalFromLocal().has_value());
-  EXPECT_EQ(agent->GlobalFromLocal()->translation.x(), 101);
+  ASSERT_TRUE(agent->GetStatus().global_from_local.has_value());
+  EXPECT_EQ(agent->GetStatus().global_from_local->translation.x(), 101);
   EXPECT_EQ(agent->GetStatus().global_from_local->translation.x(), 101);
   SharedUpdate apart;
   apart.restart = true;
   apart.apart = true;
   uplink_.Share(apart);
   Track(*agent, i++);
-  EXPECT_FALSE(agent->GlobalFromLocal().has_value()) << "the store has said it, and takes it back";
+  EXPECT_FALSE(agent->GetStatus().global_from_local.has_value())
+      << "the store has said it, and takes it back";
   agent->BeginLocalMap();
   Track(*agent, i++);
-  EXPECT_FALSE(agent->GlobalFromLocal().has_value());
+  EXPECT_FALSE(agent->GetStatus().global_from_local.has_value());
 }
 
 TEST_F(HandOverAgentTest, ALocalMapThatIsBegunAnewInheritsNoPlace) {
@@ -198,10 +199,10 @@ TEST_F(HandOverAgentTest, ALocalMapThatIsBegunAnewInheritsNoPlace) {
   update.global_from_local = Similarity3d::Identity();
   uplink_.Share(update);
   Track(*agent, 5);
-  ASSERT_TRUE(agent->GlobalFromLocal().has_value());
+  ASSERT_TRUE(agent->GetStatus().global_from_local.has_value());
   agent->BeginLocalMap();
   EXPECT_EQ(Track(*agent, 6).epoch, 2u);
-  EXPECT_FALSE(agent->GlobalFromLocal().has_value());
+  EXPECT_FALSE(agent->GetStatus().global_from_local.has_value());
   EXPECT_EQ(agent->GetStatus().hand_overs, 0);
 }
 
@@ -306,7 +307,7 @@ TEST_F(HandOverAgentTest, WhoWantsToBeToldNothingDoesNotAskWhereItIs) {
   for (; i < 20; ++i) Track(*agent, i);
   EXPECT_EQ(asked, 0);
   EXPECT_EQ(agent->GetStatus().places_told, 0);
-  EXPECT_FALSE(agent->GlobalFromLocal().has_value());
+  EXPECT_FALSE(agent->GetStatus().global_from_local.has_value());
   options.orders->SetLimits({.share = ShareScope{.mode = ShareMode::kEverything}});
   for (; i < 25; ++i) Track(*agent, i);
   EXPECT_GT(asked, 0) << "its map store has other settings for it";

@@ -42,7 +42,6 @@ class SingleAgent : public Agent {
   void Step() override;
   absl::Status Finish(absl::Duration timeout) override;
   AgentStatus GetStatus() const override;
-  std::optional<Similarity3d> GlobalFromLocal() const override;
   AgentTimings GetTimings() const override;
   std::vector<TrajectoryPose> LocalTrajectory() const override;
   Map CopyMap() const override;
@@ -74,6 +73,8 @@ class SingleAgent : public Agent {
   void ExpectByImu(const SensorImages& images);
   void LearnByImu(TrackingResult& result);
   // The local map of one camera alone has no metres; in others' map a robot has theirs.
+  std::optional<Similarity3d> GlobalFromLocal() const;
+  std::optional<Similarity3d> GlobalFrom(const TrackingResult& result) const;
   bool HasMetres() const;
   bool GlobalHasMetres() const;
   // Has a keyframe's picture serve tracking, and people.

@@ -3,6 +3,7 @@
 #define CORBSLAM_CLIENT_AGENT_LINK_SHARED_INBOX_H_
 
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -54,6 +55,10 @@ class SharedInbox : public std::enable_shared_from_this<SharedInbox> {
 
   LocalMapId local_map() const { return local_map_; }
   std::optional<Similarity3d> GlobalFromLocal() const;
+  // Returns where the local map lay before its last correction for a pose that was found before it
+  // (GuardedMap::corrections): a pose of one and the place of the other are off by all that was
+  // corrected.
+  std::optional<Similarity3d> GlobalFromLocal(uint64_t corrections) const;
   bool GlobalIsInMetres() const;
   // Returns how many keyframes of others are held.
   size_t keyframes() const;
@@ -69,7 +74,9 @@ class SharedInbox : public std::enable_shared_from_this<SharedInbox> {
   void PlaceArrived(GuardedMap& map);
   // Plans while others read the map, too.
   void PlanAndPlace(GuardedMap& map);
-  void Place(const PlacementPlan& plan, Map& map);
+  void Place(const PlacementPlan& plan, uint64_t corrections, Map& map);
+  // Keeps where the local map lies now that it was corrected so often.
+  void NotePlace(uint64_t corrections) ABSL_LOCKS_EXCLUDED(mutex_);
 
   const LocalMapId local_map_;
   MapJobs& jobs_;
@@ -82,6 +89,8 @@ class SharedInbox : public std::enable_shared_from_this<SharedInbox> {
   std::vector<ArrivedUpdate> updates_ ABSL_GUARDED_BY(mutex_);
   size_t bytes_ ABSL_GUARDED_BY(mutex_) = 0;
   std::optional<Similarity3d> global_from_local_ ABSL_GUARDED_BY(mutex_);
+  std::optional<Similarity3d> before_correction_ ABSL_GUARDED_BY(mutex_);
+  uint64_t corrections_ ABSL_GUARDED_BY(mutex_) = 0;  // Of the map that global_from_local_ is for.
   bool global_is_in_metres_ ABSL_GUARDED_BY(mutex_) = false;
   size_t keyframes_ ABSL_GUARDED_BY(mutex_) = 0;
 };

@@ -95,6 +95,23 @@ TEST_F(SharedInboxTest, AClosedOnePostsNothingAndLetsTheSessionRead) {
   EXPECT_EQ(inbox->keyframes(), 0u);
 }
 
+// A pose of before a correction and a place of after it would be off by twice what was corrected.
+TEST_F(SharedInboxTest, APoseOfBeforeACorrectionIsPlacedAsBefore) {
+  const auto inbox = MakeInbox({});
+  inbox->Add(Update(0));
+  jobs_.Run(map_);
+  const Rigid3d moved = {Eigen::Quaterniond::Identity(), {1, 0, 0}};
+  map_.Write([&](Map& map) { map.SetPose({kOwn, 0}, moved); });
+  OwnCorrection correction;
+  correction.motions[{kOwn, 0}] = {Rigid3d::Identity(), moved};
+  inbox->Correct(correction, map_);
+  ASSERT_EQ(map_.corrections(), 1u);
+  ASSERT_TRUE(inbox->GlobalFromLocal(0).has_value());
+  EXPECT_EQ(inbox->GlobalFromLocal(0)->translation.x(), 0);
+  EXPECT_EQ(inbox->GlobalFromLocal(1)->translation.x(), 1);
+  EXPECT_EQ(inbox->GlobalFromLocal()->translation.x(), 1);
+}
+
 TEST_F(SharedInboxTest, WhatIsLeftOutGoesOnTheMappingThread) {
   const auto inbox = MakeInbox({});
   inbox->Add(Update(0));

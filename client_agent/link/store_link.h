@@ -166,6 +166,8 @@ class StoreLink : private UplinkListener {
 
   // Returns where the robot's frame is in the global one; none before fusion.
   std::optional<Similarity3d> GlobalFromLocal() const;
+  // As SharedInbox says of poses that were found before a correction.
+  std::optional<Similarity3d> GlobalFromLocal(uint64_t corrections) const;
   // Returns whether the store said that the global frame is in metres.
   bool GlobalIsInMetres() const;
   // Returns when the first keyframe was acknowledged.

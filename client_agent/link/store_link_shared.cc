@@ -119,6 +119,11 @@ std::optional<Similarity3d> StoreLink::GlobalFromLocal() const {
   return inbox == nullptr ? std::nullopt : inbox->GlobalFromLocal();
 }
 
+std::optional<Similarity3d> StoreLink::GlobalFromLocal(uint64_t corrections) const {
+  const std::shared_ptr<SharedInbox> inbox = CurrentInbox();
+  return inbox == nullptr ? std::nullopt : inbox->GlobalFromLocal(corrections);
+}
+
 bool StoreLink::GlobalIsInMetres() const {
   const std::shared_ptr<SharedInbox> inbox = CurrentInbox();
   return inbox != nullptr && inbox->GlobalIsInMetres();

@@ -77,6 +77,9 @@ struct TrackingResult {
   // in an unknown one, too.
   bool without_metres = false;
   bool global_without_metres = false;
+  // Where the local map lies (AgentStatus::global_from_local), as it was when the pose was found in
+  // it: what was corrected since is in neither.
+  std::optional<Similarity3d> global_from_local;
   // What SmoothPose adds, whether there is a pose or not.
   uint64_t epoch = 0;
   // The covariance of what the map near the camera has drifted since the epoch began (PoseDrift),

@@ -40,7 +40,7 @@ class FakeAgent : public Agent {
     status.frames = 12;
     status.lost = 3;
     status.keyframes = 4;
-    status.global_from_local = GlobalFromLocal();
+    status.global_from_local = Similarity3d::Identity();
     status.upload.batches = 6;
     status.upload.frames = 60;
     status.upload.memory_bytes = 70;
@@ -52,7 +52,6 @@ class FakeAgent : public Agent {
     status.upload.held_back.waited[1] = absl::Seconds(2.5);
     return status;
   }
-  std::optional<Similarity3d> GlobalFromLocal() const override { return Similarity3d::Identity(); }
   AgentTimings GetTimings() const override { return {}; }
   std::vector<TrajectoryPose> LocalTrajectory() const override {
     std::vector<TrajectoryPose> poses;

@@ -26,16 +26,13 @@ class PoseBoard {
   using Moment = std::chrono::steady_clock::time_point;
 
   // Returns how often global_from_local has changed so far.
-  uint64_t Post(const client_agent::TrackingResult& result,
-                const std::optional<Similarity3d>& global_from_local, Moment came,
-                uint64_t dropped) {
+  uint64_t Post(const client_agent::TrackingResult& result, Moment came, uint64_t dropped) {
     absl::MutexLock lock(&mutex_);
     PostedPose pose = newest_.value_or(PostedPose());
     pose.follows_a_pose = pose.result.state == client_agent::TrackingState::kTracking;
-    if (!AreEqual(pose.global_from_local, global_from_local)) ++pose.global_epoch;
+    if (!AreEqual(pose.result.global_from_local, result.global_from_local)) ++pose.global_epoch;
     pose.result = result;
     pose.came = came;
-    pose.global_from_local = global_from_local;
     newest_ = std::move(pose);
     dropped_ = dropped;
     for (const auto& [token, readers] : readers_) readers.on_pose(*newest_);

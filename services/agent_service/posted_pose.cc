@@ -96,8 +96,8 @@ v1::WatchPoseResponse ToProto(const PostedPose& posted, PosesOf poses_of,
   if (result.odom_from_camera.has_value()) {
     ToProto(*result.odom_from_camera * wanted, response.mutable_odom_from_camera());
   }
-  if (posted.global_from_local.has_value()) {
-    ToProto(*posted.global_from_local, response.mutable_global_from_local());
+  if (result.global_from_local.has_value()) {
+    ToProto(*result.global_from_local, response.mutable_global_from_local());
     response.set_global_without_metres(result.global_without_metres);
   }
   return response;

@@ -15,7 +15,6 @@ namespace corbslam::services {
 
 struct PostedPose {
   client_agent::TrackingResult result;
-  std::optional<Similarity3d> global_from_local = std::nullopt;
   uint64_t global_epoch = 0;
   std::chrono::steady_clock::time_point came = {};  // When the frame did.
   // The frame before had a pose, too.

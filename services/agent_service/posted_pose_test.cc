@@ -42,6 +42,11 @@ TrackingResult Lost() {
   return result;
 }
 
+TrackingResult Placed(TrackingResult result, const Similarity3d& global_from_local) {
+  result.global_from_local = global_from_local;
+  return result;
+}
+
 TEST(PostedPoseTest, SaysWhereLengthsAreNoMetres) {
   TrackingResult result = Tracked();
   const auto metric = ToProto({.result = result}, PosesOf::kRectifiedCamera, std::nullopt);
@@ -51,7 +56,7 @@ TEST(PostedPoseTest, SaysWhereLengthsAreNoMetres) {
   const auto alone = ToProto({.result = result}, PosesOf::kRectifiedCamera, std::nullopt);
   EXPECT_TRUE(alone.without_metres());
   EXPECT_FALSE(alone.global_without_metres()) << "there is no global frame yet";
-  const auto placed = ToProto({.result = result, .global_from_local = Similarity3d::Identity()},
+  const auto placed = ToProto({.result = Placed(result, Similarity3d::Identity())},
                               PosesOf::kRectifiedCamera, std::nullopt);
   EXPECT_TRUE(placed.global_without_metres());
 }
@@ -148,12 +153,12 @@ TEST(PoseBoardTest, CountsChangesOfTheGlobalFrameAndKnowsWhatFollowsWhat) {
   const uint64_t token =
       board.Add([&](const PostedPose& pose) { posted.push_back(pose); }, [&] { ended = true; });
   Similarity3d there = Similarity3d::Identity();
-  board.Post(Tracked(), std::nullopt, {}, 0);
-  board.Post(Tracked(), there, {}, 0);
-  board.Post(Tracked(), there, {}, 0);
+  board.Post(Tracked(), {}, 0);
+  board.Post(Placed(Tracked(), there), {}, 0);
+  board.Post(Placed(Tracked(), there), {}, 0);
   there.translation.x() = 1;
-  board.Post(Lost(), there, {}, 0);
-  board.Post(Tracked(), there, {}, 0);
+  board.Post(Placed(Lost(), there), {}, 0);
+  board.Post(Placed(Tracked(), there), {}, 0);
   EXPECT_FALSE(ended);
   board.End();
   EXPECT_TRUE(ended);

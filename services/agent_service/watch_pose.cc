@@ -129,7 +129,7 @@ class WatchPoseReactor : public grpc::ServerWriteReactor<v1::WatchPoseResponse> 
 }  // namespace
 
 void AgentService::OnFrame(const TrackingResult& result, uint64_t dropped, PoseBoard::Moment came) {
-  const uint64_t global_epoch = poses_.Post(result, agent_.GlobalFromLocal(), came, dropped);
+  const uint64_t global_epoch = poses_.Post(result, came, dropped);
   if (options_.events != nullptr) options_.events->NoteFrame(result, global_epoch);
 }
 

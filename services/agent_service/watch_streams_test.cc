@@ -60,7 +60,6 @@ class MapAgent : public Agent {
   void Step() override {}
   absl::Status Finish(absl::Duration) override { return absl::OkStatus(); }
   AgentStatus GetStatus() const override { return {}; }
-  std::optional<Similarity3d> GlobalFromLocal() const override { return std::nullopt; }
   AgentTimings GetTimings() const override { return {}; }
   std::vector<TrajectoryPose> LocalTrajectory() const override { return {}; }
   Map CopyMap() const override { return {}; }

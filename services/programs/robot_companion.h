@@ -5,7 +5,6 @@
 
 #include <functional>
 #include <memory>
-#include <optional>
 #include <string>
 
 #include "absl/status/status.h"
@@ -38,9 +37,7 @@ class RobotCompanion {
   // Called before the first frame.
   virtual absl::Status Begin(const RobotView& robot) = 0;
   // Called from the thread that tracks, after each frame; it must return at once.
-  virtual void OnFrame(const client_agent::TrackingResult& result,
-                       const std::optional<Similarity3d>& global_from_local,
-                       const FrameMoment& moment) = 0;
+  virtual void OnFrame(const client_agent::TrackingResult& result, const FrameMoment& moment) = 0;
   // Called when no frame comes any more.
   virtual void OnEnd() = 0;
   // Returns what the stamps of the source's frames count.

@@ -359,11 +359,8 @@ absl::Status Drive(const RobotFlags& flags, const Surroundings& around, const Ro
         around.activity->NoteFrame(result, moment.came, moment.dropped);
         if (recorder != nullptr) recorder->OnResult(result, moment.dropped);
         service.OnFrame(result, moment.dropped, moment.came);
-        const auto global_from_local = agent->GlobalFromLocal();
-        told.Add(result, global_from_local);
-        if (around.companion != nullptr) {
-          around.companion->OnFrame(result, global_from_local, moment);
-        }
+        told.Add(result);
+        if (around.companion != nullptr) around.companion->OnFrame(result, moment);
       },
       around.rate.get());
   around.activity->NoteEnd();

@@ -83,11 +83,9 @@ absl::Status Ros2Companion::Serve(const RobotView& robot) {
       });
 }
 
-void Ros2Companion::OnFrame(const TrackingResult& result,
-                            const std::optional<Similarity3d>& global_from_local,
-                            const FrameMoment& moment) {
+void Ros2Companion::OnFrame(const TrackingResult& result, const FrameMoment& moment) {
   const Ros2Settings& settings = context_->settings();
-  const Ros2Poses poses = MakePoses(result, global_from_local, mounting_);
+  const Ros2Poses poses = MakePoses(result, mounting_);
   outputs_->PublishPoses(poses);
   const bool hangs_on_others = !settings.publish_odom_to_base_tf && settings.publish_map_to_odom_tf;
   if (hangs_on_others && poses.map_from_base.has_value()) {

@@ -36,9 +36,8 @@ class Ros2Companion : public RobotCompanion {
 
   absl::Status Prepare() override;
   absl::Status Begin(const RobotView& robot) override ABSL_LOCKS_EXCLUDED(robot_mutex_);
-  void OnFrame(const client_agent::TrackingResult& result,
-               const std::optional<Similarity3d>& global_from_local,
-               const FrameMoment& moment) override ABSL_LOCKS_EXCLUDED(frames_mutex_);
+  void OnFrame(const client_agent::TrackingResult& result, const FrameMoment& moment) override
+      ABSL_LOCKS_EXCLUDED(frames_mutex_);
   void OnEnd() override ABSL_LOCKS_EXCLUDED(robot_mutex_);
   v1::AgentClock clock() const override { return v1::AGENT_CLOCK_RECORDED; }
 

@@ -30,13 +30,12 @@ std::optional<Vector6d> VelocityOf(const TrackingResult& result, const Rigid3d& 
   return LogSE3(before_from_now) / (1e-9 * static_cast<double>(result.motion->since_ns));
 }
 
-void AddMap(const TrackingResult& result, const std::optional<Similarity3d>& global_from_local,
-            const Ros2Mounting& mounting, Ros2Poses& poses) {
+void AddMap(const TrackingResult& result, const Ros2Mounting& mounting, Ros2Poses& poses) {
   const Rigid3d local_from_camera = result.camera_from_local.Inverse();
   poses.local_from_base = local_from_camera * mounting.camera_from_base;
-  if (!global_from_local.has_value() && mounting.has_store) return;
+  if (!result.global_from_local.has_value() && mounting.has_store) return;
   poses.map_from_local = Similarity3d::FromRigid(mounting.map_from_global) *
-                         global_from_local.value_or(Similarity3d::Identity());
+                         result.global_from_local.value_or(Similarity3d::Identity());
   // Base is fixed to the camera, whatever the map's scale.
   poses.map_from_base = Moved(*poses.map_from_local, local_from_camera) * mounting.camera_from_base;
   if (!result.covariance.has_value()) return;
@@ -87,14 +86,12 @@ std::optional<Rigid3d> Ros2Poses::MapFromOdom() const {
   return *map_from_base * odom_from_base->Inverse();
 }
 
-Ros2Poses MakePoses(const TrackingResult& result,
-                    const std::optional<Similarity3d>& global_from_local,
-                    const Ros2Mounting& mounting) {
+Ros2Poses MakePoses(const TrackingResult& result, const Ros2Mounting& mounting) {
   Ros2Poses poses;
   poses.timestamp_ns = result.timestamp_ns;
   poses.local_map = result.local_map;
   const bool is_tracking = result.state == TrackingState::kTracking;
-  if (is_tracking) AddMap(result, global_from_local, mounting, poses);
+  if (is_tracking) AddMap(result, mounting, poses);
   // While nobody knows how the camera moves odom stays as it was, which is not told.
   if ((is_tracking || result.reckoned.has_value()) && result.odom_from_camera.has_value()) {
     AddOdom(result, mounting, poses);

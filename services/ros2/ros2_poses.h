@@ -51,9 +51,7 @@ struct Ros2Poses {
   std::optional<Rigid3d> MapFromOdom() const;
 };
 
-Ros2Poses MakePoses(const client_agent::TrackingResult& result,
-                    const std::optional<Similarity3d>& global_from_local,
-                    const Ros2Mounting& mounting);
+Ros2Poses MakePoses(const client_agent::TrackingResult& result, const Ros2Mounting& mounting);
 
 // Returns where a pose lies that a similarity moves; its scale moves positions alone.
 Rigid3d Moved(const Similarity3d& target_from_source, const Rigid3d& source_from_base);

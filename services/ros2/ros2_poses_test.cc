@@ -40,10 +40,10 @@ void ExpectNear(const Rigid3d& a, const Rigid3d& b) {
 TEST(Ros2PosesTest, BaseBeginsAtOdomAndDrivesAlongX) {
   const Ros2Mounting mounting = MakeMounting(Ahead(), LevelMap(), false);
   const Rigid3d start = Rigid3d::Identity();
-  ExpectNear(*MakePoses(Tracked(start, start), std::nullopt, mounting).odom_from_base, start);
+  ExpectNear(*MakePoses(Tracked(start, start), mounting).odom_from_base, start);
   // Two metres ahead for the camera is along z.
   const Rigid3d moved = Motion(0, 0, 2, 0);
-  const Ros2Poses poses = MakePoses(Tracked(moved, moved), std::nullopt, mounting);
+  const Ros2Poses poses = MakePoses(Tracked(moved, moved), mounting);
   ExpectNear(*poses.odom_from_base, {Eigen::Quaterniond::Identity(), {2, 0, 0}});
   // The map begins where the first camera stood.
   ExpectNear(*poses.map_from_base, {Eigen::Quaterniond::Identity(), {1.7, 0, -0.5}});
@@ -51,10 +51,11 @@ TEST(Ros2PosesTest, BaseBeginsAtOdomAndDrivesAlongX) {
 
 TEST(Ros2PosesTest, MapToOdomToBaseIsTheSharedPose) {
   const Ros2Mounting mounting = MakeMounting(Ahead(), LevelMap(), true);
-  const TrackingResult result = Tracked(Motion(1, 0.2, 3, 0.4), Motion(0.9, 0.1, 3.2, 0.35));
+  TrackingResult result = Tracked(Motion(1, 0.2, 3, 0.4), Motion(0.9, 0.1, 3.2, 0.35));
   Similarity3d global_from_local = Similarity3d::FromRigid(Motion(5, 0, -2, 1.2));
   global_from_local.scale = 1.01;
-  const Ros2Poses poses = MakePoses(result, global_from_local, mounting);
+  result.global_from_local = global_from_local;
+  const Ros2Poses poses = MakePoses(result, mounting);
   ExpectNear(*poses.MapFromOdom() * *poses.odom_from_base, *poses.map_from_base);
   // The camera is where the mission has it, turned into ROS's axes.
   const Rigid3d camera = *poses.map_from_base * mounting.camera_from_base.Inverse();
@@ -68,18 +69,19 @@ TEST(Ros2PosesTest, NothingIsToldThatNobodyKnows) {
   const Ros2Mounting mounting = MakeMounting(Ahead(), LevelMap(), true);
   TrackingResult result = Tracked(Motion(0, 0, 1, 0), Motion(0, 0, 1, 0));
   // With a store, and not connected: no map.
-  Ros2Poses poses = MakePoses(result, std::nullopt, mounting);
+  Ros2Poses poses = MakePoses(result, mounting);
   EXPECT_TRUE(poses.odom_from_base.has_value());
   EXPECT_FALSE(poses.map_from_base.has_value());
   EXPECT_FALSE(poses.MapFromOdom().has_value());
   // Lost: odom stays as it was, and nobody knows that it did.
   result.state = TrackingState::kLost;
-  poses = MakePoses(result, Similarity3d::Identity(), mounting);
+  result.global_from_local = Similarity3d::Identity();
+  poses = MakePoses(result, mounting);
   EXPECT_FALSE(poses.odom_from_base.has_value());
   EXPECT_FALSE(poses.map_from_base.has_value());
   // By an IMU.
   result.reckoned.emplace();
-  poses = MakePoses(result, Similarity3d::Identity(), mounting);
+  poses = MakePoses(result, mounting);
   EXPECT_TRUE(poses.odom_from_base.has_value());
   EXPECT_TRUE(poses.is_reckoned);
   EXPECT_FALSE(poses.map_from_base.has_value());
@@ -90,7 +92,7 @@ TEST(Ros2PosesTest, ABaseThatIsTheCameraIsTurnedLevel) {
   recorded.body_from_recorded = Rigid3d::Identity();
   const Ros2Mounting mounting = MakeMounting(recorded, LevelMap(), false);
   const Rigid3d moved = Motion(0, 0, 2, 0);
-  const Ros2Poses poses = MakePoses(Tracked(moved, moved), std::nullopt, mounting);
+  const Ros2Poses poses = MakePoses(Tracked(moved, moved), mounting);
   EXPECT_LT((poses.odom_from_base->translation - Eigen::Vector3d(2, 0, 0)).norm(), 1e-9);
 }
 
@@ -102,15 +104,14 @@ TEST(Ros2PosesTest, CovarianceIsTurnedIntoTheMapsAxes) {
   Matrix6d covariance = Matrix6d::Zero();
   covariance.diagonal() << 1, 2, 3, 4, 5, 6;
   result.covariance = covariance;
-  const Ros2Poses poses = MakePoses(result, std::nullopt, mounting);
+  const Ros2Poses poses = MakePoses(result, mounting);
   // The camera's z is the map's x, its x the map's -y, its y the map's -z.
   Vector6d expected;
   expected << 3, 1, 2, 6, 4, 5;
   EXPECT_TRUE(poses.map_covariance->diagonal().isApprox(expected));
   EXPECT_FALSE(poses.odom_covariance.has_value());
   result.drift = covariance;
-  EXPECT_TRUE(
-      MakePoses(result, std::nullopt, mounting).odom_covariance->diagonal().isApprox(2 * expected));
+  EXPECT_TRUE(MakePoses(result, mounting).odom_covariance->diagonal().isApprox(2 * expected));
 }
 
 TEST(Ros2PosesTest, VelocityIsBases) {
@@ -119,7 +120,7 @@ TEST(Ros2PosesTest, VelocityIsBases) {
   result.motion.emplace();
   result.motion->camera_from_previous = Motion(0, 0, -0.1, 0);  // It was 0.1 m behind.
   result.motion->since_ns = 100'000'000;
-  const Ros2Poses poses = MakePoses(result, std::nullopt, mounting);
+  const Ros2Poses poses = MakePoses(result, mounting);
   Vector6d expected;
   expected << 1, 0, 0, 0, 0, 0;
   EXPECT_LT((*poses.velocity - expected).norm(), 1e-9);

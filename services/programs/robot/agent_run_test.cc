@@ -49,7 +49,6 @@ class NotingAgent : public Agent {
   absl::Status Finish(absl::Duration /*timeout*/) override { return absl::OkStatus(); }
   AgentStatus status;
   AgentStatus GetStatus() const override { return status; }
-  std::optional<Similarity3d> GlobalFromLocal() const override { return std::nullopt; }
   AgentTimings GetTimings() const override { return {}; }
   std::vector<TrajectoryPose> LocalTrajectory() const override { return {}; }
   Map CopyMap() const override { return {}; }

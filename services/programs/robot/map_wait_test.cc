@@ -31,7 +31,6 @@ class HeldAgent : public client_agent::Agent {
   void BeginLocalMap() override {}
   void Step() override {}
   absl::Status Finish(absl::Duration) override { return absl::OkStatus(); }
-  std::optional<Similarity3d> GlobalFromLocal() const override { return std::nullopt; }
   AgentTimings GetTimings() const override { return {}; }
   std::vector<TrajectoryPose> LocalTrajectory() const override { return {}; }
   Map CopyMap() const override { return {}; }

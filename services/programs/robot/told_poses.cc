@@ -30,8 +30,7 @@ std::string Comment(const std::string& frame) {
 
 }  // namespace
 
-void ToldPoses::Add(const TrackingResult& result,
-                    const std::optional<Similarity3d>& global_from_local) {
+void ToldPoses::Add(const TrackingResult& result) {
   if (result.state != TrackingState::kTracking) {
     last_.reset();
     return;
@@ -44,8 +43,8 @@ void ToldPoses::Add(const TrackingResult& result,
     paths_.local.push_back(
         {result.timestamp_ns, result.camera_from_local.Inverse() * camera_from_recorded_});
   }
-  if (global_from_local.has_value()) {
-    AddGlobal(result, *global_from_local);
+  if (result.global_from_local.has_value()) {
+    AddGlobal(result, *result.global_from_local);
   } else {
     last_.reset();
   }

@@ -43,9 +43,7 @@ class ToldPoses {
   explicit ToldPoses(const RecordedCamera& recorded, bool keeps_paths = true)
       : camera_from_recorded_(recorded.camera_from_recorded), keeps_paths_(keeps_paths) {}
 
-  // Takes the next frame's result, and where its local map lay when it was told.
-  void Add(const client_agent::TrackingResult& result,
-           const std::optional<Similarity3d>& global_from_local);
+  void Add(const client_agent::TrackingResult& result);
 
   const ToldPaths& paths() const { return paths_; }
   const ToldJumps& jumps() const { return jumps_; }

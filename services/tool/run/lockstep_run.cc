@@ -144,7 +144,7 @@ absl::Status Lockstep::TakeFrame(LockstepRobot& robot) {
   robot.drive = drive;
   ASSIGN_OR_RETURN(const TrackingResult result, robot.agent->Track(taken->images));
   robot.relocalised.Add(result);
-  robot.told->Add(result, robot.agent->GlobalFromLocal());
+  robot.told->Add(result);
   return absl::OkStatus();
 }
 
