@@ -80,6 +80,19 @@ class WithoutMetresTest : public ::testing::Test {
   LocalMapInfo InfoOf(size_t agent) const {
     return store_->GetLocalMap(kMixedMission, agents_[agent]->local_map()).value();
   }
+  Similarity3d CameraFromIsland(size_t agent, uint32_t index) const {
+    return store_->GetKeyframe(kMixedMission, agents_[agent]->Id(index))->camera_from_island;
+  }
+  Eigen::Vector3d TrueCentre(size_t agent, uint32_t index) const {
+    return CameraCentre(maps_[agent].true_camera_from_world.at(agents_[agent]->Id(index)));
+  }
+  // How many of the island's units are between two cameras for each metre that is there in truth.
+  double UnitsPerMetre(size_t agent_a, uint32_t a, size_t agent_b, uint32_t b) const {
+    const double units = (CameraCentre(CameraFromIsland(agent_a, a).ToRigid()) -
+                          CameraCentre(CameraFromIsland(agent_b, b).ToRigid()))
+                             .norm();
+    return units / (TrueCentre(agent_a, a) - TrueCentre(agent_b, b)).norm();
+  }
 
   EstimatingWorker worker_;
   std::vector<SyntheticMap> maps_;
@@ -94,19 +107,44 @@ TEST_F(WithoutMetresTest, ALoneMapIsSaidToHaveNone) {
   ASSERT_TRUE(agents_[0]->TakeShared().ok());
 }
 
-TEST_F(WithoutMetresTest, StaysAnIslandOfItsOwn) {
-  for (const double scale_of_first : {0.4, 1.0}) {
+TEST_F(WithoutMetresTest, TwoComeToOneUnit) {
+  Start({MakeMap(0xb, 0, 0.4), MakeMap(0xc, 24, 2.5)});
+  ASSERT_EQ(InfoOf(0).island, InfoOf(1).island);
+  EXPECT_FALSE(InfoOf(1).island_in_metres);
+  const double unit = UnitsPerMetre(0, 0, 0, 10);
+  EXPECT_NEAR(UnitsPerMetre(1, 3, 1, 12) / unit, 1, 0.02);
+  EXPECT_NEAR(UnitsPerMetre(0, 1, 1, 12) / unit, 1, 0.02);
+}
+
+// Whichever came first: the frame of the mission's first map, too, gets metres.
+TEST_F(WithoutMetresTest, AMapWithMetresGivesThem) {
+  for (const bool metric_first : {true, false}) {
     agents_.clear();
-    Start({MakeMap(0xb, 0, scale_of_first), MakeMap(0xc, 24, 2.5)});
-    EXPECT_NE(InfoOf(0).island, InfoOf(1).island) << scale_of_first;
-    EXPECT_FALSE(InfoOf(1).island_in_metres);
+    Start(metric_first ? std::vector{MakeMap(0xb, 0, 1), MakeMap(0xc, 24, 0.4)}
+                       : std::vector{MakeMap(0xb, 0, 0.4), MakeMap(0xc, 24, 1)});
+    const size_t metric = metric_first ? 0 : 1;
+    ASSERT_EQ(InfoOf(0).island, InfoOf(1).island);
+    EXPECT_TRUE(InfoOf(metric).in_metres);
+    EXPECT_FALSE(InfoOf(1 - metric).in_metres);
+    EXPECT_TRUE(InfoOf(1 - metric).island_in_metres);
+    EXPECT_NEAR(UnitsPerMetre(1 - metric, 2, 1 - metric, 12), 1, 0.02);
+    EXPECT_NEAR(UnitsPerMetre(0, 1, 1, 12), 1, 0.02);
+    EXPECT_EQ(CameraFromIsland(metric, 5).scale, 1) << "metres are not measured anew";
+    ASSERT_TRUE(agents_[1 - metric]->TakeShared().ok());
   }
 }
 
-TEST_F(WithoutMetresTest, KeepsNoTwoOthersApart) {
-  Start({MakeMap(0xb, 0, 1), MakeMap(0xc, 12, 2.5), MakeMap(0xd, 24, 1)});
-  EXPECT_EQ(InfoOf(0).island, InfoOf(2).island);
-  EXPECT_NE(InfoOf(0).island, InfoOf(1).island);
+// A merge of two maps without metres says how they stand to each other in their own units: that it
+// holds when a third one gives metres to both.
+TEST_F(WithoutMetresTest, EarlierMergesHoldWhenMetresCome) {
+  Start({MakeMap(0xb, 0, 0.4), MakeMap(0xc, 24, 2.5), MakeMap(0xd, 48, 1)});
+  ASSERT_EQ(InfoOf(0).island, InfoOf(2).island);
+  ASSERT_EQ(InfoOf(1).island, InfoOf(2).island);
+  for (size_t agent = 0; agent < 3; ++agent) {
+    EXPECT_NEAR(UnitsPerMetre(agent, 1, agent, 12), 1, 0.02) << agent;
+  }
+  EXPECT_NEAR(UnitsPerMetre(0, 1, 2, 12), 1, 0.02);
+  EXPECT_TRUE(InfoOf(0).island_in_metres);
 }
 
 }  // namespace
