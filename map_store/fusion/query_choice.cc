@@ -4,7 +4,6 @@
 #include <tuple>
 
 #include "map_store/fusion/overlap_query.h"
-#include "map_store/view/metres.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::map_store {
@@ -71,21 +70,12 @@ class ProspectList {
     return prospect.is_of_island || prospect.likeness < kLeastShareOfKnown * likeness_of_known_;
   }
 
-  // Maps of one camera alone stay islands of their own for now (docs/adr/0049-one-camera.md).
-  bool MayBeJoined(LocalMapId own, LocalMapId against) const {
-    const auto is_in_metres = [this](LocalMapId id) {
-      const LocalMapState* local_map = state_.FindLocalMap(id);
-      return local_map != nullptr && IsInMetres(*local_map);
-    };
-    return state_.OwnerOf(against) == own || (is_in_metres(own) && is_in_metres(against));
-  }
-
   // Keeps the local maps that no overlap close by links with the place, and counts the others.
   void FindLinkedByOverlaps() {
     const LocalMapId own = state_.OwnerOf(query_.local_map);
     const std::vector<LocalMapId> against = state_.queries.AgainstOfFront();
     for (size_t i = 0; i < against.size(); ++i) {
-      if (state_.FindLocalMap(against[i]) == nullptr || !MayBeJoined(own, against[i])) continue;
+      if (state_.FindLocalMap(against[i]) == nullptr) continue;
       const bool is_joined =
           state_.FindIslandOf(query_.local_map) == state_.FindIslandOf(against[i]);
       const bool is_of_island = is_joined && state_.OwnerOf(against[i]) != own;

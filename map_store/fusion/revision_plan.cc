@@ -10,6 +10,7 @@
 #include "map_store/view/island_view.h"
 #include "map_store/view/metres.h"
 #include "map_store/view/placement.h"
+#include "slam/util/median.h"
 #include "slam/util/status_macros.h"
 
 namespace corbslam::map_store {
@@ -17,6 +18,10 @@ namespace {
 
 // A millisecond or two.
 constexpr size_t kStepsInAPiece = 2000;
+constexpr size_t kStepsOfDepths = 500;
+
+// A scale is told from so many depths.
+constexpr size_t kLeastDepths = 15;
 
 using NewPoses = std::map<KeyframeId, Similarity3d>;
 
@@ -45,6 +50,14 @@ MergedPoints GroupBySurvivor(const std::vector<FuseMapsResult::Merge>& merges) {
     members[merge.survivor].push_back(merge.member);
   }
   return members;
+}
+
+using MergedInto = absl::flat_hash_map<MapPointId, MapPointId>;
+
+MergedInto GroupByMember(const std::vector<FuseMapsResult::Merge>& merges) {
+  MergedInto survivors;
+  for (const FuseMapsResult::Merge& merge : merges) survivors[merge.member] = merge.survivor;
+  return survivors;
 }
 
 // Returns the keypoint by which the keyframe saw the point, or a point that was merged into it, in
@@ -131,6 +144,21 @@ class Planner {
     for (const LocalMapId& local_map : derived) AddDerivedPoints(snapshot, local_map);
   }
 
+  // A bundle adjustment moves keyframes and points, and says no scale. One of a camera that
+  // measures no metres is what its own map's depths are to the new ones: by it goes what follows
+  // the keyframe, up to where its robot is now.
+  absl::Status MeasureScales() {
+    const MergedInto merged = GroupByMember(plan_.merges);
+    for (auto& [id, placed] : plan_.keyframes) {
+      if (IsInMetres(*state_.FindLocalMap(id.local_map))) continue;
+      RETURN_IF_ERROR(steps_.Advance(kStepsOfDepths));
+      const Map& map = state_.FindLocalMap(id.local_map)->map;
+      const Keyframe* keyframe = map.FindKeyframe(id);
+      if (keyframe != nullptr) MeasureScale(map, *keyframe, merged, placed.camera_from_island);
+    }
+    return absl::OkStatus();
+  }
+
   absl::Status AddRejected(const std::vector<const Map*>& views,
                            const std::vector<RejectedObservation>& rejected) {
     const MergedPoints merged = GroupBySurvivor(plan_.merges);
@@ -152,6 +180,27 @@ class Planner {
   // free, of all.
   bool MeasuresMetres(KeyframeId id) const {
     return in_metres_ && IsInMetres(*state_.FindLocalMap(id.local_map));
+  }
+
+  // Leaves the scale as it is where the plan places too little of what the keyframe sees.
+  void MeasureScale(const Map& map, const Keyframe& keyframe, const MergedInto& merged,
+                    Similarity3d& camera_from_island) const {
+    const Rigid3d rigid = camera_from_island.ToRigid();
+    std::vector<double> ratios;
+    for (const MapPointId& id : keyframe.points) {
+      const MapPoint* own = id.IsValid() ? map.FindPoint(id) : nullptr;
+      if (own == nullptr) continue;
+      const MapPointId survivor = state_.global.landmarks.Survivor(id);
+      const auto renamed = merged.find(survivor);
+      const auto planned = plan_.points.find(renamed == merged.end() ? survivor : renamed->second);
+      if (planned == plan_.points.end()) continue;
+      const double before = (keyframe.camera_from_map * own->position_in_map).z();
+      const double after = (rigid * planned->second.position_in_island).z();
+      if (before > 0 && after > 0) ratios.push_back(before / after);
+    }
+    if (ratios.size() < kLeastDepths) return;
+    const double scale = Median(std::move(ratios));
+    camera_from_island = {scale, rigid.rotation, scale * rigid.translation};
   }
 
   bool IsToBePlaced(KeyframeId id) const {
@@ -231,6 +280,7 @@ RevisionPlan PlanFuse(const MissionState& state, const FuseJob& job, const FuseM
   }
   planner.AddDerivedPoints(job.target);
   planner.AddPositions(result.positions).IgnoreError();
+  planner.MeasureScales().IgnoreError();
   planner.AddRejected(views, result.rejected).IgnoreError();
   return plan;
 }
@@ -247,6 +297,7 @@ absl::StatusOr<RevisionPlan> PlanAdjust(const MissionState& state, const AdjustJ
   RETURN_IF_ERROR(planner.AddKeyframes(job.snapshot, Index(result.poses), Similarity3d()));
   RETURN_IF_ERROR(planner.AddPositions(result.positions));
   RETURN_IF_ERROR(planner.AddPointsOfView(job.snapshot, job.request.view));
+  RETURN_IF_ERROR(planner.MeasureScales());
   RETURN_IF_ERROR(planner.AddRejected({&job.request.view}, result.rejected));
   for (const auto& [id, keyframe] : job.request.view.keyframes()) plan.decided_anew.insert(id);
   return plan;

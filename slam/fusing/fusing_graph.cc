@@ -144,6 +144,7 @@ absl::StatusOr<SolvedGraph> SolveFusingGraph(const FusingProblem& problem,
   FixEveryPart(initial, edges, solved.fixed);
   PoseGraphOptions graph;
   graph.fix_scale = problem.fix_scale;
+  graph.keep_scale = problem.in_metres;
   graph.threads = options.threads;
   ASSIGN_OR_RETURN(PoseGraphResult result, OptimisePoseGraph(initial, edges, solved.fixed, graph));
   solved.camera_from_target = std::move(result.camera_from_map);

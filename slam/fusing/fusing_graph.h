@@ -21,6 +21,9 @@ struct FusingProblem {
   std::vector<size_t> new_overlaps;
   Similarity3d target_from_source;
   bool fix_scale = true;
+  // Where scales are free: keyframes whose cameras measure metres, if the target has some. Theirs
+  // are not estimated anew.
+  absl::btree_set<KeyframeId> in_metres = {};
 
   // Returns the map that holds a keyframe of either.
   const Map& MapOf(KeyframeId id) const {

@@ -1,6 +1,7 @@
 #include "slam/fusing/map_alignment.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "slam/map/scene_depth.h"
 
@@ -9,6 +10,7 @@ namespace {
 
 constexpr double kAgreementShareOfDepth = 0.1;
 constexpr double kAgreementAngle_rad = 0.1;
+constexpr double kAgreementLogScale = 0.1;
 
 // Returns whether the overlap's mover comes to lie in the same place under the alignment that
 // another overlap proposes.
@@ -18,7 +20,9 @@ bool Agrees(const Map& mover_map, const OrientedOverlap& overlap, const Similari
   const Eigen::Vector3d centre = CameraCentre(camera_from_map);
   const double distance = (own * centre - proposed * centre).norm();
   const double angle_rad = RotationAngle(own.rotation.conjugate() * proposed.rotation);
-  return distance < kAgreementShareOfDepth * depth && angle_rad < kAgreementAngle_rad;
+  const double stretch = std::abs(std::log(own.scale / proposed.scale));
+  return distance < kAgreementShareOfDepth * depth && angle_rad < kAgreementAngle_rad &&
+         stretch < kAgreementLogScale;
 }
 
 }  // namespace

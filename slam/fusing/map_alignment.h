@@ -31,8 +31,8 @@ Similarity3d AlignByOverlap(const Map& anchor_map, const Map& mover_map,
                             const OrientedOverlap& overlap);
 
 // Returns the alignment of the overlap with which the others agree best (by their inliers): two
-// agree where a mover comes to lie less than a tenth of its scene's depth apart. A single overlap
-// gives its own alignment, none gives nullopt.
+// agree where a mover comes to lie less than a tenth of its scene's depth apart, and their scales
+// differ by less than a tenth. A single overlap gives its own alignment, none gives nullopt.
 std::optional<Similarity3d> AlignByConsensus(const Map& anchor_map, const Map& mover_map,
                                              const std::vector<OrientedOverlap>& overlaps);
 

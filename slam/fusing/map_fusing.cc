@@ -81,6 +81,25 @@ bool AnchorIsQuery(const FuseMapsRequest& request, const Overlap& overlap, Local
          overlap.query.local_map != only_moves;
 }
 
+std::vector<KeyframeId> KeyframesInMetres(const Map& map) {
+  std::vector<KeyframeId> ids;
+  for (const auto& [id, keyframe] : map.keyframes()) {
+    if (keyframe.camera().IsMetric()) ids.push_back(id);
+  }
+  return ids;
+}
+
+// Sets which keyframes keep their scale, and says whether both maps are in metres. A source alone
+// in metres gives the target none: the target's frame stays.
+bool HoldMetres(FusingProblem& problem) {
+  const std::vector<KeyframeId> of_target = KeyframesInMetres(*problem.target);
+  if (of_target.empty()) return false;
+  const std::vector<KeyframeId> of_source = KeyframesInMetres(*problem.source);
+  problem.in_metres.insert(of_target.begin(), of_target.end());
+  problem.in_metres.insert(of_source.begin(), of_source.end());
+  return !of_source.empty();
+}
+
 FusingProblem MakeProblem(const FuseMapsRequest& request, const MapFusingOptions& options) {
   FusingProblem problem;
   problem.target = &request.target;
@@ -95,12 +114,16 @@ FusingProblem MakeProblem(const FuseMapsRequest& request, const MapFusingOptions
   return problem;
 }
 
-// Sets how the source first comes into the target's frame.
+// Sets how the source first comes into the target's frame, as large as it is where both are in
+// metres.
 absl::Status PlaceSource(FusingProblem& problem) {
+  const bool both_in_metres = !problem.fix_scale && HoldMetres(problem);
   if (problem.source->keyframes().empty()) return absl::OkStatus();
   std::vector<OrientedOverlap> crossing;
   for (const OrientedOverlap& overlap : problem.overlaps) {
-    if (problem.IsCrossing(overlap)) crossing.push_back(overlap);
+    if (!problem.IsCrossing(overlap)) continue;
+    crossing.push_back(overlap);
+    if (both_in_metres) crossing.back().anchor_from_mover.scale = 1;
   }
   const auto alignment = AlignByConsensus(*problem.target, *problem.source, crossing);
   if (!alignment.has_value()) {

@@ -42,6 +42,9 @@ struct PoseGraphOptions {
   // True: solves in SE(3) on the edges' rigid parts (metric maps), and the scales stay what they
   // are in `initial`, which must be 1. False: solves in Sim(3).
   bool fix_scale = true;
+  // In Sim(3), keyframes that keep the scale that they have in `initial`: those of cameras that
+  // measure metres, beside others that don't.
+  absl::btree_set<KeyframeId> keep_scale = {};
   // Iterations of each solve; where robust edges disagree, there are some tens of solves.
   int max_iterations = 20;
   // Solver threads. With one, the same input gives the same bits every time.

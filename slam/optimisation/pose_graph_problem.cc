@@ -50,8 +50,6 @@ PoseGraphProblem::PoseGraphProblem(const std::map<KeyframeId, Similarity3d>& ini
 
 template <int kTangent>
 void PoseGraphProblem::AddEdges(const absl::btree_set<KeyframeId>& fixed) {
-  // The blocks share it; the problem deletes it once.
-  auto* manifold = new LeftPerturbation<kTangent>();
   for (size_t i = 0; i < edges_.size(); ++i) {
     const PoseGraphEdge& edge = edges_[i];
     const Matrix7d R = std::sqrt(edge.weight) * edge.root_information;
@@ -59,14 +57,20 @@ void PoseGraphProblem::AddEdges(const absl::btree_set<KeyframeId>& fixed) {
                               edge.robust ? &weights_[i] : nullptr, blocks_.at(edge.a).data(),
                               blocks_.at(edge.b).data());
   }
-  bool is_used = false;
+  // The blocks share them; the problem deletes each once.
+  ceres::Manifold* free = nullptr;
+  ceres::Manifold* rigid = nullptr;
   for (auto& [id, block] : blocks_) {
     if (!problem_.HasParameterBlock(block.data())) continue;
-    problem_.SetManifold(block.data(), manifold);
-    is_used = true;
+    if (kTangent == 7 && options_.keep_scale.contains(id)) {
+      if (rigid == nullptr) rigid = new LeftPerturbation<6>();
+      problem_.SetManifold(block.data(), rigid);
+    } else {
+      if (free == nullptr) free = new LeftPerturbation<kTangent>();
+      problem_.SetManifold(block.data(), free);
+    }
     if (fixed.contains(id)) problem_.SetParameterBlockConstant(block.data());
   }
-  if (!is_used) delete manifold;
 }
 
 absl::Status PoseGraphProblem::Solve() {

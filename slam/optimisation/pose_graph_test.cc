@@ -123,6 +123,21 @@ TEST(PoseGraphTest, UndoesDriftOfScale) {
   }
 }
 
+// Metres that a camera measures are not estimated anew beside others that have none.
+TEST(PoseGraphTest, SomeKeepTheirScaleBesideOthers) {
+  const std::map<KeyframeId, Similarity3d> truth = Circle(8);
+  std::vector<PoseGraphEdge> edges = RingEdges(truth);
+  edges[5].b_from_a.scale = 1.03;
+  PoseGraphOptions options;
+  options.fix_scale = false;
+  options.keep_scale = {Id(0), Id(1), Id(2), Id(3)};
+  const auto result = OptimisePoseGraph(truth, edges, {Id(0)}, options);
+  ASSERT_TRUE(result.ok()) << result.status();
+  for (int i = 0; i < 4; ++i) EXPECT_EQ(result->camera_from_map.at(Id(i)).scale, 1) << i;
+  EXPECT_GT(std::abs(result->camera_from_map.at(Id(6)).scale - 1), 1e-4);
+  EXPECT_LT(result->final_cost, result->initial_cost);
+}
+
 TEST(PoseGraphTest, AWrongRobustEdgeStandsOutAndLeavesThePosesNearTheTruth) {
   const auto truth = Circle(20);
   auto edges = RingEdges(truth);

@@ -4,7 +4,10 @@
 
 #include <cmath>
 #include <limits>
+#include <utility>
+#include <vector>
 
+#include "absl/container/flat_hash_map.h"
 #include "absl/strings/str_cat.h"
 #include "slam/optimisation/mutual_reprojection_cost.h"
 #include "slam/optimisation/similarity_manifold.h"
@@ -16,6 +19,8 @@ namespace {
 constexpr int kMinMatches = 3;
 constexpr int kRobustIterations = 8;
 constexpr int kFinalIterations = 10;
+// 99 % bound with two degrees of freedom: of a refinement's sights those within it count.
+constexpr double kMaxChi2OfSights = 9.21;
 
 double PixelChi2(const Camera& camera, const Eigen::Vector3d& x_in_camera,
                  const Eigen::Vector2d& pixel, double variance_px2) {
@@ -27,22 +32,50 @@ struct Refinement {
   const Camera& camera_a;
   const Camera& camera_b;
   absl::Span<const SimilarityMatch> matches;
+  absl::Span<const SimilaritySight> sights;
   double max_chi2;
 };
 
+// What is made of it: beside the result, the sights that count.
+struct State {
+  SimilarityRefinement refined;
+  std::vector<const SimilaritySight*> sights = {};
+};
+
+bool Fits(const SimilarityMatch& match, const SimilaritySight& sight, const Similarity3d& b_from_a,
+          double max_chi2) {
+  const Eigen::Vector3d x_in_side =
+      sight.is_of_b ? b_from_a * match.x_in_a : b_from_a.Inverse() * match.x_in_b;
+  const double chi2 =
+      PixelChi2(*sight.camera, sight.camera_from_side * x_in_side, sight.pixel, sight.variance_px2);
+  return std::isfinite(chi2) && chi2 <= max_chi2;
+}
+
+void ChooseSights(const Refinement& input, double max_chi2, State& state) {
+  state.sights.clear();
+  for (const SimilaritySight& sight : input.sights) {
+    if (!state.refined.is_inlier[sight.match]) continue;
+    if (Fits(input.matches[sight.match], sight, state.refined.b_from_a, max_chi2)) {
+      state.sights.push_back(&sight);
+    }
+  }
+}
+
 // Marks the inliers. An infinite `max_chi2` makes inliers of all that lies in front of both
 // cameras.
-void Classify(const Refinement& input, double max_chi2, SimilarityRefinement& state) {
-  state.is_inlier.assign(input.matches.size(), 0);
-  state.inliers = 0;
+void Classify(const Refinement& input, double max_chi2, State& state) {
+  SimilarityRefinement& refined = state.refined;
+  refined.is_inlier.assign(input.matches.size(), 0);
+  refined.inliers = 0;
   for (size_t i = 0; i < input.matches.size(); ++i) {
     const SimilarityErrors errors =
-        ReprojectionErrors(input.camera_a, input.camera_b, state.b_from_a, input.matches[i]);
+        ReprojectionErrors(input.camera_a, input.camera_b, refined.b_from_a, input.matches[i]);
     if (!std::isfinite(errors.in_a) || !std::isfinite(errors.in_b)) continue;
     if (errors.in_a > max_chi2 || errors.in_b > max_chi2) continue;
-    state.is_inlier[i] = 1;
-    ++state.inliers;
+    refined.is_inlier[i] = 1;
+    ++refined.inliers;
   }
+  ChooseSights(input, max_chi2, state);
 }
 
 absl::Status CheckEnough(const SimilarityRefinement& state) {
@@ -50,6 +83,20 @@ absl::Status CheckEnough(const SimilarityRefinement& state) {
   return absl::FailedPreconditionError(absl::StrCat("similarity refinement: ", state.inliers,
                                                     " of ", state.is_inlier.size(),
                                                     " matches fit, need ", kMinMatches));
+}
+
+absl::Status CheckSights(absl::Span<const SimilaritySight> sights, size_t matches) {
+  for (size_t i = 0; i < sights.size(); ++i) {
+    const SimilaritySight& sight = sights[i];
+    if (sight.match < matches && sight.camera != nullptr && sight.pixel.allFinite() &&
+        sight.variance_px2 > 0) {
+      continue;
+    }
+    return absl::InvalidArgumentError(
+        absl::StrCat("similarity refinement: sight ", i, " is of match ", sight.match, " of ",
+                     matches, ", without a camera, not finite or has a variance of 0"));
+  }
+  return absl::OkStatus();
 }
 
 absl::Status CheckInput(absl::Span<const SimilarityMatch> matches, const Similarity3d& initial) {
@@ -73,10 +120,10 @@ absl::Status CheckInput(absl::Span<const SimilarityMatch> matches, const Similar
   return absl::OkStatus();
 }
 
-void AddMatches(const Refinement& input, const SimilarityRefinement& state,
-                ceres::LossFunction* loss, double* block, ceres::Problem& problem) {
+void AddMatches(const Refinement& input, const State& state, ceres::LossFunction* loss,
+                double* block, ceres::Problem& problem) {
   for (size_t i = 0; i < input.matches.size(); ++i) {
-    if (!state.is_inlier[i]) continue;
+    if (!state.refined.is_inlier[i]) continue;
     const SimilarityMatch& m = input.matches[i];
     problem.AddResidualBlock(
         new MutualReprojectionCost<false>(input.camera_b, m.x_in_a, m.pixel_in_b, m.variance_b_px2),
@@ -84,6 +131,25 @@ void AddMatches(const Refinement& input, const SimilarityRefinement& state,
     problem.AddResidualBlock(
         new MutualReprojectionCost<true>(input.camera_a, m.x_in_b, m.pixel_in_a, m.variance_a_px2),
         loss, block);
+  }
+}
+
+void AddSights(const Refinement& input, const State& state, ceres::LossFunction* loss,
+               double* block, ceres::Problem& problem) {
+  absl::flat_hash_map<std::pair<size_t, bool>, int> beside;
+  for (const SimilaritySight* sight : state.sights) ++beside[{sight->match, sight->is_of_b}];
+  for (const SimilaritySight* sight : state.sights) {
+    const SimilarityMatch& m = input.matches[sight->match];
+    const double variance_px2 = sight->variance_px2 * beside.at({sight->match, sight->is_of_b});
+    ceres::CostFunction* cost = nullptr;
+    if (sight->is_of_b) {
+      cost = new MutualReprojectionCost<false>(*sight->camera, m.x_in_a, sight->pixel, variance_px2,
+                                               sight->camera_from_side);
+    } else {
+      cost = new MutualReprojectionCost<true>(*sight->camera, m.x_in_b, sight->pixel, variance_px2,
+                                              sight->camera_from_side);
+    }
+    problem.AddResidualBlock(cost, loss, block);
   }
 }
 
@@ -96,11 +162,13 @@ void SetManifold(bool fix_scale, SimilarityBlock& block, ceres::Problem& problem
 }
 
 absl::Status Minimise(const Refinement& input, bool robust, bool fix_scale, int iterations,
-                      SimilarityRefinement& state) {
-  SimilarityBlock block = ToBlock(state.b_from_a);
+                      State& state) {
+  SimilarityBlock block = ToBlock(state.refined.b_from_a);
   ceres::Problem problem;
-  AddMatches(input, state, robust ? new ceres::HuberLoss(std::sqrt(input.max_chi2)) : nullptr,
-             block.data(), problem);
+  ceres::LossFunction* const loss =
+      robust ? new ceres::HuberLoss(std::sqrt(input.max_chi2)) : nullptr;
+  AddMatches(input, state, loss, block.data(), problem);
+  AddSights(input, state, loss, block.data(), problem);
   SetManifold(fix_scale, block, problem);
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
@@ -112,7 +180,7 @@ absl::Status Minimise(const Refinement& input, bool robust, bool fix_scale, int 
   if (!summary.IsSolutionUsable()) {
     return absl::InternalError(absl::StrCat("similarity refinement: ", summary.message));
   }
-  state.b_from_a = FromBlock(block.data());
+  state.refined.b_from_a = FromBlock(block.data());
   return absl::OkStatus();
 }
 
@@ -129,29 +197,37 @@ absl::StatusOr<SimilarityRefinement> RefineSimilarity(const Camera& camera_a,
                                                       const Camera& camera_b,
                                                       absl::Span<const SimilarityMatch> matches,
                                                       const Similarity3d& initial_b_from_a,
-                                                      bool fix_scale, double max_chi2) {
+                                                      bool fix_scale, double max_chi2,
+                                                      absl::Span<const SimilaritySight> sights) {
   RETURN_IF_ERROR(CheckInput(matches, initial_b_from_a));
-  const Refinement input{camera_a, camera_b, matches, max_chi2};
-  SimilarityRefinement state;
-  state.b_from_a = initial_b_from_a;
-  state.b_from_a.rotation.normalize();
+  RETURN_IF_ERROR(CheckSights(sights, matches.size()));
+  const Refinement input{camera_a, camera_b, matches, sights, max_chi2};
+  State state;
+  state.refined.b_from_a = initial_b_from_a;
+  state.refined.b_from_a.rotation.normalize();
   Classify(input, std::numeric_limits<double>::infinity(), state);
-  RETURN_IF_ERROR(CheckEnough(state));
+  RETURN_IF_ERROR(CheckEnough(state.refined));
   RETURN_IF_ERROR(Minimise(input, true, fix_scale, kRobustIterations, state));
   Classify(input, max_chi2, state);
-  RETURN_IF_ERROR(CheckEnough(state));
+  RETURN_IF_ERROR(CheckEnough(state.refined));
   RETURN_IF_ERROR(Minimise(input, false, fix_scale, kFinalIterations, state));
   Classify(input, max_chi2, state);
-  RETURN_IF_ERROR(CheckEnough(state));
-  return state;
+  RETURN_IF_ERROR(CheckEnough(state.refined));
+  return state.refined;
 }
 
 absl::StatusOr<Matrix7d> SimilarityCovariance(const Camera& camera_a, const Camera& camera_b,
                                               absl::Span<const SimilarityMatch> matches,
-                                              const SimilarityRefinement& refined, bool fix_scale) {
+                                              const SimilarityRefinement& refined, bool fix_scale,
+                                              absl::Span<const SimilaritySight> sights) {
+  RETURN_IF_ERROR(CheckSights(sights, matches.size()));
   SimilarityBlock block = ToBlock(refined.b_from_a);
   ceres::Problem problem;
-  AddMatches({camera_a, camera_b, matches, 0}, refined, nullptr, block.data(), problem);
+  const Refinement input{camera_a, camera_b, matches, sights, kMaxChi2OfSights};
+  State state{refined};
+  ChooseSights(input, input.max_chi2, state);
+  AddMatches(input, state, nullptr, block.data(), problem);
+  AddSights(input, state, nullptr, block.data(), problem);
   if (!problem.HasParameterBlock(block.data())) {
     return absl::FailedPreconditionError("similarity covariance: no match is an inlier");
   }

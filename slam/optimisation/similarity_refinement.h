@@ -24,6 +24,19 @@ struct SimilarityMatch {
   double variance_b_px2 = 1;
 };
 
+// Another picture that shows the landmark of a match. Where two cameras stand at one place, every
+// scale gives the same pixels in both; pictures from beside them, each placed in its own map, tell
+// which it is.
+struct SimilaritySight {
+  size_t match = 0;
+  // Whether the picture is of b's side, and shows x_in_a, or the other way round.
+  bool is_of_b = true;
+  const Camera* camera = nullptr;  // Outlives the sight.
+  Rigid3d camera_from_side;        // From camera b, or a, in the unit of its map.
+  Eigen::Vector2d pixel;
+  double variance_px2 = 1;
+};
+
 struct SimilarityRefinement {
   Similarity3d b_from_a;
   // One entry a match: true if both reprojections are within the bound.
@@ -42,23 +55,25 @@ SimilarityErrors ReprojectionErrors(const Camera& camera_a, const Camera& camera
 
 // Minimises the reprojection error both ways (Huber's loss at `max_chi2`), drops the matches beyond
 // `max_chi2` in either picture, and minimises again without loss. The scale is kept where
-// `fix_scale`. INVALID_ARGUMENT for fewer than 3 matches or values that are not finite;
-// FAILED_PRECONDITION where fewer than 3 inliers are left. Pure; any thread.
-absl::StatusOr<SimilarityRefinement> RefineSimilarity(const Camera& camera_a,
-                                                      const Camera& camera_b,
-                                                      absl::Span<const SimilarityMatch> matches,
-                                                      const Similarity3d& initial_b_from_a,
-                                                      bool fix_scale, double max_chi2 = 9.21);
+// `fix_scale`. The `sights` of inliers count, too, if they are within the bound in the end; those
+// of one match on one side together as much as one, for the map knows its point no better.
+// INVALID_ARGUMENT for fewer than 3 matches or values that are not finite; FAILED_PRECONDITION
+// where fewer than 3 inliers are left. Pure; any thread.
+absl::StatusOr<SimilarityRefinement> RefineSimilarity(
+    const Camera& camera_a, const Camera& camera_b, absl::Span<const SimilarityMatch> matches,
+    const Similarity3d& initial_b_from_a, bool fix_scale, double max_chi2 = 9.21,
+    absl::Span<const SimilaritySight> sights = {});
 
 // Says how well the inliers of a refinement determine what it found: returns the covariance of e
 // where the true similarity is Exp(e) * b_from_a, e being (translation in units of b's map,
 // rotation in rad, log of scale). Both reprojection errors of each inlier count, linearised, as
-// independent ones of the matches' variances; where the maps have the points wrong the covariance
-// is too small. Rows and columns of a fixed scale are 0. FAILED_PRECONDITION where the inliers
-// leave a direction open. Pure; any thread.
+// independent ones of the matches' variances, and `sights` as they do in the refinement; where the
+// maps have the points wrong the covariance is too small. Rows and columns of a fixed scale are 0.
+// FAILED_PRECONDITION where the inliers leave a direction open. Pure; any thread.
 absl::StatusOr<Matrix7d> SimilarityCovariance(const Camera& camera_a, const Camera& camera_b,
                                               absl::Span<const SimilarityMatch> matches,
-                                              const SimilarityRefinement& refined, bool fix_scale);
+                                              const SimilarityRefinement& refined, bool fix_scale,
+                                              absl::Span<const SimilaritySight> sights = {});
 
 }  // namespace corbslam
 

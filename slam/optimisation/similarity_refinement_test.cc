@@ -28,9 +28,9 @@ std::vector<SimilarityMatch> Matches(const Similarity3d& b_from_a, int count) {
 }
 
 template <bool kInverse>
-void CheckJacobian() {
+void CheckJacobian(const Rigid3d& beside) {
   const Camera camera = testing::SyntheticCamera();
-  const MutualReprojectionCost<kInverse> cost(camera, {0.4, 0.3, 5}, {300, 220}, 1.7);
+  const MutualReprojectionCost<kInverse> cost(camera, {0.4, 0.3, 5}, {300, 220}, 1.7, beside);
   const SimilarityBlock block = ToBlock(kTruth);
   const LeftPerturbation<7> manifold;
   const double* parameters[1] = {block.data()};
@@ -52,8 +52,11 @@ void CheckJacobian() {
 }
 
 TEST(MutualReprojectionCostTest, JacobiansAgreeWithNumericDifferences) {
-  CheckJacobian<false>();
-  CheckJacobian<true>();
+  const Rigid3d turned{ExpSO3({0.1, -0.2, 0.05}), {0.3, -0.1, 0.4}};
+  for (const Rigid3d& beside : {Rigid3d::Identity(), turned}) {
+    CheckJacobian<false>(beside);
+    CheckJacobian<true>(beside);
+  }
 }
 
 TEST(RefineSimilarityTest, FindsTheTruthBothWaysAndRejectsOutliers) {
@@ -143,6 +146,39 @@ TEST(SimilarityCovarianceTest, RefusesWhatLeavesADirectionOpen) {
   const SimilarityRefinement none{kTruth, {0, 0, 0, 0, 0}, 0};
   EXPECT_EQ(SimilarityCovariance(camera, camera, matches, none, false).status().code(),
             absl::StatusCode::kFailedPrecondition);
+}
+
+// Two cameras at one place: pictures from beside them tell the scale, a wrong one among them not.
+TEST(RefineSimilarityTest, SightsTellTheScaleOfCamerasAtOnePlace) {
+  const Camera camera = testing::SyntheticCamera();
+  const Similarity3d truth{2.5, Eigen::Quaterniond::Identity(), Eigen::Vector3d::Zero()};
+  const auto matches = Matches(truth, 40);
+  std::vector<SimilaritySight> sights;
+  const Rigid3d beside_a{Eigen::Quaterniond::Identity(), {0.3, 0, 0}};
+  const Rigid3d beside_b{Eigen::Quaterniond::Identity(), {-0.5, 0.1, 0}};
+  for (size_t i = 0; i < matches.size(); ++i) {
+    sights.push_back({i, false, &camera, beside_a, Project(camera, beside_a * matches[i].x_in_a)});
+    sights.push_back({i, true, &camera, beside_b, Project(camera, beside_b * matches[i].x_in_b)});
+  }
+  for (size_t i = 0; i < sights.size(); i += 10) sights[i].pixel.x() += 30;
+  Similarity3d initial = truth;
+  initial.scale *= 1.4;
+  const auto refined = RefineSimilarity(camera, camera, matches, initial, false, 9.21, sights);
+  ASSERT_TRUE(refined.ok()) << refined.status();
+  EXPECT_NEAR(refined->b_from_a.scale, 2.5, 1e-3);
+  const auto covariance = SimilarityCovariance(camera, camera, matches, *refined, false, sights);
+  ASSERT_TRUE(covariance.ok());
+  EXPECT_LT(std::sqrt((*covariance)(6, 6)), 0.01);
+  const auto alone = SimilarityCovariance(camera, camera, matches, *refined, false);
+  EXPECT_TRUE(!alone.ok() || (*alone)(6, 6) > 1);
+}
+
+TEST(RefineSimilarityTest, RefusesSightsOfNoMatch) {
+  const Camera camera = testing::SyntheticCamera();
+  const auto matches = Matches(kTruth, 10);
+  const std::vector<SimilaritySight> sights = {{10, true, &camera, Rigid3d::Identity(), {1, 2}}};
+  EXPECT_EQ(RefineSimilarity(camera, camera, matches, kTruth, false, 9.21, sights).status().code(),
+            absl::StatusCode::kInvalidArgument);
 }
 
 }  // namespace

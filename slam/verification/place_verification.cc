@@ -125,6 +125,39 @@ std::vector<SimilarityMatch> MakeMatches(const Side& query, const Side& candidat
   return matches;
 }
 
+// Adds how the neighbours of one side see that side's points of the pairs.
+void AddSights(const Side& side, bool is_of_b, const std::vector<PointPair>& pairs,
+               std::vector<SimilaritySight>& sights) {
+  for (const Keyframe* keyframe : side.keyframes) {
+    if (keyframe == &side.centre) continue;
+    const Rigid3d camera_from_side =
+        keyframe->camera_from_map * side.centre.camera_from_map.Inverse();
+    for (size_t i = 0; i < pairs.size(); ++i) {
+      const MapPoint* point = side.map.FindPoint(is_of_b ? pairs[i].candidate : pairs[i].query);
+      if (point == nullptr) continue;
+      const auto seen = point->observations.find(keyframe->id());
+      if (seen == point->observations.end()) continue;
+      const Keypoint& keypoint = keyframe->keypoints()[seen->second];
+      sights.push_back({.match = i,
+                        .is_of_b = is_of_b,
+                        .camera = &keyframe->camera(),
+                        .camera_from_side = camera_from_side,
+                        .pixel = keypoint.Pixel(),
+                        .variance_px2 = ScalePyramid::Variance_px2(keypoint.octave)});
+    }
+  }
+}
+
+// Returns the neighbours' sights of what both sides have matched, where these are to say a scale.
+std::vector<SimilaritySight> SightsBeside(const Side& query, const Side& candidate,
+                                          const std::vector<PointPair>& pairs, bool fix_scale) {
+  std::vector<SimilaritySight> sights;
+  if (fix_scale) return sights;
+  AddSights(query, /*is_of_b=*/false, pairs, sights);
+  AddSights(candidate, /*is_of_b=*/true, pairs, sights);
+  return sights;
+}
+
 // Estimates the query's pose against the candidate's points alone, where depths are too poor for an
 // alignment of points.
 std::optional<Similarity3d> EstimateByPose(const Side& query, const Side& candidate,
@@ -222,9 +255,9 @@ bool Refine(const Side& query, const Side& candidate, const PlaceVerificationOpt
     overlap.evidence.guided_matches = static_cast<int>(matches.size());
     overlap.evidence.refined_inliers = 0;
     if (matches.size() < 3) return false;
-    const auto refined =
-        RefineSimilarity(query.centre.camera(), candidate.centre.camera(), matches,
-                         overlap.candidate_from_query, options.fix_scale, kMaxChi2);
+    const auto refined = RefineSimilarity(query.centre.camera(), candidate.centre.camera(), matches,
+                                          overlap.candidate_from_query, options.fix_scale, kMaxChi2,
+                                          SightsBeside(query, candidate, pairs, options.fix_scale));
     if (!refined.ok()) return false;
     overlap.candidate_from_query = refined->b_from_a;
     overlap.evidence.refined_inliers = refined->inliers;
@@ -289,8 +322,9 @@ bool SetCovariance(const Side& query, const Side& candidate,
   const SimilarityRefinement refined{overlap.candidate_from_query,
                                      std::vector<char>(matches.size(), 1),
                                      static_cast<int>(matches.size())};
-  const auto covariance = SimilarityCovariance(query.centre.camera(), candidate.centre.camera(),
-                                               matches, refined, options.fix_scale);
+  const auto covariance = SimilarityCovariance(
+      query.centre.camera(), candidate.centre.camera(), matches, refined, options.fix_scale,
+      SightsBeside(query, candidate, pairs, options.fix_scale));
   if (covariance.ok()) overlap.covariance = *covariance;
   return covariance.ok();
 }
@@ -332,6 +366,9 @@ OverlapVerdict Judge(const Side& query, const Side& candidate,
   }
   if (!SetCovariance(query, candidate, options, overlap)) {
     return OverlapVerdict::kTooFewRefinedInliers;
+  }
+  if (std::sqrt(overlap.covariance(6, 6)) > options.max_log_scale_sigma) {
+    return OverlapVerdict::kWrongScale;
   }
   return OverlapVerdict::kAccepted;
 }

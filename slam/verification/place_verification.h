@@ -35,6 +35,9 @@ struct PlaceVerificationOptions {
   // Largest |scale - 1| where the scale is estimated between maps that should be metric. It is
   // ignored for monocular cameras.
   double max_scale_deviation = 0.05;
+  // Largest standard deviation of the scale's logarithm where a side has no metres: a merge by a
+  // scale that is not known puts what lies behind the overlap elsewhere.
+  double max_log_scale_sigma = 0.02;
 };
 
 // Returns the verdict, with the counts of the stages that were reached. The views may be one and

@@ -198,6 +198,30 @@ TEST_F(PlaceVerificationTest, RefusesAMetricMapOfTheWrongScale) {
   EXPECT_EQ(ToString(Verify(b, {.fix_scale = false}).verdict), "WRONG_SCALE");
 }
 
+// Two cameras at one place have the same pixels whatever the scale: pictures beside them tell it.
+TEST_F(PlaceVerificationTest, TellsTheScaleWhereBothStandAtOnePlace) {
+  for (const double scale : {0.01, 0.4, 100.0}) {
+    const SyntheticMap b = MakeSyntheticMap(world_, PosesOnRing(12, 3, 12),
+                                            {.local_map = kB, .seed = 6, .scale = scale});
+    const Overlap overlap = Verify(b, {.fix_scale = false});
+    ASSERT_EQ(ToString(overlap.verdict), "ACCEPTED") << scale;
+    ExpectTruth(b, overlap, scale);
+    EXPECT_GT(overlap.covariance(6, 6), 0);
+    EXPECT_LT(std::sqrt(overlap.covariance(6, 6)), 0.005);
+  }
+}
+
+TEST_F(PlaceVerificationTest, RefusesAScaleThatIsNotKnown) {
+  const SyntheticMap b =
+      MakeSyntheticMap(world_, PosesOnRing(12, 3, 12), {.local_map = kB, .seed = 6, .scale = 0.4});
+  // Without neighbours nothing tells it.
+  const PlaceVerificationOptions alone{
+      .fix_scale = false, .neighbours = 0, .min_consistent_keyframes = 0};
+  EXPECT_EQ(ToString(Verify(b, alone).verdict), "WRONG_SCALE");
+  EXPECT_EQ(ToString(Verify(b, {.fix_scale = false, .max_log_scale_sigma = 1e-5}).verdict),
+            "WRONG_SCALE");
+}
+
 TEST_F(PlaceVerificationTest, IsTheSameEveryTime) {
   const SyntheticMap b = MakeB({.share_of_mistaken = 0.3});
   const Overlap first = Verify(b);

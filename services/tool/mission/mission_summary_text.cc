@@ -329,7 +329,7 @@ std::string DescribeVerdict(v1::OverlapVerdict verdict) {
     case v1::OVERLAP_VERDICT_NO_SECOND_KEYFRAME:
       return "no second pair of keyframes agrees";
     case v1::OVERLAP_VERDICT_WRONG_SCALE:
-      return "the scales disagree";
+      return "the scales disagree, or are not known";
     case v1::OVERLAP_VERDICT_BENDS_GRAPH:
       return "contradicts what is known";
     case v1::OVERLAP_VERDICT_TAKEN_BACK:

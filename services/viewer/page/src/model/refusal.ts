@@ -74,7 +74,7 @@ export function decidingText(overlap: Overlap): string {
       ? of(e.refinedInliers, BARS.refinedInliers, 'left after refinement') : 'the matches leave one direction open';
     case OverlapVerdict.TOO_FEW_PROJECTED_MATCHES: return of(e.projectedMatches, projectedBar(e), 'points where they should be');
     case OverlapVerdict.NO_SECOND_KEYFRAME: return of(e.consistentKeyframes, BARS.consistentKeyframes, 'further pairs agree');
-    case OverlapVerdict.WRONG_SCALE: return `the scales differ by more than ${100 * BARS.scaleDeviation} %`;
+    case OverlapVerdict.WRONG_SCALE: return `the scales differ by more than ${100 * BARS.scaleDeviation} %, or are not known`;
     default: return '';
   }
 }

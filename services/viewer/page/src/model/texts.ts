@@ -18,7 +18,7 @@ const VERDICTS: Record<OverlapVerdict, string> = {
     'Refused: too few points of the neighbourhood were found where they should be.',
   [OverlapVerdict.NO_SECOND_KEYFRAME]:
     'Refused: no second pair of keyframes agrees.',
-  [OverlapVerdict.WRONG_SCALE]: 'Refused: the two metric maps differ in scale.',
+  [OverlapVerdict.WRONG_SCALE]: 'Refused: two metric maps differ in scale, or nothing tells the scale of one without metres.',
   [OverlapVerdict.BENDS_GRAPH]:
     'Refused while fusing: it contradicts what is already known.',
   [OverlapVerdict.TAKEN_BACK]:
