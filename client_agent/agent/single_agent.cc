@@ -356,7 +356,7 @@ absl::StatusOr<TrackingResult> SingleAgent::Track(const SensorImages& images) {
   smooth_pose_.Add(result);
   LeaveOutContradicting();
   const bool is_placed = link_->GlobalFromLocal().has_value();
-  result.global_from_local = GlobalFrom(result);
+  result.global_from_local = GlobalFromLocal(result.corrections);
   Record(result, absl::ToDoubleMilliseconds(absl::Now() - start), is_placed);
   AskForPlace(result, is_placed);
   LookForFar(result);
@@ -557,15 +557,10 @@ absl::Status SingleAgent::Finish(absl::Duration timeout) {
   return link_->Finish(deadline - absl::Now());
 }
 
-std::optional<Similarity3d> SingleAgent::GlobalFromLocal() const {
-  if (const auto told = link_->GlobalFromLocal()) return told;
+std::optional<Similarity3d> SingleAgent::GlobalFromLocal(uint64_t corrections) const {
+  if (const auto told = link_->GlobalFromLocal(corrections)) return told;
   absl::MutexLock lock(&mutex_);
   return presumed_global_from_local_;
-}
-
-std::optional<Similarity3d> SingleAgent::GlobalFrom(const TrackingResult& result) const {
-  if (link_->GlobalFromLocal().has_value()) return link_->GlobalFromLocal(result.corrections);
-  return GlobalFromLocal();
 }
 
 AgentTimings SingleAgent::GetTimings() const { return {tracking_ms_.Copy(), local_ba_ms_.Copy()}; }

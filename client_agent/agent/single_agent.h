@@ -72,9 +72,9 @@ class SingleAgent : public Agent {
   // Tells tracking what the IMU says of the frame, and learns from what tracking found.
   void ExpectByImu(const SensorImages& images);
   void LearnByImu(TrackingResult& result);
+  // Returns where the local map in use lies, for a pose that was found after so many corrections.
+  std::optional<Similarity3d> GlobalFromLocal(uint64_t corrections = SharedInbox::kNewest) const;
   // The local map of one camera alone has no metres; in others' map a robot has theirs.
-  std::optional<Similarity3d> GlobalFromLocal() const;
-  std::optional<Similarity3d> GlobalFrom(const TrackingResult& result) const;
   bool HasMetres() const;
   bool GlobalHasMetres() const;
   // Has a keyframe's picture serve tracking, and people.

@@ -90,32 +90,28 @@ void SharedInbox::PlaceArrived(GuardedMap& map) {
 void SharedInbox::PlanAndPlace(GuardedMap& map) {
   // The plan is made while others read the map, too.
   const PlacementPlan plan = map.Read([this](const Map& now) { return shared_.Plan(now); });
-  map.Write([&](Map& now) { Place(plan, map.corrections(), now); });
+  map.Write([&](Map& now) { Place(plan, now); });
 }
 
-void SharedInbox::Place(const PlacementPlan& plan, uint64_t corrections, Map& map) {
+void SharedInbox::Place(const PlacementPlan& plan, Map& map) {
   const PlacementChange change = shared_.Place(plan, map);
-  NotePlace(corrections);
   {
     absl::MutexLock lock(&mutex_);
+    global_from_local_ = shared_.GlobalFromLocal();
     global_is_in_metres_ = shared_.in_metres();
     keyframes_ = shared_.keyframe_count();
   }
   jobs_.OnPlaced(change, map);
 }
 
-void SharedInbox::NotePlace(uint64_t corrections) {
-  absl::MutexLock lock(&mutex_);
-  if (corrections != corrections_) before_correction_ = global_from_local_;
-  corrections_ = corrections;
-  global_from_local_ = shared_.GlobalFromLocal();
-}
-
 void SharedInbox::Correct(const OwnCorrection& correction, GuardedMap& map) {
+  const uint64_t own_moved = map.corrections();
   map.Write([&](Map& now) {
     shared_.Correct(correction, now);
     map.CountCorrection();
-    NotePlace(map.corrections());
+    absl::MutexLock lock(&mutex_);
+    before_correction_ = std::exchange(global_from_local_, shared_.GlobalFromLocal());
+    corrections_ = own_moved;
   });
   PlanAndPlace(map);
 }
@@ -130,11 +126,6 @@ void SharedInbox::LeaveOut(LocalMapId foreign) {
     });
     self->PlanAndPlace(map);
   });
-}
-
-std::optional<Similarity3d> SharedInbox::GlobalFromLocal() const {
-  absl::MutexLock lock(&mutex_);
-  return global_from_local_;
 }
 
 std::optional<Similarity3d> SharedInbox::GlobalFromLocal(uint64_t corrections) const {

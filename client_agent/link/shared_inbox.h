@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -34,6 +35,8 @@ size_t ApproximateBytes(const SharedUpdate& update);
 // shared_ptr.
 class SharedInbox : public std::enable_shared_from_this<SharedInbox> {
  public:
+  static constexpr uint64_t kNewest = std::numeric_limits<uint64_t>::max();
+
   // Nothing is owned. `jobs` are those of the local map's writing thread. Neither `jobs` nor
   // `uplink` is used any more once Close has returned and that thread has ended.
   SharedInbox(LocalMapId local_map, MapJobs& jobs, Uplink& uplink, const InboxLimits& limits);
@@ -46,19 +49,18 @@ class SharedInbox : public std::enable_shared_from_this<SharedInbox> {
   // from reading.
   void Close();
 
-  // Places anew what others made, after the robot moved its own map. Called on the mapping thread,
-  // outside of Read and Write.
+  // Places anew what others made, after the robot moved its own map and counted that. Called on the
+  // mapping thread, outside of Read and Write.
   void Correct(const OwnCorrection& correction, GuardedMap& map);
 
   // Has the mapping thread give up what a foreign local map says (SharedMap::LeaveOut).
   void LeaveOut(LocalMapId foreign);
 
   LocalMapId local_map() const { return local_map_; }
-  std::optional<Similarity3d> GlobalFromLocal() const;
-  // Returns where the local map lay before its last correction for a pose that was found before it
-  // (GuardedMap::corrections): a pose of one and the place of the other are off by all that was
-  // corrected.
-  std::optional<Similarity3d> GlobalFromLocal(uint64_t corrections) const;
+  // Returns where the local map lies, for a pose that was found after so many corrections of it
+  // (GuardedMap::corrections). Of before the last one that is where it lay then: a pose of before
+  // and a place of after a correction are together off by twice as much.
+  std::optional<Similarity3d> GlobalFromLocal(uint64_t corrections = kNewest) const;
   bool GlobalIsInMetres() const;
   // Returns how many keyframes of others are held.
   size_t keyframes() const;
@@ -74,9 +76,7 @@ class SharedInbox : public std::enable_shared_from_this<SharedInbox> {
   void PlaceArrived(GuardedMap& map);
   // Plans while others read the map, too.
   void PlanAndPlace(GuardedMap& map);
-  void Place(const PlacementPlan& plan, uint64_t corrections, Map& map);
-  // Keeps where the local map lies now that it was corrected so often.
-  void NotePlace(uint64_t corrections) ABSL_LOCKS_EXCLUDED(mutex_);
+  void Place(const PlacementPlan& plan, Map& map);
 
   const LocalMapId local_map_;
   MapJobs& jobs_;
@@ -89,8 +89,9 @@ class SharedInbox : public std::enable_shared_from_this<SharedInbox> {
   std::vector<ArrivedUpdate> updates_ ABSL_GUARDED_BY(mutex_);
   size_t bytes_ ABSL_GUARDED_BY(mutex_) = 0;
   std::optional<Similarity3d> global_from_local_ ABSL_GUARDED_BY(mutex_);
+  // What it was before the last correction, for poses that were found after fewer than these.
   std::optional<Similarity3d> before_correction_ ABSL_GUARDED_BY(mutex_);
-  uint64_t corrections_ ABSL_GUARDED_BY(mutex_) = 0;  // Of the map that global_from_local_ is for.
+  uint64_t corrections_ ABSL_GUARDED_BY(mutex_) = 0;
   bool global_is_in_metres_ ABSL_GUARDED_BY(mutex_) = false;
   size_t keyframes_ ABSL_GUARDED_BY(mutex_) = 0;
 };

@@ -101,14 +101,18 @@ TEST_F(SharedInboxTest, APoseOfBeforeACorrectionIsPlacedAsBefore) {
   inbox->Add(Update(0));
   jobs_.Run(map_);
   const Rigid3d moved = {Eigen::Quaterniond::Identity(), {1, 0, 0}};
-  map_.Write([&](Map& map) { map.SetPose({kOwn, 0}, moved); });
+  map_.Write([&](Map& map) {
+    map.SetPose({kOwn, 0}, moved);
+    map_.CountCorrection();
+  });
   OwnCorrection correction;
   correction.motions[{kOwn, 0}] = {Rigid3d::Identity(), moved};
   inbox->Correct(correction, map_);
-  ASSERT_EQ(map_.corrections(), 1u);
+  ASSERT_EQ(map_.corrections(), 2u) << "the own map's, and what hangs on it";
   ASSERT_TRUE(inbox->GlobalFromLocal(0).has_value());
   EXPECT_EQ(inbox->GlobalFromLocal(0)->translation.x(), 0);
   EXPECT_EQ(inbox->GlobalFromLocal(1)->translation.x(), 1);
+  EXPECT_EQ(inbox->GlobalFromLocal(2)->translation.x(), 1);
   EXPECT_EQ(inbox->GlobalFromLocal()->translation.x(), 1);
 }
 

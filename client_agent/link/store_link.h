@@ -165,9 +165,8 @@ class StoreLink : private UplinkListener {
   void LeaveOut(const MapContradiction& found);
 
   // Returns where the robot's frame is in the global one; none before fusion.
-  std::optional<Similarity3d> GlobalFromLocal() const;
-  // As SharedInbox says of poses that were found before a correction.
-  std::optional<Similarity3d> GlobalFromLocal(uint64_t corrections) const;
+  // `corrections` are as SharedInbox has them.
+  std::optional<Similarity3d> GlobalFromLocal(uint64_t corrections = SharedInbox::kNewest) const;
   // Returns whether the store said that the global frame is in metres.
   bool GlobalIsInMetres() const;
   // Returns when the first keyframe was acknowledged.

@@ -114,11 +114,6 @@ void StoreLink::Tell(LinkEvent event, LocalMapId local_map) const {
   if (options_.on_event) options_.on_event(event, local_map);
 }
 
-std::optional<Similarity3d> StoreLink::GlobalFromLocal() const {
-  const std::shared_ptr<SharedInbox> inbox = CurrentInbox();
-  return inbox == nullptr ? std::nullopt : inbox->GlobalFromLocal();
-}
-
 std::optional<Similarity3d> StoreLink::GlobalFromLocal(uint64_t corrections) const {
   const std::shared_ptr<SharedInbox> inbox = CurrentInbox();
   return inbox == nullptr ? std::nullopt : inbox->GlobalFromLocal(corrections);

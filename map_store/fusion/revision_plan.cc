@@ -148,13 +148,18 @@ class Planner {
   // measures no metres is what its own map's depths are to the new ones: by it goes what follows
   // the keyframe, up to where its robot is now.
   absl::Status MeasureScales() {
+    std::vector<KeyframeId> without_metres;
+    for (const auto& [id, placed] : plan_.keyframes) {
+      if (!IsInMetres(*state_.FindLocalMap(id.local_map))) without_metres.push_back(id);
+    }
+    if (without_metres.empty()) return absl::OkStatus();
     const MergedInto merged = GroupByMember(plan_.merges);
-    for (auto& [id, placed] : plan_.keyframes) {
-      if (IsInMetres(*state_.FindLocalMap(id.local_map))) continue;
+    for (const KeyframeId& id : without_metres) {
       RETURN_IF_ERROR(steps_.Advance(kStepsOfDepths));
       const Map& map = state_.FindLocalMap(id.local_map)->map;
       const Keyframe* keyframe = map.FindKeyframe(id);
-      if (keyframe != nullptr) MeasureScale(map, *keyframe, merged, placed.camera_from_island);
+      if (keyframe == nullptr) continue;
+      MeasureScale(map, *keyframe, merged, plan_.keyframes.at(id).camera_from_island);
     }
     return absl::OkStatus();
   }

@@ -19,8 +19,6 @@ namespace {
 constexpr int kMinMatches = 3;
 constexpr int kRobustIterations = 8;
 constexpr int kFinalIterations = 10;
-// 99 % bound with two degrees of freedom: of a refinement's sights those within it count.
-constexpr double kMaxChi2OfSights = 9.21;
 
 double PixelChi2(const Camera& camera, const Eigen::Vector3d& x_in_camera,
                  const Eigen::Vector2d& pixel, double variance_px2) {
@@ -223,7 +221,7 @@ absl::StatusOr<Matrix7d> SimilarityCovariance(const Camera& camera_a, const Came
   RETURN_IF_ERROR(CheckSights(sights, matches.size()));
   SimilarityBlock block = ToBlock(refined.b_from_a);
   ceres::Problem problem;
-  const Refinement input{camera_a, camera_b, matches, sights, kMaxChi2OfSights};
+  const Refinement input{camera_a, camera_b, matches, sights, kMaxChi2OfSimilarity};
   State state{refined};
   ChooseSights(input, input.max_chi2, state);
   AddMatches(input, state, nullptr, block.data(), problem);

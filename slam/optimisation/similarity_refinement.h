@@ -46,6 +46,9 @@ struct SimilarityRefinement {
 
 // Squared reprojection errors over their variances: of x_in_a in camera b and of x_in_b in camera
 // a. An error is infinite where the point falls behind the camera.
+// 99 % bound with two degrees of freedom.
+inline constexpr double kMaxChi2OfSimilarity = 9.21;
+
 struct SimilarityErrors {
   double in_a = 0;
   double in_b = 0;
@@ -61,7 +64,7 @@ SimilarityErrors ReprojectionErrors(const Camera& camera_a, const Camera& camera
 // where fewer than 3 inliers are left. Pure; any thread.
 absl::StatusOr<SimilarityRefinement> RefineSimilarity(
     const Camera& camera_a, const Camera& camera_b, absl::Span<const SimilarityMatch> matches,
-    const Similarity3d& initial_b_from_a, bool fix_scale, double max_chi2 = 9.21,
+    const Similarity3d& initial_b_from_a, bool fix_scale, double max_chi2 = kMaxChi2OfSimilarity,
     absl::Span<const SimilaritySight> sights = {});
 
 // Says how well the inliers of a refinement determine what it found: returns the covariance of e

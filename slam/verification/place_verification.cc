@@ -17,7 +17,6 @@
 namespace corbslam {
 namespace {
 
-constexpr double kMaxChi2 = 9.21;  // 99 % bound with two degrees of freedom.
 // Variance of a pixel that is computed because the keyframe itself does not see the point.
 constexpr double kVirtualVariance_px2 = 4;
 // With so many samples a fifth of right matches is found in 99 of 100 cases.
@@ -190,7 +189,7 @@ std::optional<Similarity3d> EstimateByRansac(const Side& query, const Side& cand
   SimilarityRansacOptions ransac;
   ransac.fix_scale = options.fix_scale;
   ransac.min_inliers = 3;  // The count is judged here, so that it can be told whatever it is.
-  ransac.max_chi2 = kMaxChi2;
+  ransac.max_chi2 = kMaxChi2OfSimilarity;
   ransac.seed = options.seed;
   ransac.max_iterations = kRansacIterations;
   const auto similarity =
@@ -255,9 +254,10 @@ bool Refine(const Side& query, const Side& candidate, const PlaceVerificationOpt
     overlap.evidence.guided_matches = static_cast<int>(matches.size());
     overlap.evidence.refined_inliers = 0;
     if (matches.size() < 3) return false;
-    const auto refined = RefineSimilarity(query.centre.camera(), candidate.centre.camera(), matches,
-                                          overlap.candidate_from_query, options.fix_scale, kMaxChi2,
-                                          SightsBeside(query, candidate, pairs, options.fix_scale));
+    const auto refined =
+        RefineSimilarity(query.centre.camera(), candidate.centre.camera(), matches,
+                         overlap.candidate_from_query, options.fix_scale, kMaxChi2OfSimilarity,
+                         SightsBeside(query, candidate, pairs, options.fix_scale));
     if (!refined.ok()) return false;
     overlap.candidate_from_query = refined->b_from_a;
     overlap.evidence.refined_inliers = refined->inliers;
