@@ -10,6 +10,13 @@
 #include "slam/util/status_macros.h"
 
 namespace corbslam::map_store {
+namespace {
+
+// Where keyframes have been adjusted to each other, what stands in for another lies beside it as
+// well as it can; a worker that stands still is worse than a stand-in that is off by millimetres.
+constexpr absl::Duration kPatience = absl::Minutes(1);
+
+}  // namespace
 
 bool MissionRetiring::IsDue() const {
   if (!IsWanted() || strand_.IsDamaged()) return false;
@@ -22,8 +29,21 @@ void MissionRetiring::NoteAllDone() {
   passes_.NoteAllDone(strand_.state());
 }
 
+bool MissionRetiring::MayBegin() {
+  const bool is_due = IsDue();
+  const bool rests = !is_due || fusion_.RestsButForQueries();
+  absl::MutexLock lock(&patience_mutex_);
+  if (rests) {
+    waits_since_.reset();
+    return is_due;
+  }
+  const absl::Time now = strand_.environment().clock();
+  if (!waits_since_.has_value() || now < *waits_since_) waits_since_ = now;
+  return !strand_.options().deterministic && now - *waits_since_ >= kPatience;
+}
+
 bool MissionRetiring::RunOne() {
-  if (!IsDue() || !fusion_.RestsButForQueries() || !turn_.TryLock()) return false;
+  if (!MayBegin() || !turn_.TryLock()) return false;
   bool done = false;
   Retirement retirement;
   const absl::StatusOr<Taken> taken = TakeNext();

@@ -1,13 +1,16 @@
-// Lets go of what a mission can do without while nothing is fused of it. Queries may wait: a
-// worker that is short of time must not keep known ground.
+// Lets go of what a mission can do without while nothing is fused of it. Queries may wait, and who
+// fuses for a minute is waited for no longer: a worker that is short of time must not keep known
+// ground.
 #ifndef CORBSLAM_MAP_STORE_COORDINATION_MISSION_RETIRING_H_
 #define CORBSLAM_MAP_STORE_COORDINATION_MISSION_RETIRING_H_
 
 #include <functional>
+#include <optional>
 
 #include "absl/base/thread_annotations.h"
 #include "absl/status/statusor.h"
 #include "absl/synchronization/mutex.h"
+#include "absl/time/time.h"
 #include "map_store/coordination/fusion_coordinator.h"
 #include "map_store/mission/mission_strand.h"
 #include "map_store/records/journal_records.h"
@@ -24,7 +27,8 @@ class MissionRetiring {
                   std::function<void()> notify)
       : strand_(strand), fusion_(fusion), notify_(std::move(notify)) {}
 
-  // Looks at the next stretch, if fusion rests but for queries, and lets go of what it finds.
+  // Looks at the next stretch, if fusion rests but for queries or has not rested for a minute (in
+  // lockstep: if it rests), and lets go of what it finds.
   // Returns whether there was one, and it is done with. Another thread's turn, a state that changed
   // meanwhile and a journal that takes nothing leave it for later.
   bool RunOne();
@@ -41,6 +45,8 @@ class MissionRetiring {
     RetiringView view;
   };
 
+  // Returns whether a stretch that is due may be looked at.
+  bool MayBegin();
   bool IsWanted() const { return strand_.options().retire && strand_.environment().has_worker; }
   // Returns ABORTED if there is nothing to look at, or fusion has begun something.
   absl::StatusOr<Taken> TakeNext() ABSL_EXCLUSIVE_LOCKS_REQUIRED(turn_);
@@ -54,6 +60,9 @@ class MissionRetiring {
   const FusionCoordinator& fusion_;
   const std::function<void()> notify_;
   absl::Mutex turn_;  // Whoever looks at a stretch holds it.
+  absl::Mutex patience_mutex_;
+  // When a stretch was due for the first time since fusion rested last, or nothing was due.
+  std::optional<absl::Time> waits_since_ ABSL_GUARDED_BY(patience_mutex_);
   RetiringPasses passes_ ABSL_GUARDED_BY(strand_.mutex());
 };
 

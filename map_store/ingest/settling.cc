@@ -12,6 +12,11 @@ void SettleKeyframes(size_t settle_after, MissionState& state, LocalMapState& lo
     state.queries.Push(id, state.order);
     state.queries.ThinOut(local_map.id);
   }
+  if (!local_map.closed) return;
+  state.queries.ThinOutEnded(local_map.id, [&state](LocalMapId id) {
+    const LocalMapState* waiting = state.FindLocalMap(id);
+    return waiting != nullptr && waiting->closed;
+  });
 }
 
 }  // namespace corbslam::map_store

@@ -44,7 +44,7 @@ class OverlapLedger {
  public:
   using Entries = std::map<uint64_t, OverlapEntry>;
   using Ids = std::set<uint64_t>;
-  static constexpr size_t kMaxHistory = 10'000;
+  static constexpr size_t kMaxHistory = 2'000;
 
   OverlapLedger() = default;
   explicit OverlapLedger(Entries entries);

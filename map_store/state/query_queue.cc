@@ -49,11 +49,32 @@ std::vector<LocalMapId> QueryQueue::WaitingLocalMaps() const {
 }
 
 void QueryQueue::ThinOut(LocalMapId local_map) {
-  std::vector<size_t> places;
-  for (size_t i = 0; i < entries_.size(); ++i) {
-    if (entries_[i].query.local_map == local_map) places.push_back(i);
+  const std::vector<size_t> places = FindPlaces()[local_map];
+  if (places.size() > kMostOfLocalMap) TakeNearest(places);
+}
+
+void QueryQueue::ThinOutEnded(LocalMapId local_map, absl::FunctionRef<bool(LocalMapId)> has_ended) {
+  size_t of_others = 0;
+  size_t own = 0;
+  for (const auto& [id, places] : FindPlaces()) {
+    if (id == local_map) own = places.size();
+    if (id != local_map && has_ended(id)) of_others += places.size();
   }
-  if (places.size() <= kMostOfLocalMap) return;
+  const size_t room = kMostOfEnded - std::min(of_others, kMostOfEnded);
+  for (size_t most = std::max(room, kFewestOfEnded); own > most; --own) {
+    if (!TakeNearest(FindPlaces()[local_map])) return;
+  }
+}
+
+QueryQueue::PlacesByLocalMap QueryQueue::FindPlaces() const {
+  PlacesByLocalMap places;
+  for (size_t i = 0; i < entries_.size(); ++i) {
+    places[entries_[i].query.local_map].push_back(i);
+  }
+  return places;
+}
+
+bool QueryQueue::TakeNearest(const std::vector<size_t>& places) {
   const auto index_at = [&](size_t i) { return entries_[places[i]].query.index; };
   std::optional<size_t> nearest;
   uint32_t least = 0;
@@ -64,9 +85,10 @@ void QueryQueue::ThinOut(LocalMapId local_map) {
     nearest = places[i];
     least = gap;
   }
-  if (!nearest.has_value()) return;
+  if (!nearest.has_value()) return false;
   size_ -= entries_[*nearest].against->size() - entries_[*nearest].next;
   entries_.erase(entries_.begin() + static_cast<std::ptrdiff_t>(*nearest));
+  return true;
 }
 
 void QueryQueue::BringForward(LocalMapId local_map) {

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "absl/functional/function_ref.h"
 #include "slam/util/ids.h"
 
 namespace corbslam::map_store {
@@ -28,6 +29,10 @@ class QueryQueue {
  public:
   // So many keyframes of a local map whose owner drives on wait at most.
   static constexpr size_t kMostOfLocalMap = 256;
+  // Where so many of all local maps that have ended wait, one more that ends leaves kFewestOfEnded,
+  // by which it is joined.
+  static constexpr size_t kMostOfEnded = 512;
+  static constexpr size_t kFewestOfEnded = 16;
 
   QueryQueue() = default;
   // Takes the tasks as ToTasks lists them.
@@ -52,6 +57,9 @@ class QueryQueue {
   // one with the nearest neighbours before and behind it, which see most of what it does. The
   // queue's first keyframe, the local map's first and its last one stay.
   void ThinOut(LocalMapId local_map);
+  // The same for a local map that has ended, down to what kMostOfEnded leaves it beside the others
+  // of which `has_ended` is true.
+  void ThinOutEnded(LocalMapId local_map, absl::FunctionRef<bool(LocalMapId)> has_ended);
   // Makes the local map's first keyframe the queue's first, which must not be chosen. Does nothing
   // if none waits.
   void BringForward(LocalMapId local_map);
@@ -72,6 +80,7 @@ class QueryQueue {
   std::map<std::pair<LocalMapId, LocalMapId>, uint64_t> CountByPair() const;
 
  private:
+  using PlacesByLocalMap = std::map<LocalMapId, std::vector<size_t>>;
   using LocalMaps = std::shared_ptr<const std::vector<LocalMapId>>;
   struct Entry {
     KeyframeId query;
@@ -79,6 +88,12 @@ class QueryQueue {
     size_t next =
         0;  // Index of the first of `against` that is still to be looked in; there is one.
   };
+
+  // Returns the indices of the entries of each local map that waits.
+  PlacesByLocalMap FindPlaces() const;
+  // Takes out one of the entries at these indices, which are all of one local map. Returns false
+  // if none of them may go.
+  bool TakeNearest(const std::vector<size_t>& places);
 
   std::deque<Entry> entries_;
   size_t size_ = 0;

@@ -153,6 +153,36 @@ TEST(QueryQueueTest, ThinsOutNeitherOthersNorTheFront) {
   EXPECT_EQ(Waiting(queue, kA).size(), QueryQueue::kMostOfLocalMap);
 }
 
+// A worker that stands still while robots come and go leaves no queue without end, either.
+TEST(QueryQueueTest, OfManyLocalMapsThatEndedFewWait) {
+  constexpr uint32_t kOfEach = QueryQueue::kMostOfLocalMap;
+  constexpr uint64_t kEnded = 10;
+  constexpr LocalMapId kOpen{1000};
+  QueryQueue queue;
+  for (uint32_t i = 1; i <= kOfEach; ++i) queue.Push({kOpen, i}, {kA});
+  for (uint64_t id = 1; id <= kEnded; ++id) {
+    for (uint32_t i = 1; i <= kOfEach; ++i) queue.Push({LocalMapId{id}, i}, {kA});
+    queue.ThinOutEnded(LocalMapId{id}, [kOpen](LocalMapId waiting) { return !(waiting == kOpen); });
+  }
+  EXPECT_EQ(Waiting(queue, kOpen).size(), kOfEach);
+  const size_t ended_whole = QueryQueue::kMostOfEnded / kOfEach;
+  EXPECT_EQ(Waiting(queue, LocalMapId{ended_whole}).size(), kOfEach);
+  for (uint64_t id = ended_whole + 1; id <= kEnded; ++id) {
+    const std::vector<uint32_t> waiting = Waiting(queue, LocalMapId{id});
+    EXPECT_EQ(waiting.size(), QueryQueue::kFewestOfEnded) << "local map " << id;
+    EXPECT_EQ(waiting.front(), 1u) << "local map " << id;
+    EXPECT_EQ(waiting.back(), kOfEach) << "local map " << id;
+  }
+}
+
+TEST(QueryQueueTest, AShortLocalMapThatEndedWaitsWhole) {
+  QueryQueue queue;
+  for (uint32_t i = 1; i <= QueryQueue::kMostOfEnded; ++i) queue.Push({kB, i}, {kA});
+  for (uint32_t i = 1; i <= QueryQueue::kFewestOfEnded; ++i) queue.Push(Ka(i), {kB});
+  queue.ThinOutEnded(kA, [](LocalMapId) { return true; });
+  EXPECT_EQ(queue.size(), QueryQueue::kMostOfEnded + QueryQueue::kFewestOfEnded);
+}
+
 TEST(QueryQueueTest, LooksUpAKeyframeWhereItWasChosenTo) {
   QueryQueue queue;
   constexpr LocalMapId kC{0xc};

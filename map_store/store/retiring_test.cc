@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cstdint>
 #include <map>
 #include <memory>
 #include <string>
@@ -13,6 +14,8 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/synchronization/notification.h"
+#include "absl/time/clock.h"
+#include "absl/time/time.h"
 #include "map_store/store/map_store.h"
 #include "map_store/testing/byte_journal.h"
 #include "map_store/testing/drive_views.h"
@@ -168,6 +171,52 @@ TEST(RetiringTest, LookUpsThatWaitKeepNothing) {
   all_there.Notify();
   ASSERT_TRUE(store->WaitUntilFusionIdle(kMission, absl::Seconds(60)).ok());
   EXPECT_GT(retired_meanwhile, 0u);
+}
+
+// Nor does an adjustment that takes hours, because the worker gets no processor, keep what is
+// known.
+TEST(RetiringTest, AnAdjustmentWithoutEndKeepsNothingForLong) {
+  const std::vector<SyntheticMap> drives = DriveAll(TheWorld().world, TheWorld().world);
+  TruthfulWorker worker({&drives[0], &drives[1], &drives[2], &drives[3]});
+  absl::Notification adjusting;
+  absl::Notification give_up;
+  worker.during_adjust = [&](const ProgressCallback&) {
+    if (!adjusting.HasBeenNotified()) adjusting.Notify();
+    give_up.WaitForNotification();
+    return false;
+  };
+  std::atomic<int64_t> minutes = 0;
+  MapStoreOptions options = RetiringOptions();
+  options.deterministic = false;
+  MapStore store(options, TheWorld().vocabulary, std::make_unique<InMemoryJournal>(), &worker,
+                 [&minutes] { return absl::UnixEpoch() + absl::Minutes(minutes.load()); });
+  const auto drive = [&](size_t session) {
+    TestAgent agent(store, kMission, absl::StrCat("r", session + 1), drives[session]);
+    ASSERT_TRUE(agent.Stream().ok());
+    ASSERT_TRUE(agent.Close().ok());
+  };
+  const auto count_retired = [&] {
+    size_t retired = 0;
+    for (uint64_t session = 1; session <= kSessions; ++session) {
+      const auto local_map = store.GetLocalMap(kMission, {session});
+      if (local_map.ok()) retired += local_map->retired_keyframes;
+    }
+    return retired;
+  };
+  drive(0);
+  drive(1);
+  ASSERT_TRUE(adjusting.WaitForNotificationWithTimeout(absl::Seconds(60)));
+  drive(2);
+  for (int i = 0; i < 300 && store.GetMission(kMission)->waiting_queries > 0; ++i) {
+    absl::SleepFor(absl::Milliseconds(100));
+  }
+  EXPECT_EQ(count_retired(), 0u) << "who adjusts is waited for";
+  minutes = 2;
+  drive(3);
+  for (int i = 0; i < 300 && count_retired() == 0; ++i) absl::SleepFor(absl::Milliseconds(100));
+  EXPECT_GT(count_retired(), 0u);
+  EXPECT_FALSE(*store.IsFusionIdle(kMission));
+  give_up.Notify();
 }
 
 TEST(RetiringTest, UnlessToldToNothingGoes) {

@@ -3,24 +3,32 @@
 
 A simulated way that comes back to where it began is drawn once. Robots drive it lap after lap into one
 mission with one worker, each lap a session of its own, or (--gapless) all laps in one session; with
-several robots each begins a share of a lap after the other. --burden N has N busy processes beside, of
-which the worker gets what is left. Printed after each lap (gapless: every five seconds): keyframes,
+several robots each begins a share of a lap after the other. --starve FIRST:LAST:SHARE lets the worker
+run for that share of each second in these laps. Printed after each lap (gapless: every five seconds): keyframes,
 local maps and overlaps of the mission, look-ups that wait when the lap ends, seconds until fusion rests
 (up to --rest), what the mission says that it takes, anonymous memory of store, worker and robot, the
 journal's disk, keyframes that the lap made, and its error by its own end. Programs are found in --bin.
 """
 import argparse
+import contextlib
 import json
 import pathlib
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 
 from kitti_folder import link_frames
 from localize import Store
 from sessions import ask
+
+
+def starving(text):
+    first, last, share = text.split(":")
+    return int(first), int(last), float(share)
 
 
 def parse_arguments():
@@ -32,7 +40,7 @@ def parse_arguments():
     parser.add_argument("--robots", type=int, default=1)
     parser.add_argument("--gapless", action="store_true")
     parser.add_argument("--pace", default="max", choices=["max", "sensor"])
-    parser.add_argument("--burden", type=int, default=0)
+    parser.add_argument("--starve", type=starving, metavar="FIRST:LAST:SHARE")
     parser.add_argument("--rest", type=float, default=10, help="seconds to wait for fusion after a lap")
     parser.add_argument("--keep", help="folder of the drawn laps: made, or used where it is there")
     parser.add_argument("--json", help="file for the results")
@@ -98,6 +106,33 @@ def error_of(store, source, poses):
     return round(json.loads(out.read_text())[0]["ate_m"], 4) if run.returncode == 0 else None
 
 
+class Starved:
+    """Lets a process run for a share of each second, until it ends."""
+
+    def __init__(self, process, share):
+        self.process, self.share, self.ended = process, share, threading.Event()
+        self.thread = threading.Thread(target=self.run)
+
+    def run(self):
+        while not self.ended.is_set():
+            self.process.send_signal(signal.SIGSTOP)
+            self.ended.wait(1 - self.share)
+            self.process.send_signal(signal.SIGCONT)
+            self.ended.wait(self.share)
+
+    def __enter__(self):
+        self.thread.start()
+
+    def __exit__(self, *_):
+        self.ended.set()
+        self.thread.join()
+
+
+def starved_in(lap, store, arguments):
+    first, last, share = arguments.starve or (0, 0, 1)
+    return Starved(store.children[0], share) if first <= lap <= last else contextlib.nullcontext()
+
+
 def measure(store):
     found = ask(store, "GetStatistics", {"mission": "missions/m"})["mission"]
     mission = ask(store, "GetMission", {"name": "missions/m"})
@@ -138,17 +173,22 @@ def drive_sessions(store, arguments, folder, lap):
     source = f"kitti:{lap}"
     frames = len(lap.joinpath("times.txt").read_text().split())
     for i in range(arguments.laps):
-        begin = time.time()
-        names = [f"r{robot}" for robot in range(arguments.robots)]
-        robots = []
-        for robot, name in enumerate(names):
-            first = robot * frames // (4 * arguments.robots)
-            robots.append(start_robot(store, arguments, folder, f"{source}?frames={first}:{frames - 1}",
-                                      name))
-        for robot in robots:
-            robot.wait()
-        row = {"lap": i + 1, "seconds": round(time.time() - begin, 1), **measure(store)}
-        yield finish(row, store, arguments, folder, source, names)
+        with starved_in(i + 1, store, arguments):
+            yield drive_lap(i + 1, frames, source, store, arguments, folder)
+
+
+def drive_lap(lap, frames, source, store, arguments, folder):
+    begin = time.time()
+    names = [f"r{robot}" for robot in range(arguments.robots)]
+    robots = []
+    for robot, name in enumerate(names):
+        first = robot * frames // (4 * arguments.robots)
+        robots.append(start_robot(store, arguments, folder, f"{source}?frames={first}:{frames - 1}",
+                                  name))
+    for robot in robots:
+        robot.wait()
+    row = {"lap": lap, "seconds": round(time.time() - begin, 1), **measure(store)}
+    return finish(row, store, arguments, folder, source, names)
 
 
 def drive_gapless(store, arguments, folder, lap):
@@ -175,8 +215,6 @@ def main():
         drawn = pathlib.Path(arguments.keep) if arguments.keep else folder
         drawn.mkdir(parents=True, exist_ok=True)
         lap = draw(arguments, drawn)
-        burden = [subprocess.Popen([sys.executable, "-c", "while True: pass"])
-                  for _ in range(arguments.burden)]
         store = Store(arguments.bin, folder, "--data-dir", str(folder / "journal"))
         try:
             time.sleep(1)
@@ -188,8 +226,6 @@ def main():
                               "--mission", "m")
             print("sleep:", (slept.stdout + slept.stderr).strip(), flush=True)
         finally:
-            for child in burden:
-                child.kill()
             store.stop()
     if arguments.json:
         pathlib.Path(arguments.json).write_text(json.dumps(rows, indent=2))
