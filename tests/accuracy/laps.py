@@ -44,7 +44,10 @@ def parse_arguments():
     parser.add_argument("--rest", type=float, default=10, help="seconds to wait for fusion after a lap")
     parser.add_argument("--keep", help="folder of the drawn laps: made, or used where it is there")
     parser.add_argument("--json", help="file for the results")
-    return parser.parse_args()
+    arguments = parser.parse_args()
+    if arguments.gapless and arguments.starve:
+        parser.error("--starve counts laps, and --gapless has no ends of laps")
+    return arguments
 
 
 def draw(arguments, folder):
